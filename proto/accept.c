@@ -18,7 +18,8 @@ static struct span trimmed(struct span span)
     return span;
 }
 
-/* Takes the part before the first `separator` off the front of `*rest`, and the separator with it. */
+/* Takes the part before the first `separator` off the front of `*rest`, and the separator with it.
+ */
 static struct span next_part(struct span *rest, char separator)
 {
     const char *found = memchr(rest->text, separator, rest->size);
@@ -41,7 +42,8 @@ static int closeness(struct span range, const char *media_type)
     size_t slash = strcspn(media_type, "/");
     if (is_text(range, "*/*", 3)) return 1;
     if (is_text(range, media_type, strlen(media_type))) return 3;
-    bool any_subtype = range.size == slash + 2 && range.text[slash] == '/' && range.text[slash + 1] == '*';
+    bool any_subtype =
+        range.size == slash + 2 && range.text[slash] == '/' && range.text[slash + 1] == '*';
     return any_subtype && strncasecmp(range.text, media_type, slash) == 0 ? 2 : 0;
 }
 

@@ -5,7 +5,7 @@
 
 #include "proto/decode.h"
 
-/* --- lines -------------------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
 static bool is_blank(const struct proto_batch_line *line)
 {
@@ -29,7 +29,7 @@ bool proto_batch_next(const char *text, size_t size, struct proto_batch_line *li
     return false;
 }
 
-/* --- a line's own members ----------------------------------------------------------------------------------------- */
+/* --- a line's own members --------------------------------------------------------------------- */
 
 static bool refuse_member(struct proto_problem *problem, const char *member, const char *expected)
 {
@@ -57,8 +57,8 @@ static bool append_names(const json_t *names, char *out, size_t size)
 }
 
 /* Takes the member out of the document, as text; `*found`: it was there. */
-static bool take_member(json_t *document, const char *member, const char *expected, char *out, size_t size, bool *found,
-                        struct proto_problem *problem)
+static bool take_member(json_t *document, const char *member, const char *expected, char *out,
+                        size_t size, bool *found, struct proto_problem *problem)
 {
     const json_t *value = json_object_get(document, member);
     out[0] = '\0';
@@ -75,14 +75,15 @@ static bool take_members(struct proto_batch_query *query, struct proto_problem *
 {
     json_t *document = query->document;
     bool has_name = false;
-    if (!json_is_object(document)) return proto_problem_refuse(problem, "", "a line of a batch is one JSON object");
+    if (!json_is_object(document))
+        return proto_problem_refuse(problem, "", "a line of a batch is one JSON object");
     if (!proto_decode_member(document, "", "query", problem)) return false;
-    return take_member(document, "query", "the name of a query, a string", query->name, sizeof query->name, &has_name,
-                       problem) &&
-           take_member(document, "fields", "names of fields, as \"a,b\" or as [\"a\", \"b\"]", query->fields,
-                       sizeof query->fields, &query->has_fields, problem) &&
-           take_member(document, "geometry", "full, xyz or none", query->geometry, sizeof query->geometry,
-                       &query->has_geometry, problem);
+    return take_member(document, "query", "the name of a query, a string", query->name,
+                       sizeof query->name, &has_name, problem) &&
+           take_member(document, "fields", "names of fields, as \"a,b\" or as [\"a\", \"b\"]",
+                       query->fields, sizeof query->fields, &query->has_fields, problem) &&
+           take_member(document, "geometry", "full, xyz or none", query->geometry,
+                       sizeof query->geometry, &query->has_geometry, problem);
 }
 
 bool proto_batch_decode(const struct proto_batch_line *line, struct proto_batch_query *out,
@@ -90,12 +91,14 @@ bool proto_batch_decode(const struct proto_batch_line *line, struct proto_batch_
 {
     if (line->size > PROTO_BATCH_LINE) {
         proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                          "the line is longer than the %d bytes that a line of a batch may have; send it as a query of "
+                          "the line is longer than the %d bytes that a line of a batch may have; "
+                          "send it as a query of "
                           "its own",
                           PROTO_BATCH_LINE);
         return proto_problem_limit(problem, PROTO_BATCH_LINE);
     }
-    struct proto_batch_query query = {.document = proto_decode_document(line->text, line->size, problem)};
+    struct proto_batch_query query = {.document =
+                                          proto_decode_document(line->text, line->size, problem)};
     if (!query.document) return false;
     bool ok = take_members(&query, problem);
     if (ok)
@@ -111,7 +114,7 @@ void proto_batch_query_free(struct proto_batch_query *query)
     query->document = NULL;
 }
 
-/* --- options ------------------------------------------------------------------------------------------------------ */
+/* --- options ---------------------------------------------------------------------------------- */
 
 struct view {
     const struct proto_batch_query *query; /* NULL: of the batch as a whole */
@@ -124,7 +127,8 @@ static const char *get_of_batch(void *user, const char *name)
     return strcmp(name, "fields") == 0 ? NULL : view->defaults->get(view->defaults->user, name);
 }
 
-static void visit_of_batch(void *user, bool (*visit)(void *context, const char *name), void *context)
+static void visit_of_batch(void *user, bool (*visit)(void *context, const char *name),
+                           void *context)
 {
     const struct view *view = user;
     view->defaults->each(view->defaults->user, visit, context);
@@ -135,7 +139,8 @@ bool proto_batch_parse(const struct proto_parameters *parameters, struct proto_o
 {
     static const char *const none[] = {NULL};
     struct view view = {.defaults = parameters};
-    const struct proto_parameters seen = {.get = get_of_batch, .each = visit_of_batch, .user = &view};
+    const struct proto_parameters seen = {
+        .get = get_of_batch, .each = visit_of_batch, .user = &view};
     return proto_options_parse(&seen, none, NULL, out, problem);
 }
 
@@ -163,15 +168,16 @@ static bool put_in_line(const struct proto_batch_query *query, struct proto_prob
     return proto_problem_at(problem, is_fields ? "/fields" : "/geometry");
 }
 
-bool proto_batch_options(const struct proto_batch_query *query, const struct proto_parameters *defaults,
-                         const char *const *fields, struct proto_options *out, struct proto_problem *problem)
+bool proto_batch_options(const struct proto_batch_query *query,
+                         const struct proto_parameters *defaults, const char *const *fields,
+                         struct proto_options *out, struct proto_problem *problem)
 {
     struct view view = {query, defaults};
     const struct proto_parameters seen = {.get = get_of_line, .each = visit_of_line, .user = &view};
     return proto_options_parse(&seen, fields, NULL, out, problem) || put_in_line(query, problem);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 #define STATUS_200 "{\"status\":200"
 
@@ -183,7 +189,8 @@ size_t proto_batch_begin(struct proto_writer *writer)
     return begin;
 }
 
-/* The answer's opening brace becomes the comma behind the status, or the closing one if the answer has nothing. */
+/* The answer's opening brace becomes the comma behind the status, or the closing one if the answer
+ * has nothing. */
 void proto_batch_end(struct proto_writer *writer, size_t begin)
 {
     if (writer->failure) return;
@@ -194,8 +201,8 @@ void proto_batch_end(struct proto_writer *writer, size_t begin)
     proto_append(writer, "\n", 1);
 }
 
-void proto_batch_refuse(struct proto_writer *writer, size_t begin, const struct proto_batch_line *line,
-                        struct proto_problem *problem)
+void proto_batch_refuse(struct proto_writer *writer, size_t begin,
+                        const struct proto_batch_line *line, struct proto_problem *problem)
 {
     if (problem->element == GD_ELEMENT_NONE) {
         problem->element = GD_ELEMENT_LINE;

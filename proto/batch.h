@@ -4,14 +4,15 @@
  *     while (proto_batch_next(text, size, &line)) {
  *         struct proto_batch_query query;
  *         size_t begin = proto_batch_begin(&writer);
- *         if (!proto_batch_decode(&line, &query, &problem)) { proto_batch_refuse(&writer, begin, &line, &problem); continue; }
+ *         if (!proto_batch_decode(&line, &query, &problem)) { proto_batch_refuse(&writer, begin,
+ * &line, &problem); continue; }
  *         ... solve; write the answer, an object; proto_batch_query_free(&query) ...
  *         proto_batch_end(&writer, begin);
  *     }
  *
- * A line is the body of a query with its name, {"query": "distance", …}, and perhaps "fields" (a string as in the
- * query string, or an array of names) and "geometry". Its answer is {"status": 200, …the answer} or {"status": 4xx,
- * …the problem}, which names the line. */
+ * A line is the body of a query with its name, {"query": "distance", …}, and perhaps "fields" (a
+ * string as in the query string, or an array of names) and "geometry". Its answer is {"status":
+ * 200, …the answer} or {"status": 4xx, …the problem}, which names the line. */
 #ifndef PROTO_BATCH_H
 #define PROTO_BATCH_H
 
@@ -48,15 +49,16 @@ bool proto_batch_decode(const struct proto_batch_line *line, struct proto_batch_
                         struct proto_problem *problem);
 void proto_batch_query_free(struct proto_batch_query *query); /* a second time is harmless */
 
-/* The options of the batch's query string, but for the fields: what fields there are is known by line.
- * invalid_request. */
+/* The options of the batch's query string, but for the fields: what fields there are is known by
+ * line. invalid_request. */
 bool proto_batch_parse(const struct proto_parameters *parameters, struct proto_options *out,
                        struct proto_problem *problem);
 
-/* The options of a line: its own, and those of the batch's query string for what it does not say. `fields`: the
- * names of its answer's fields. invalid_request. */
-bool proto_batch_options(const struct proto_batch_query *query, const struct proto_parameters *defaults,
-                         const char *const *fields, struct proto_options *out, struct proto_problem *problem);
+/* The options of a line: its own, and those of the batch's query string for what it does not say.
+ * `fields`: the names of its answer's fields. invalid_request. */
+bool proto_batch_options(const struct proto_batch_query *query,
+                         const struct proto_parameters *defaults, const char *const *fields,
+                         struct proto_options *out, struct proto_problem *problem);
 
 /* Begins a line of the answer, whose status is 200; returns where. */
 size_t proto_batch_begin(struct proto_writer *writer);
@@ -64,8 +66,9 @@ size_t proto_batch_begin(struct proto_writer *writer);
 /* Ends the line that began there, behind which an answer was written: one object. */
 void proto_batch_end(struct proto_writer *writer, size_t begin);
 
-/* Makes the line that began there a problem, whatever was written behind, even if the writer failed by it. */
-void proto_batch_refuse(struct proto_writer *writer, size_t begin, const struct proto_batch_line *line,
-                        struct proto_problem *problem);
+/* Makes the line that began there a problem, whatever was written behind, even if the writer failed
+ * by it. */
+void proto_batch_refuse(struct proto_writer *writer, size_t begin,
+                        const struct proto_batch_line *line, struct proto_problem *problem);
 
 #endif

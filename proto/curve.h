@@ -3,7 +3,8 @@
  *     {"vertices": [index…], "closed"?} consecutive vertices share an edge
  *     {"boundary": index}               a boundary loop, by its place in the description
  *     {"spline": {…}}                   a geodesic Hermite spline, see spline.h
- * Decoding needs no mesh; locating puts the points on one; resolving makes the polyline, which takes its time. */
+ * Decoding needs no mesh; locating puts the points on one; resolving makes the polyline, which
+ * takes its time. */
 #ifndef PROTO_CURVE_H
 #define PROTO_CURVE_H
 
@@ -28,10 +29,12 @@ struct proto_curve {
     struct proto_spline *spline; /* owned; NULL: it is none */
 };
 
-/* `pointer`: the JSON Pointer of `value`, copied. invalid_request, too_large, insufficient_memory. The caller frees the curve by proto_curve_free. */
+/* `pointer`: the JSON Pointer of `value`, copied. invalid_request, too_large, insufficient_memory.
+ * The caller frees the curve by proto_curve_free. */
 bool proto_curve_decode(const json_t *value, const char *pointer, struct proto_curve *out,
                         struct proto_problem *problem);
-void proto_curve_free(struct proto_curve *curve); /* leaves an empty curve; a second time is harmless */
+/* leaves an empty curve; a second time is harmless */
+void proto_curve_free(struct proto_curve *curve);
 
 /* A curve on its mesh, all zero: none. */
 struct proto_located_curve {
@@ -43,22 +46,26 @@ struct proto_located_curve {
     struct proto_located_spline located_spline;
 };
 
-/* proto_point_locate for each point; vertices and boundary are for gd_curve_resolve to look up. Takes the vertices and
- * the spline out of the curve, which is still to be freed. Its problems, and insufficient_memory. */
-bool proto_curve_locate(const struct gd_mesh *mesh, struct proto_curve *curve, struct proto_located_curve *out,
-                        struct proto_problem *problem);
+/* proto_point_locate for each point; vertices and boundary are for gd_curve_resolve to look up.
+ * Takes the vertices and the spline out of the curve, which is still to be freed. Its problems, and
+ * insufficient_memory. */
+bool proto_curve_locate(const struct gd_mesh *mesh, struct proto_curve *curve,
+                        struct proto_located_curve *out, struct proto_problem *problem);
 void proto_located_curve_free(struct proto_located_curve *located); /* leaves none */
 
-/* Gives the vertices and the spline back to the curve that they were taken from, and leaves no located one. */
+/* Gives the vertices and the spline back to the curve that they were taken from, and leaves no
+ * located one. */
 void proto_located_curve_return(struct proto_located_curve *located, struct proto_curve *curve);
 
 /* The polyline: gd_curve_resolve, or gd_spline_curve. `detail` must be all zero. */
-GD_MUST_USE enum gd_status proto_curve_resolve(const struct gd_mesh *mesh, const struct proto_located_curve *located,
-                                               const struct gd_landmarks *landmarks, const struct gd_control *control,
+GD_MUST_USE enum gd_status proto_curve_resolve(const struct gd_mesh *mesh,
+                                               const struct proto_located_curve *located,
+                                               const struct gd_landmarks *landmarks,
+                                               const struct gd_control *control,
                                                struct gd_curve *out, struct gd_detail *detail);
 
 /* The problem that its failure is, at the curve's place. False. */
-bool proto_curve_fail(const struct proto_located_curve *located, enum gd_status status, struct gd_detail *detail,
-                      struct proto_problem *problem);
+bool proto_curve_fail(const struct proto_located_curve *located, enum gd_status status,
+                      struct gd_detail *detail, struct proto_problem *problem);
 
 #endif

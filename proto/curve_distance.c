@@ -11,7 +11,7 @@
 const char *const proto_curve_distance_fields[] = {"distance", "reason", "closest",  "path",
                                                    "a_to_b",   "b_to_a", "farthest", NULL};
 
-/* --- the request ------------------------------------------------------------------------------------------------ */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool decode_measure(const json_t *document, bool *hausdorff, struct proto_problem *problem)
 {
@@ -28,7 +28,8 @@ bool proto_curve_distance_decode(const json_t *document, struct proto_curve_dist
 {
     static const char *const members[] = {"a", "b", "measure", NULL};
     struct proto_curve_distance wanted = {0};
-    if (!proto_decode_object(document, "", members, problem) || !decode_measure(document, &wanted.hausdorff, problem))
+    if (!proto_decode_object(document, "", members, problem) ||
+        !decode_measure(document, &wanted.hausdorff, problem))
         return false;
     if (!proto_set_decode_curve(document, "a", &wanted.a, problem)) return false;
     if (!proto_set_decode_curve(document, "b", &wanted.b, problem)) {
@@ -45,7 +46,7 @@ void proto_curve_distance_free(struct proto_curve_distance *wanted)
     proto_set_free(&wanted->b);
 }
 
-/* --- the answer ------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void encode_place(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
                          const struct gd_curve_place *place)
@@ -66,8 +67,9 @@ static bool encode_key(struct proto_writer *writer, const char *key, double dist
     return isfinite(distance);
 }
 
-static void encode_places(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh, double distance,
-                          const struct gd_curve_place *a, const struct gd_curve_place *b)
+static void encode_places(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
+                          double distance, const struct gd_curve_place *a,
+                          const struct gd_curve_place *b)
 {
     if (!encode_key(writer, key, distance)) return;
     proto_write_object_begin(writer);
@@ -78,13 +80,15 @@ static void encode_places(struct proto_writer *writer, const char *key, const st
 
 static void encode_distance(struct proto_writer *writer, double distance, uint32_t fields)
 {
-    if (fields & PROTO_CURVE_DISTANCE_FIELD_DISTANCE) proto_member_number(writer, "distance", distance);
+    if (fields & PROTO_CURVE_DISTANCE_FIELD_DISTANCE)
+        proto_member_number(writer, "distance", distance);
     if (fields & (PROTO_CURVE_DISTANCE_FIELD_DISTANCE | PROTO_CURVE_DISTANCE_FIELD_REASON))
         proto_reason_encode(writer, distance);
 }
 
 static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
-                        const struct gd_curve_distance *distance, const struct proto_options *options)
+                        const struct gd_curve_distance *distance,
+                        const struct proto_options *options)
 {
     if (!(options->fields & PROTO_CURVE_DISTANCE_FIELD_PATH)) return;
     if (encode_key(writer, "path", distance->distance))
@@ -92,7 +96,8 @@ static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
 }
 
 void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                                 const struct gd_curve_distance *least, const struct proto_options *options)
+                                 const struct gd_curve_distance *least,
+                                 const struct proto_options *options)
 {
     proto_write_object_begin(writer);
     encode_distance(writer, least->distance, options->fields);
@@ -103,15 +108,19 @@ void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_me
 }
 
 void proto_hausdorff_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                            const struct gd_curve_distance *from_a, const struct gd_curve_distance *from_b,
+                            const struct gd_curve_distance *from_a,
+                            const struct gd_curve_distance *from_b,
                             const struct proto_options *options)
 {
     uint32_t fields = options->fields;
-    const struct gd_curve_distance *greatest = from_a->distance > from_b->distance ? from_a : from_b;
+    const struct gd_curve_distance *greatest =
+        from_a->distance > from_b->distance ? from_a : from_b;
     proto_write_object_begin(writer);
     encode_distance(writer, greatest->distance, fields);
-    if (fields & PROTO_CURVE_DISTANCE_FIELD_A_TO_B) proto_member_number(writer, "a_to_b", from_a->distance);
-    if (fields & PROTO_CURVE_DISTANCE_FIELD_B_TO_A) proto_member_number(writer, "b_to_a", from_b->distance);
+    if (fields & PROTO_CURVE_DISTANCE_FIELD_A_TO_B)
+        proto_member_number(writer, "a_to_b", from_a->distance);
+    if (fields & PROTO_CURVE_DISTANCE_FIELD_B_TO_A)
+        proto_member_number(writer, "b_to_a", from_b->distance);
     if (fields & PROTO_CURVE_DISTANCE_FIELD_FARTHEST) {
         proto_write_key(writer, "farthest");
         proto_write_object_begin(writer);

@@ -1,4 +1,5 @@
-/* Curve distance: {"a": curve, "b": curve, "measure"?: "min" | "hausdorff"}, and how far they are from each other. */
+/* Curve distance: {"a": curve, "b": curve, "measure"?: "min" | "hausdorff"}, and how far they are
+ * from each other. */
 #ifndef PROTO_CURVE_DISTANCE_H
 #define PROTO_CURVE_DISTANCE_H
 
@@ -28,16 +29,21 @@ enum proto_curve_distance_field {
     PROTO_CURVE_DISTANCE_FIELD_B_TO_A = 1 << 5,
     PROTO_CURVE_DISTANCE_FIELD_FARTHEST = 1 << 6
 };
-extern const char *const proto_curve_distance_fields[]; /* NULL-terminated, for proto_options_parse */
+/* NULL-terminated, for proto_options_parse */
+extern const char *const proto_curve_distance_fields[];
 
-/* {"distance", "reason"?, "closest": {"a": place, "b": place}, "path"}: of these the wanted ones. */
+/* {"distance", "reason"?, "closest": {"a": place, "b": place}, "path"}: of these the wanted ones.
+ */
 void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                                 const struct gd_curve_distance *least, const struct proto_options *options);
+                                 const struct gd_curve_distance *least,
+                                 const struct proto_options *options);
 
-/* {"distance", "reason"?, "a_to_b", "b_to_a", "farthest": {"a_to_b": {"a": place, "b": place}, "b_to_a": …}, "path"}: of these the wanted ones. Both
- * as gd_curve_farthest gives them, so that in `from_a` the curves have changed names. */
+/* {"distance", "reason"?, "a_to_b", "b_to_a", "farthest": {"a_to_b": {"a": place, "b": place},
+ * "b_to_a": …}, "path"}: of these the wanted ones. Both as gd_curve_farthest gives them, so that in
+ * `from_a` the curves have changed names. */
 void proto_hausdorff_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                            const struct gd_curve_distance *from_a, const struct gd_curve_distance *from_b,
+                            const struct gd_curve_distance *from_a,
+                            const struct gd_curve_distance *from_b,
                             const struct proto_options *options);
 
 #endif

@@ -8,7 +8,8 @@
 #include "proto/member.h"
 #include "proto/path.h"
 
-const char *const proto_curve_operation_fields[] = {"path", "points", "turn", "rounds", "geodesic", "paths", NULL};
+const char *const proto_curve_operation_fields[] = {"path",     "points", "turn", "rounds",
+                                                    "geodesic", "paths",  NULL};
 
 void proto_curve_operation_free(struct proto_curve_operation *operation)
 {
@@ -25,7 +26,7 @@ void proto_curve_result_free(struct proto_curve_result *result)
     *result = (struct proto_curve_result){0};
 }
 
-/* --- arguments ---------------------------------------------------------------------------------------------------- */
+/* --- arguments -------------------------------------------------------------------------------- */
 
 static bool refuse_member(const char *member, struct proto_problem *problem, const char *sentence)
 {
@@ -33,8 +34,8 @@ static bool refuse_member(const char *member, struct proto_problem *problem, con
     return proto_problem_descend(problem, member);
 }
 
-static bool decode_number_of(const json_t *document, const char *member, uint32_t least, uint32_t most, uint32_t *out,
-                             struct proto_problem *problem)
+static bool decode_number_of(const json_t *document, const char *member, uint32_t least,
+                             uint32_t most, uint32_t *out, struct proto_problem *problem)
 {
     if (!proto_decode_index(document, "", member, out, problem)) return false;
     if (*out >= least && *out <= most) return true;
@@ -42,56 +43,73 @@ static bool decode_number_of(const json_t *document, const char *member, uint32_
     return proto_problem_descend(problem, member);
 }
 
-static bool decode_length(const json_t *document, const char *member, double *out, struct proto_problem *problem)
+static bool decode_length(const json_t *document, const char *member, double *out,
+                          struct proto_problem *problem)
 {
     return proto_decode_number(document, "", member, out, problem) &&
            (*out > 0 || refuse_member(member, problem, "this is a length, more than 0"));
 }
 
-static bool decode_nothing(const json_t *document, struct proto_curve_operation *out, struct proto_problem *problem)
+static bool decode_nothing(const json_t *document, struct proto_curve_operation *out,
+                           struct proto_problem *problem)
 {
     (void)document, (void)out, (void)problem;
     return true;
 }
 
-static bool decode_resample(const json_t *document, struct proto_curve_operation *out, struct proto_problem *problem)
+static bool decode_resample(const json_t *document, struct proto_curve_operation *out,
+                            struct proto_problem *problem)
 {
-    return decode_number_of(document, "count", 2, PROTO_CURVE_OPERATION_COUNT, &out->count, problem);
+    return decode_number_of(document, "count", 2, PROTO_CURVE_OPERATION_COUNT, &out->count,
+                            problem);
 }
 
-static bool decode_shorten(const json_t *document, struct proto_curve_operation *out, struct proto_problem *problem)
+static bool decode_shorten(const json_t *document, struct proto_curve_operation *out,
+                           struct proto_problem *problem)
 {
-    bool has_rounds = json_object_get(document, "rounds"), has_pieces = json_object_get(document, "pieces");
+    bool has_rounds = json_object_get(document, "rounds"),
+         has_pieces = json_object_get(document, "pieces");
     if (has_pieces && !has_rounds)
-        return refuse_member("pieces", problem, "pieces go with rounds; without these the curve becomes a geodesic");
-    return (!has_rounds ||
-            decode_number_of(document, "rounds", 1, PROTO_CURVE_OPERATION_ROUNDS, &out->rounds, problem)) &&
-           (!has_pieces ||
-            decode_number_of(document, "pieces", 1, PROTO_CURVE_OPERATION_PIECES, &out->pieces, problem));
+        return refuse_member("pieces", problem,
+                             "pieces go with rounds; without these the curve becomes a geodesic");
+    return (!has_rounds || decode_number_of(document, "rounds", 1, PROTO_CURVE_OPERATION_ROUNDS,
+                                            &out->rounds, problem)) &&
+           (!has_pieces || decode_number_of(document, "pieces", 1, PROTO_CURVE_OPERATION_PIECES,
+                                            &out->pieces, problem));
 }
 
-static bool decode_offset(const json_t *document, struct proto_curve_operation *out, struct proto_problem *problem)
+static bool decode_offset(const json_t *document, struct proto_curve_operation *out,
+                          struct proto_problem *problem)
 {
     if (!decode_length(document, "distance", &out->distance, problem)) return false;
     out->tolerance = PROTO_CURVE_OPERATION_FLAT * out->distance;
-    return !json_object_get(document, "tolerance") || decode_length(document, "tolerance", &out->tolerance, problem);
+    return !json_object_get(document, "tolerance") ||
+           decode_length(document, "tolerance", &out->tolerance, problem);
 }
 
 /* An operation, its arguments (besides the curve and its name), and `decode` for them. */
 static const struct form {
     const char *name;
     const char *members[6];
-    bool (*decode)(const json_t *document, struct proto_curve_operation *out, struct proto_problem *problem);
-} forms[] = {
-    [PROTO_OPERATION_LENGTH] = {"length", {"curve", "operation", NULL}, decode_nothing},
-    [PROTO_OPERATION_RESAMPLE] = {"resample", {"curve", "operation", "count", NULL}, decode_resample},
-    [PROTO_OPERATION_SHORTEN] = {"shorten", {"curve", "operation", "rounds", "pieces", NULL}, decode_shorten},
-    [PROTO_OPERATION_CLOSED_GEODESIC] = {"closed-geodesic", {"curve", "operation", NULL}, decode_nothing},
-    [PROTO_OPERATION_OFFSET] = {"offset", {"curve", "operation", "distance", "tolerance", NULL}, decode_offset}};
+    bool (*decode)(const json_t *document, struct proto_curve_operation *out,
+                   struct proto_problem *problem);
+} forms[] = {[PROTO_OPERATION_LENGTH] = {"length", {"curve", "operation", NULL}, decode_nothing},
+             [PROTO_OPERATION_RESAMPLE] = {"resample",
+                                           {"curve", "operation", "count", NULL},
+                                           decode_resample},
+             [PROTO_OPERATION_SHORTEN] = {"shorten",
+                                          {"curve", "operation", "rounds", "pieces", NULL},
+                                          decode_shorten},
+             [PROTO_OPERATION_CLOSED_GEODESIC] = {"closed-geodesic",
+                                                  {"curve", "operation", NULL},
+                                                  decode_nothing},
+             [PROTO_OPERATION_OFFSET] = {
+                 "offset", {"curve", "operation", "distance", "tolerance", NULL}, decode_offset}};
 
 #define FORMS (sizeof forms / sizeof *forms)
 
-static bool find_form(const json_t *document, enum proto_operation *out, struct proto_problem *problem)
+static bool find_form(const json_t *document, enum proto_operation *out,
+                      struct proto_problem *problem)
 {
     const json_t *operation = proto_decode_member(document, "", "operation", problem);
     if (!operation) return false;
@@ -108,23 +126,26 @@ static bool find_form(const json_t *document, enum proto_operation *out, struct 
 bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation *out,
                                   struct proto_problem *problem)
 {
-    static const char *const all[] = {"curve", "operation", "count", "rounds", "pieces", "distance", "tolerance", NULL};
+    static const char *const all[] = {"curve",  "operation", "count",     "rounds",
+                                      "pieces", "distance",  "tolerance", NULL};
     struct proto_curve_operation operation = {0};
-    if (!proto_decode_object(document, "", all, problem) || !find_form(document, &operation.operation, problem))
+    if (!proto_decode_object(document, "", all, problem) ||
+        !find_form(document, &operation.operation, problem))
         return false;
     const struct form *form = &forms[operation.operation];
     const json_t *curve = proto_decode_member(document, "", "curve", problem);
     if (!curve || !proto_decode_object(document, "", form->members, problem) ||
-        !form->decode(document, &operation, problem) || !proto_curve_decode(curve, "/curve", &operation.curve, problem))
+        !form->decode(document, &operation, problem) ||
+        !proto_curve_decode(curve, "/curve", &operation.curve, problem))
         return false;
     *out = operation;
     return true;
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
-static void encode_curve(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_curve *curve,
-                         enum proto_geometry geometry)
+static void encode_curve(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_curve *curve, enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
     proto_member_number(writer, "length", gd_curve_length(mesh, curve));
@@ -143,15 +164,20 @@ static void encode_points(struct proto_writer *writer, const struct gd_mesh *mes
 {
     proto_write_key(writer, "points");
     proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < result->point_count; i++) proto_point_encode(writer, mesh, &result->points[i], NAN);
+    for (uint32_t i = 0; i < result->point_count; i++)
+        proto_point_encode(writer, mesh, &result->points[i], NAN);
     proto_write_array_end(writer);
 }
 
-static void encode_shortening(struct proto_writer *writer, const struct proto_curve_result *result, uint32_t fields)
+static void encode_shortening(struct proto_writer *writer, const struct proto_curve_result *result,
+                              uint32_t fields)
 {
-    if (fields & PROTO_CURVE_OPERATION_FIELD_TURN) proto_member_number(writer, "turn", result->turn);
-    if (fields & PROTO_CURVE_OPERATION_FIELD_ROUNDS) proto_member_uint(writer, "rounds", result->rounds);
-    if (fields & PROTO_CURVE_OPERATION_FIELD_GEODESIC) proto_member_bool(writer, "geodesic", result->is_geodesic);
+    if (fields & PROTO_CURVE_OPERATION_FIELD_TURN)
+        proto_member_number(writer, "turn", result->turn);
+    if (fields & PROTO_CURVE_OPERATION_FIELD_ROUNDS)
+        proto_member_uint(writer, "rounds", result->rounds);
+    if (fields & PROTO_CURVE_OPERATION_FIELD_GEODESIC)
+        proto_member_bool(writer, "geodesic", result->is_geodesic);
 }
 
 static void encode_offset(struct proto_writer *writer, const struct gd_mesh *mesh,
@@ -170,20 +196,23 @@ static void encode_offset(struct proto_writer *writer, const struct gd_mesh *mes
 }
 
 void proto_curve_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                               const struct proto_curve_result *result, const struct proto_options *options)
+                               const struct proto_curve_result *result,
+                               const struct proto_options *options)
 {
     uint32_t fields = options->fields;
     bool is_offset = result->operation == PROTO_OPERATION_OFFSET,
-         is_shortened =
-             result->operation == PROTO_OPERATION_SHORTEN || result->operation == PROTO_OPERATION_CLOSED_GEODESIC;
+         is_shortened = result->operation == PROTO_OPERATION_SHORTEN ||
+                        result->operation == PROTO_OPERATION_CLOSED_GEODESIC;
     proto_write_object_begin(writer);
     if (!is_offset && fields & PROTO_CURVE_OPERATION_FIELD_PATH) {
         proto_write_key(writer, "path");
         encode_curve(writer, mesh, &result->curve, options->geometry);
     }
-    if (result->operation == PROTO_OPERATION_RESAMPLE && fields & PROTO_CURVE_OPERATION_FIELD_POINTS)
+    if (result->operation == PROTO_OPERATION_RESAMPLE &&
+        fields & PROTO_CURVE_OPERATION_FIELD_POINTS)
         encode_points(writer, mesh, result);
     if (is_shortened) encode_shortening(writer, result, fields);
-    if (is_offset && fields & PROTO_CURVE_OPERATION_FIELD_PATHS) encode_offset(writer, mesh, result, options->geometry);
+    if (is_offset && fields & PROTO_CURVE_OPERATION_FIELD_PATHS)
+        encode_offset(writer, mesh, result, options->geometry);
     proto_write_object_end(writer);
 }

@@ -1,10 +1,11 @@
-/* Curve operation: what is done to a curve. The request is {"curve", "operation"} and the operation's arguments:
+/* Curve operation: what is done to a curve. The request is {"curve", "operation"} and the
+ * operation's arguments:
  *
  *     length                                                 -> {"path"}
  *     resample         "count"                               -> {"path", "points"}
- *     shorten          "rounds"?, "pieces"?                  -> {"path", "turn", "rounds", "geodesic"}
- *     closed-geodesic                                        -> the same
- *     offset           "distance", "tolerance"?              -> {"paths"} */
+ *     shorten          "rounds"?, "pieces"?                  -> {"path", "turn", "rounds",
+ * "geodesic"} closed-geodesic                                        -> the same offset "distance",
+ * "tolerance"?              -> {"paths"} */
 #ifndef PROTO_CURVE_OPERATION_H
 #define PROTO_CURVE_OPERATION_H
 
@@ -17,7 +18,7 @@
 #define PROTO_CURVE_OPERATION_COUNT  100000 /* points of a resampling */
 #define PROTO_CURVE_OPERATION_ROUNDS 10000
 #define PROTO_CURVE_OPERATION_PIECES 10000
-#define PROTO_CURVE_OPERATION_FLAT                                                                                     \
+#define PROTO_CURVE_OPERATION_FLAT                                                                 \
     1e-3 /* tolerance of an offset's path when none is given, as a part of the distance */
 
 enum proto_operation {
@@ -38,7 +39,8 @@ struct proto_curve_operation {
 /* invalid_request, too_large, insufficient_memory. Freed by proto_curve_operation_free. */
 bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation *out,
                                   struct proto_problem *problem);
-void proto_curve_operation_free(struct proto_curve_operation *operation); /* a second time is harmless */
+/* a second time is harmless */
+void proto_curve_operation_free(struct proto_curve_operation *operation);
 
 /* Fields of the answer, as bits of proto_options.fields. */
 enum proto_curve_operation_field {
@@ -49,9 +51,11 @@ enum proto_curve_operation_field {
     PROTO_CURVE_OPERATION_FIELD_GEODESIC = 1 << 4,
     PROTO_CURVE_OPERATION_FIELD_PATHS = 1 << 5
 };
-extern const char *const proto_curve_operation_fields[]; /* NULL-terminated, for proto_options_parse */
+/* NULL-terminated, for proto_options_parse */
+extern const char *const proto_curve_operation_fields[];
 
-/* What has come out of an operation: what does not belong to it is all zero. The curve is the path. */
+/* What has come out of an operation: what does not belong to it is all zero. The curve is the path.
+ */
 struct proto_curve_result {
     enum proto_operation operation;
     struct gd_curve curve;
@@ -69,6 +73,7 @@ void proto_curve_result_free(struct proto_curve_result *result); /* a second tim
 
 /* Writes the members above, of these the wanted ones. */
 void proto_curve_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                               const struct proto_curve_result *result, const struct proto_options *options);
+                               const struct proto_curve_result *result,
+                               const struct proto_options *options);
 
 #endif

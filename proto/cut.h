@@ -1,6 +1,7 @@
-/* Cut: a mesh cut along a curve. The request is {"curve", "inside"?: point, "select_only"?: bool, "names"?: [name]};
- * the answer {"separates", "pieces": [{"name", "vertices", "faces", "area", "vertex_map", "face_map"}],
- * "largest_shift"}, without "name", "vertices" and "vertex_map" when nothing but faces was selected. */
+/* Cut: a mesh cut along a curve. The request is {"curve", "inside"?: point, "select_only"?: bool,
+ * "names"?: [name]}; the answer {"separates", "pieces": [{"name", "vertices", "faces", "area",
+ * "vertex_map", "face_map"}], "largest_shift"}, without "name", "vertices" and "vertex_map" when
+ * nothing but faces was selected. */
 #ifndef PROTO_CUT_H
 #define PROTO_CUT_H
 
@@ -24,8 +25,8 @@ struct proto_cut {
 bool proto_cut_decode(const json_t *document, struct proto_cut *out, struct proto_problem *problem);
 void proto_cut_free(struct proto_cut *cut); /* leaves an empty one; a second time is harmless */
 
-/* Fields of the answer, as bits of proto_options.fields: its own, of which `pieces` alone is all of each piece, and
- * those of a piece. */
+/* Fields of the answer, as bits of proto_options.fields: its own, of which `pieces` alone is all of
+ * each piece, and those of a piece. */
 enum proto_cut_field {
     PROTO_CUT_FIELD_SEPARATES = 1 << 0,
     PROTO_CUT_FIELD_PIECES = 1 << 1,
@@ -39,12 +40,13 @@ enum proto_cut_field {
 };
 extern const char *const proto_cut_fields[]; /* NULL-terminated, for proto_options_parse */
 
-/* The answer is begin, proto_cut_piece_encode for each piece in turn, end; `fields` as in the options. */
+/* The answer is begin, proto_cut_piece_encode for each piece in turn, end; `fields` as in the
+ * options. */
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 
 /* `name`: of the mesh that the piece has become; NULL: faces were selected only. */
-void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_piece *piece, const char *name,
-                            uint32_t fields);
+void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_piece *piece,
+                            const char *name, uint32_t fields);
 
 #endif

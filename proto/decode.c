@@ -6,19 +6,20 @@
 
 #include "proto/parse.h"
 
-/* --- the document ------------------------------------------------------------------------------------------------- */
+/* --- the document ----------------------------------------------------------------------------- */
 
 static void refuse_text(const struct proto_parse_end *end, struct proto_problem *problem)
 {
     char line[24] = ""; /* the first one goes without saying: it may be a line of a batch */
     if (end->deep_at) {
-        proto_problem_refuse(problem, "", "the JSON is nested deeper than %d levels at byte %zu", PROTO_DECODE_DEPTH,
-                             end->deep_at - 1);
+        proto_problem_refuse(problem, "", "the JSON is nested deeper than %d levels at byte %zu",
+                             PROTO_DECODE_DEPTH, end->deep_at - 1);
         proto_problem_limit(problem, PROTO_DECODE_DEPTH);
         return;
     }
     if (end->error.line > 1) snprintf(line, sizeof line, "line %d, ", end->error.line);
-    proto_problem_refuse(problem, "", "the body is not JSON that can be taken: %scolumn %d, byte %d: %s", line,
+    proto_problem_refuse(problem, "",
+                         "the body is not JSON that can be taken: %scolumn %d, byte %d: %s", line,
                          end->error.column, end->error.position, end->error.text);
 }
 
@@ -39,7 +40,8 @@ size_t proto_decode_cost(const void *bytes, size_t size)
     return cost;
 }
 
-json_t *proto_decode_document_within(const void *bytes, size_t size, const struct gd_control *control,
+json_t *proto_decode_document_within(const void *bytes, size_t size,
+                                     const struct gd_control *control,
                                      struct proto_problem *problem)
 {
     struct proto_parse_end end;
@@ -64,7 +66,7 @@ json_t *proto_decode_document(const void *bytes, size_t size, struct proto_probl
     return proto_decode_document_within(bytes, size, NULL, problem);
 }
 
-/* --- typed access ------------------------------------------------------------------------------------------------- */
+/* --- typed access ----------------------------------------------------------------------------- */
 
 static const char *type_name(const json_t *value)
 {
@@ -99,14 +101,16 @@ bool proto_decode_object(const json_t *value, const char *place, const char *con
                          struct proto_problem *problem)
 {
     if (!json_is_object(value))
-        return proto_problem_refuse(problem, place, "expected an object here, not %s", type_name(value));
+        return proto_problem_refuse(problem, place, "expected an object here, not %s",
+                                    type_name(value));
     const char *name;
     json_t *member;
     json_object_foreach((json_t *)value, name, member)
     {
         if (is_among(name, members)) continue;
-        proto_problem_refuse(problem, place, "the field \"%.64s\" is unknown here; check its spelling or leave it out",
-                             name);
+        proto_problem_refuse(
+            problem, place,
+            "the field \"%.64s\" is unknown here; check its spelling or leave it out", name);
         return proto_problem_descend(problem, name);
     }
     return true;
@@ -127,17 +131,19 @@ enum scalar { SCALAR_NUMBER, SCALAR_INDEX };
 /* False, with a problem that does not say yet where. */
 static bool check_scalar(const json_t *value, enum scalar scalar, struct proto_problem *problem)
 {
-    const char *expected = scalar == SCALAR_INDEX ? "an index, a whole number from 0 to 4294967294" : "a number";
+    const char *expected =
+        scalar == SCALAR_INDEX ? "an index, a whole number from 0 to 4294967294" : "a number";
     if (!json_is_number(value))
         return proto_problem_refuse(problem, "", "expected %s, not %s", expected, type_name(value));
     double number = json_number_value(value);
     bool is_index = number >= 0 && number < (double)UINT32_MAX && number == floor(number);
-    if (scalar == SCALAR_INDEX && !is_index) return proto_problem_refuse(problem, "", "expected %s", expected);
+    if (scalar == SCALAR_INDEX && !is_index)
+        return proto_problem_refuse(problem, "", "expected %s", expected);
     return true;
 }
 
-static bool decode_scalar(const json_t *object, const char *place, const char *member, enum scalar scalar, double *out,
-                          struct proto_problem *problem)
+static bool decode_scalar(const json_t *object, const char *place, const char *member,
+                          enum scalar scalar, double *out, struct proto_problem *problem)
 {
     const json_t *value = proto_decode_member(object, place, member, problem);
     if (!value) return false;
@@ -180,18 +186,20 @@ bool proto_decode_max_distance(const json_t *document, double *out, struct proto
 {
     double limit = 0;
     bool is_there = json_object_get(document, "max_distance") != NULL;
-    if (is_there && !proto_decode_number(document, "", "max_distance", &limit, problem)) return false;
+    if (is_there && !proto_decode_number(document, "", "max_distance", &limit, problem))
+        return false;
     if (is_there && !(limit > 0))
-        return proto_problem_refuse(problem, "/max_distance", "max_distance is more than 0; leave it out for no limit");
+        return proto_problem_refuse(problem, "/max_distance",
+                                    "max_distance is more than 0; leave it out for no limit");
     *out = limit;
     return true;
 }
 
-/* --- arrays ------------------------------------------------------------------------------------------------------- */
+/* --- arrays ----------------------------------------------------------------------------------- */
 
 /* The member when it is an array of `count` such scalars, else NULL. */
-static const json_t *decode_array(const json_t *object, const char *place, const char *member, size_t count,
-                                  enum scalar scalar, struct proto_problem *problem)
+static const json_t *decode_array(const json_t *object, const char *place, const char *member,
+                                  size_t count, enum scalar scalar, struct proto_problem *problem)
 {
     const json_t *array = proto_decode_member(object, place, member, problem);
     if (!array) return NULL;
@@ -212,8 +220,8 @@ static const json_t *decode_array(const json_t *object, const char *place, const
     return array;
 }
 
-bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count, double *out,
-                          struct proto_problem *problem)
+bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count,
+                          double *out, struct proto_problem *problem)
 {
     const json_t *array = decode_array(object, place, member, count, SCALAR_NUMBER, problem);
     if (!array) return false;
@@ -221,11 +229,12 @@ bool proto_decode_numbers(const json_t *object, const char *place, const char *m
     return true;
 }
 
-bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count, uint32_t *out,
-                          struct proto_problem *problem)
+bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count,
+                          uint32_t *out, struct proto_problem *problem)
 {
     const json_t *array = decode_array(object, place, member, count, SCALAR_INDEX, problem);
     if (!array) return false;
-    for (size_t i = 0; i < count; i++) out[i] = (uint32_t)json_number_value(json_array_get(array, i));
+    for (size_t i = 0; i < count; i++)
+        out[i] = (uint32_t)json_number_value(json_array_get(array, i));
     return true;
 }

@@ -1,8 +1,8 @@
 /* Decode: hostile JSON in, a checked document out, and typed access to its members.
  *
- * Each accessor returns true, or false with an invalid_request problem that points at the fault. `place` is the JSON
- * Pointer of the object that `member` is looked up in; text for it is made only when something is wrong. All are
- * thread-safe. */
+ * Each accessor returns true, or false with an invalid_request problem that points at the fault.
+ * `place` is the JSON Pointer of the object that `member` is looked up in; text for it is made only
+ * when something is wrong. All are thread-safe. */
 #ifndef PROTO_DECODE_H
 #define PROTO_DECODE_H
 
@@ -21,14 +21,15 @@
  * times its size. O(size). */
 size_t proto_decode_cost(const void *bytes, size_t size);
 
-/* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no number beyond the
- * doubles. All numbers become json_real. `bytes` are borrowed for the call. The caller owns the document (json_decref);
- * NULL with a problem that names line (if there are
+/* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no
+ * number beyond the doubles. All numbers become json_real. `bytes` are borrowed for the call. The
+ * caller owns the document (json_decref); NULL with a problem that names line (if there are
  * several), column and byte. Memory: about 60 bytes a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
 
 /* The same, until a deadline or a cancel. */
-json_t *proto_decode_document_within(const void *bytes, size_t size, const struct gd_control *control,
+json_t *proto_decode_document_within(const void *bytes, size_t size,
+                                     const struct gd_control *control,
                                      struct proto_problem *problem);
 
 /* `value` is an object and has no members but `members` (NULL-terminated). */
@@ -49,13 +50,14 @@ bool proto_decode_index(const json_t *object, const char *place, const char *mem
 bool proto_decode_flag(const json_t *object, const char *place, const char *member, bool *out,
                        struct proto_problem *problem);
 
-/* A limit of distances, "max_distance" of a request's document: more than 0; 0 when it is left out. */
+/* A limit of distances, "max_distance" of a request's document: more than 0; 0 when it is left out.
+ */
 bool proto_decode_max_distance(const json_t *document, double *out, struct proto_problem *problem);
 
 /* The member must be there and be an array of exactly `count` of them. */
-bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count, double *out,
-                          struct proto_problem *problem);
-bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count, uint32_t *out,
-                          struct proto_problem *problem);
+bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count,
+                          double *out, struct proto_problem *problem);
+bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count,
+                          uint32_t *out, struct proto_problem *problem);
 
 #endif

@@ -1,8 +1,10 @@
 /* Domain curve: a curve in the parameter domain of a surface, in a request:
  *
- *     {"polyline": [[u, v]…], "closed"?} | {"bspline": {"degree", "knots", "control_points"}, "closed"?} | {"iso": "u" | "v", "value", "range"?}
+ *     {"polyline": [[u, v]…], "closed"?} | {"bspline": {"degree", "knots", "control_points"},
+ * "closed"?} | {"iso": "u" | "v", "value", "range"?}
  *
- * Its parameter is: along a polyline the number of the corner, of a B-spline its knots', of an iso line the other coordinate. */
+ * Its parameter is: along a polyline the number of the corner, of a B-spline its knots', of an iso
+ * line the other coordinate. */
 #ifndef PROTO_DOMAIN_CURVE_H
 #define PROTO_DOMAIN_CURVE_H
 
@@ -31,17 +33,20 @@ struct proto_domain_curve { /* all zero: none */
     char place[32]; /* in the request */
 };
 
-/* The curve, or the point [u, v], that is the document's member. invalid_request, too_large, insufficient_memory. Freed by proto_domain_curve_free. */
-bool proto_domain_curve_decode(const json_t *document, const char *member, struct proto_domain_curve *out,
-                               struct proto_problem *problem);
-bool proto_domain_curve_decode_point(const json_t *document, const char *member, struct proto_domain_curve *out,
-                                     struct proto_problem *problem);
+/* The curve, or the point [u, v], that is the document's member. invalid_request, too_large,
+ * insufficient_memory. Freed by proto_domain_curve_free. */
+bool proto_domain_curve_decode(const json_t *document, const char *member,
+                               struct proto_domain_curve *out, struct proto_problem *problem);
+bool proto_domain_curve_decode_point(const json_t *document, const char *member,
+                                     struct proto_domain_curve *out, struct proto_problem *problem);
 void proto_domain_curve_free(struct proto_domain_curve *curve); /* a second time is harmless */
 
-/* The curve on its surface. A polyline that is to be closed and is not gets its first corner again at its end. invalid_request;
- * point_not_on_surface (with the point that lies outside the domain); insufficient_memory; what `control`, which may be NULL, says. The caller releases
+/* The curve on its surface. A polyline that is to be closed and is not gets its first corner again
+ * at its end. invalid_request; point_not_on_surface (with the point that lies outside the domain);
+ * insufficient_memory; what `control`, which may be NULL, says. The caller releases
  * `*out`. Cost: some 30 evaluations a span, and 60 for each line of the surface that is crossed. */
-bool proto_domain_curve_locate(const struct gd_parametric *surface, const struct proto_domain_curve *curve,
+bool proto_domain_curve_locate(const struct gd_parametric *surface,
+                               const struct proto_domain_curve *curve,
                                const struct gd_control *control, struct gd_domain_curve **out,
                                struct proto_problem *problem);
 

@@ -7,24 +7,30 @@
 #include "proto/member.h"
 #include "proto/path.h"
 
-const char *const proto_evaluation_fields[] = {"results", "distance", "reason", "nearest", "path", "gradient", NULL};
-const char *const proto_distance_to_set_fields[] = {"results", "distance", "reason", "nearest", "path", NULL};
+const char *const proto_evaluation_fields[] = {"results", "distance", "reason", "nearest",
+                                               "path",    "gradient", NULL};
+const char *const proto_distance_to_set_fields[] = {"results", "distance", "reason",
+                                                    "nearest", "path",     NULL};
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 /* On failure the list may have some of them. */
-static bool decode_points(const json_t *document, struct proto_points *points, struct proto_problem *problem)
+static bool decode_points(const json_t *document, struct proto_points *points,
+                          struct proto_problem *problem)
 {
     const json_t *value = proto_decode_member(document, "", "points", problem);
-    if (!value || !proto_points_decode(points, value, "/points", PROTO_EVALUATION_POINTS, problem)) return false;
+    if (!value || !proto_points_decode(points, value, "/points", PROTO_EVALUATION_POINTS, problem))
+        return false;
     return points->count || proto_problem_refuse(problem, "/points", "name at least one point");
 }
 
-static bool decode(const json_t *document, struct proto_evaluation *out, struct proto_problem *problem)
+static bool decode(const json_t *document, struct proto_evaluation *out,
+                   struct proto_problem *problem)
 {
     struct proto_evaluation evaluation = {0};
     if (!proto_decode_flag(document, "", "path", &evaluation.wants_path, problem)) return false;
-    if (!proto_decode_flag(document, "", "gradient", &evaluation.wants_gradient, problem)) return false;
+    if (!proto_decode_flag(document, "", "gradient", &evaluation.wants_gradient, problem))
+        return false;
     if (!decode_points(document, &evaluation.points, problem)) {
         proto_points_free(&evaluation.points);
         return false;
@@ -33,14 +39,15 @@ static bool decode(const json_t *document, struct proto_evaluation *out, struct 
     return true;
 }
 
-bool proto_evaluation_decode(const json_t *document, struct proto_evaluation *out, struct proto_problem *problem)
+bool proto_evaluation_decode(const json_t *document, struct proto_evaluation *out,
+                             struct proto_problem *problem)
 {
     static const char *const members[] = {"points", "path", "gradient", NULL};
     return proto_decode_object(document, "", members, problem) && decode(document, out, problem);
 }
 
-bool proto_evaluation_decode_with_set(const json_t *document, struct proto_set *set, struct proto_evaluation *out,
-                                      struct proto_problem *problem)
+bool proto_evaluation_decode_with_set(const json_t *document, struct proto_set *set,
+                                      struct proto_evaluation *out, struct proto_problem *problem)
 {
     static const char *const members[] = {"set", "points", "path", NULL};
     struct proto_set decoded;
@@ -61,12 +68,13 @@ void proto_evaluation_free(struct proto_evaluation *evaluation)
     *evaluation = (struct proto_evaluation){0};
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
-uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation, const struct proto_options *options)
+uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation,
+                                 const struct proto_options *options)
 {
-    uint32_t wanted =
-        proto_fields_within(options->fields, PROTO_RESULT_FIELD_RESULTS, ~(uint32_t)PROTO_RESULT_FIELD_RESULTS);
+    uint32_t wanted = proto_fields_within(options->fields, PROTO_RESULT_FIELD_RESULTS,
+                                          ~(uint32_t)PROTO_RESULT_FIELD_RESULTS);
     if (!evaluation->wants_path) wanted &= ~(uint32_t)PROTO_RESULT_FIELD_PATH;
     if (!evaluation->wants_gradient) wanted &= ~(uint32_t)PROTO_RESULT_FIELD_GRADIENT;
     return wanted;
@@ -85,8 +93,8 @@ void proto_results_end(struct proto_writer *writer)
     proto_write_object_end(writer);
 }
 
-static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *mesh, const struct proto_located_set *set,
-                           const struct proto_result *result)
+static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *mesh,
+                           const struct proto_located_set *set, const struct proto_result *result)
 {
     proto_write_object_begin(writer);
     proto_member_uint(writer, "index", result->member);
@@ -109,7 +117,8 @@ void proto_reason_encode(struct proto_writer *writer, double distance)
 static void encode_distance(struct proto_writer *writer, double distance, uint32_t wanted)
 {
     if (wanted & PROTO_RESULT_FIELD_DISTANCE) proto_member_number(writer, "distance", distance);
-    if (wanted & (PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_REASON)) proto_reason_encode(writer, distance);
+    if (wanted & (PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_REASON))
+        proto_reason_encode(writer, distance);
 }
 
 /* The value of a key is null unless it `is_there`. */
@@ -120,16 +129,19 @@ static bool encode_key(struct proto_writer *writer, const char *key, bool is_the
     return is_there;
 }
 
-void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct proto_located_set *set,
-                         const struct proto_result *result, uint32_t wanted, enum proto_geometry geometry)
+void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct proto_located_set *set, const struct proto_result *result,
+                         uint32_t wanted, enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
     encode_distance(writer, result->distance, wanted);
-    if (wanted & PROTO_RESULT_FIELD_NEAREST && encode_key(writer, "nearest", isfinite(result->distance)))
+    if (wanted & PROTO_RESULT_FIELD_NEAREST &&
+        encode_key(writer, "nearest", isfinite(result->distance)))
         encode_nearest(writer, mesh, set, result);
     if (wanted & PROTO_RESULT_FIELD_PATH && encode_key(writer, "path", result->path))
         proto_path_encode(writer, mesh, result->path, geometry);
-    if (wanted & PROTO_RESULT_FIELD_GRADIENT && encode_key(writer, "gradient", result->has_gradient))
+    if (wanted & PROTO_RESULT_FIELD_GRADIENT &&
+        encode_key(writer, "gradient", result->has_gradient))
         proto_direction_encode(writer, &result->gradient);
     proto_write_object_end(writer);
 }

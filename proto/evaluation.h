@@ -1,5 +1,6 @@
-/* Evaluation: distances of points to a set; the request is {"points", "path"?, "gradient"?} against a field, and {"set", "points",
- * "path"?} without one. The answer is a list of results, one a point. */
+/* Evaluation: distances of points to a set; the request is {"points", "path"?, "gradient"?} against
+ * a field, and {"set", "points", "path"?} without one. The answer is a list of results, one a
+ * point. */
 #ifndef PROTO_EVALUATION_H
 #define PROTO_EVALUATION_H
 
@@ -19,13 +20,14 @@ struct proto_evaluation {
 
 /* invalid_request, too_large, insufficient_memory. Freed by proto_evaluation_free, and the set by
  * proto_set_free before the document is. */
-bool proto_evaluation_decode(const json_t *document, struct proto_evaluation *out, struct proto_problem *problem);
-bool proto_evaluation_decode_with_set(const json_t *document, struct proto_set *set, struct proto_evaluation *out,
-                                      struct proto_problem *problem);
+bool proto_evaluation_decode(const json_t *document, struct proto_evaluation *out,
+                             struct proto_problem *problem);
+bool proto_evaluation_decode_with_set(const json_t *document, struct proto_set *set,
+                                      struct proto_evaluation *out, struct proto_problem *problem);
 void proto_evaluation_free(struct proto_evaluation *evaluation); /* a second time is harmless */
 
-/* Fields of the answer, as bits of proto_options.fields: the answer's own one, which alone is all of them, and
- * those of each result. */
+/* Fields of the answer, as bits of proto_options.fields: the answer's own one, which alone is all
+ * of them, and those of each result. */
 enum proto_result_field {
     PROTO_RESULT_FIELD_RESULTS = 1 << 0,
     PROTO_RESULT_FIELD_DISTANCE = 1 << 1,
@@ -37,9 +39,10 @@ enum proto_result_field {
 extern const char *const proto_evaluation_fields[]; /* NULL-terminated, for proto_options_parse */
 extern const char *const proto_distance_to_set_fields[];
 
-/* The fields of each result that are wanted: those that were asked for in the query string, without a path or a gradient
- * unless the body asks for it. */
-uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation, const struct proto_options *options);
+/* The fields of each result that are wanted: those that were asked for in the query string, without
+ * a path or a gradient unless the body asks for it. */
+uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation,
+                                 const struct proto_options *options);
 
 struct proto_result {
     double distance;            /* INFINITY: no path; NAN: beyond the distance that was asked for */
@@ -54,9 +57,11 @@ struct proto_result {
 void proto_results_begin(struct proto_writer *writer);
 void proto_results_end(struct proto_writer *writer);
 
-/* Writes {"distance", "reason"?, "nearest", "path", "gradient"}, of these the wanted ones. Where there is no distance all are null. */
-void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct proto_located_set *set,
-                         const struct proto_result *result, uint32_t wanted, enum proto_geometry geometry);
+/* Writes {"distance", "reason"?, "nearest", "path", "gradient"}, of these the wanted ones. Where
+ * there is no distance all are null. */
+void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct proto_located_set *set, const struct proto_result *result,
+                         uint32_t wanted, enum proto_geometry geometry);
 
 /* Why there is no distance: no_path for INFINITY, beyond_max_distance for NAN. */
 const char *proto_reason(double distance);

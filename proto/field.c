@@ -7,9 +7,10 @@
 #include "proto/member.h"
 #include "proto/number.h"
 
-/* --- the request ------------------------------------------------------------------------------------------------ */
+/* --- the request ------------------------------------------------------------------------------ */
 
-bool proto_field_decode(const json_t *document, struct proto_field_request *out, struct proto_problem *problem)
+bool proto_field_decode(const json_t *document, struct proto_field_request *out,
+                        struct proto_problem *problem)
 {
     static const char *const members[] = {"set", "max_distance", NULL};
     struct proto_field_request request;
@@ -21,13 +22,14 @@ bool proto_field_decode(const json_t *document, struct proto_field_request *out,
     return true;
 }
 
-/* --- descriptions ----------------------------------------------------------------------------------------------- */
+/* --- descriptions ----------------------------------------------------------------------------- */
 
 const char *const proto_field_fields[] = {"id",       "wedges",  "bytes",        "build_ms", "max",
                                           "farthest", "members", "max_distance", NULL};
 
 static void encode_field(struct proto_writer *writer, const struct gd_mesh *mesh,
-                         const struct proto_field_description *description, enum proto_field_field field)
+                         const struct proto_field_description *description,
+                         enum proto_field_field field)
 {
     switch (field) {
     case PROTO_FIELD_FIELD_ID:
@@ -75,7 +77,7 @@ void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_write_object_end(writer);
 }
 
-/* --- values and wedges ------------------------------------------------------------------------------------------ */
+/* --- values and wedges ------------------------------------------------------------------------ */
 
 const char *const proto_values_fields[] = {"values", NULL};
 
@@ -140,8 +142,8 @@ static void encode_edge(struct proto_writer *writer, const struct gd_vertex ends
     proto_write_array_end(writer);
 }
 
-void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex ends[2], const struct gd_wedge *wedges,
-                         uint32_t count, uint32_t wanted)
+void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex ends[2],
+                         const struct gd_wedge *wedges, uint32_t count, uint32_t wanted)
 {
     proto_write_object_begin(writer);
     if (wanted & PROTO_WEDGES_FIELD_EDGE) encode_edge(writer, ends);

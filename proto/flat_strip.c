@@ -5,7 +5,8 @@
 
 #include "gd/number.h"
 
-/* The page, in its own unit (pixels): the drawing fits into WIDTH x HEIGHT, with a margin around it and the bar below. */
+/* The page, in its own unit (pixels): the drawing fits into WIDTH x HEIGHT, with a margin around it
+ * and the bar below. */
 #define WIDTH  960.0
 #define HEIGHT 540.0
 #define MARGIN 20.0
@@ -24,10 +25,11 @@ struct drawing {
 
 size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip)
 {
-    return FRAME_BYTES + NUMBER_BYTES * ((size_t)strip->face_count * 6 + (size_t)strip->point_count * 2);
+    return FRAME_BYTES +
+           NUMBER_BYTES * ((size_t)strip->face_count * 6 + (size_t)strip->point_count * 2);
 }
 
-/* --- words -------------------------------------------------------------------------------------------------------- */
+/* --- words ------------------------------------------------------------------------------------ */
 
 static void text(const struct drawing *drawing, const char *text)
 {
@@ -66,7 +68,7 @@ static void place(const struct drawing *drawing, const double at[2], const char 
     number(drawing, at[1] != 0 ? -at[1] : 0);
 }
 
-/* --- the page ----------------------------------------------------------------------------------------------------- */
+/* --- the page --------------------------------------------------------------------------------- */
 
 static void widen(struct drawing *drawing, const double at[2])
 {
@@ -93,12 +95,15 @@ static void begin_page(const struct drawing *drawing, double length)
     text(drawing, "<svg xmlns=\"http://www.w3.org/2000/svg\"");
     attribute(drawing, "width", drawing->width);
     attribute(drawing, "height", drawing->height);
-    proto_append_format(drawing->writer, " viewBox=\"0 0 %d %d\"", (int)drawing->width, (int)drawing->height);
+    proto_append_format(drawing->writer, " viewBox=\"0 0 %d %d\"", (int)drawing->width,
+                        (int)drawing->height);
     text(drawing, " font-family=\"sans-serif\" font-size=\"14\">\n<title>A path of length ");
     number(drawing, length);
-    text(drawing, ", unfolded</title>\n<desc>The faces that the path runs through, laid flat one beside the other. "
-                  "Coordinates within the group are lengths in the unit of the mesh.</desc>\n"
-                  "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n<g transform=\"translate(");
+    text(drawing,
+         ", unfolded</title>\n<desc>The faces that the path runs through, laid flat one beside the "
+         "other. "
+         "Coordinates within the group are lengths in the unit of the mesh.</desc>\n"
+         "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n<g transform=\"translate(");
     number(drawing, MARGIN - drawing->scale * drawing->min[0]);
     text(drawing, ",");
     number(drawing, MARGIN + drawing->scale * drawing->max[1]);
@@ -107,12 +112,13 @@ static void begin_page(const struct drawing *drawing, double length)
     text(drawing, ")\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n");
 }
 
-/* --- what is on it ------------------------------------------------------------------------------------------------ */
+/* --- what is on it ---------------------------------------------------------------------------- */
 
 static void draw_faces(const struct drawing *drawing)
 {
-    text(drawing, "<path fill=\"#dbe2ea\" fill-opacity=\"0.8\" stroke=\"#7a8794\" stroke-width=\"1\" "
-                  "vector-effect=\"non-scaling-stroke\" d=\"");
+    text(drawing,
+         "<path fill=\"#dbe2ea\" fill-opacity=\"0.8\" stroke=\"#7a8794\" stroke-width=\"1\" "
+         "vector-effect=\"non-scaling-stroke\" d=\"");
     for (uint32_t i = 0; i < drawing->strip->face_count; i++) {
         const struct gd_flat_face *face = &drawing->strip->faces[i];
         for (int k = 0; k < 3; k++) place(drawing, face->corners[k], k ? " " : i ? " M" : "M");
@@ -125,7 +131,8 @@ static void draw_path(const struct drawing *drawing)
 {
     text(drawing, "<polyline fill=\"none\" stroke=\"#c8102e\" stroke-width=\"2.5\" "
                   "vector-effect=\"non-scaling-stroke\" points=\"");
-    for (uint32_t i = 0; i < drawing->strip->point_count; i++) place(drawing, drawing->strip->points[i], i ? " " : "");
+    for (uint32_t i = 0; i < drawing->strip->point_count; i++)
+        place(drawing, drawing->strip->points[i], i ? " " : "");
     text(drawing, "\"/>\n");
 }
 
@@ -135,7 +142,8 @@ static void draw_end(const struct drawing *drawing, const double at[2], const ch
     attribute(drawing, "cx", at[0]);
     attribute(drawing, "cy", at[1] != 0 ? -at[1] : 0);
     attribute(drawing, "r", 5 / drawing->scale);
-    text(drawing, " stroke=\"#c8102e\" stroke-width=\"2\" vector-effect=\"non-scaling-stroke\" fill=\"");
+    text(drawing,
+         " stroke=\"#c8102e\" stroke-width=\"2\" vector-effect=\"non-scaling-stroke\" fill=\"");
     text(drawing, fill);
     text(drawing, "\"/>\n");
 }
@@ -167,10 +175,13 @@ static void draw_foot(const struct drawing *drawing, double length)
     text(drawing, "</text>\n</svg>\n");
 }
 
-void proto_flat_strip_svg(struct proto_writer *writer, const struct gd_flat_strip *strip, double length)
+void proto_flat_strip_svg(struct proto_writer *writer, const struct gd_flat_strip *strip,
+                          double length)
 {
-    struct drawing drawing = {
-        .writer = writer, .strip = strip, .min = {INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY}};
+    struct drawing drawing = {.writer = writer,
+                              .strip = strip,
+                              .min = {INFINITY, INFINITY},
+                              .max = {-INFINITY, -INFINITY}};
     measure(&drawing);
     begin_page(&drawing, length);
     draw_faces(&drawing);

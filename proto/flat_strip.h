@@ -8,8 +8,10 @@
 /* Bytes of the drawing at most. */
 size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip);
 
-/* Writes the drawing: the faces, the path, its ends, a bar of a round length, and the path's length. All that is drawn is in one group whose coordinates are those of
- * the strip, in the mesh's unit and to the last digit, y downwards; its transform alone makes a page of it. */
-void proto_flat_strip_svg(struct proto_writer *writer, const struct gd_flat_strip *strip, double length);
+/* Writes the drawing: the faces, the path, its ends, a bar of a round length, and the path's
+ * length. All that is drawn is in one group whose coordinates are those of the strip, in the mesh's
+ * unit and to the last digit, y downwards; its transform alone makes a page of it. */
+void proto_flat_strip_svg(struct proto_writer *writer, const struct gd_flat_strip *strip,
+                          double length);
 
 #endif

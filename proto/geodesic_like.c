@@ -8,9 +8,10 @@
 #include "proto/member.h"
 #include "proto/point.h"
 
-const struct proto_geodesic_form proto_geodesic_between_points = {{"from", "to"}, {false, false}, {true, true}},
-                                 proto_geodesic_to_curve = {{"point", "curve"}, {false, true}, {false, true}},
-                                 proto_geodesic_between_curves = {{"a", "b"}, {true, true}, {true, true}};
+const struct proto_geodesic_form
+    proto_geodesic_between_points = {{"from", "to"}, {false, false}, {true, true}},
+    proto_geodesic_to_curve = {{"point", "curve"}, {false, true}, {false, true}},
+    proto_geodesic_between_curves = {{"a", "b"}, {true, true}, {true, true}};
 
 const char *const proto_geodesic_fields[] = {
     "length",     "degree",    "knots",          "control_points",     "points",
@@ -18,7 +19,7 @@ const char *const proto_geodesic_fields[] = {
     "iterations", "converged", "is_minimum",     "boundary_contact",   "warnings",
     "minima",     NULL};
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 void proto_geodesic_free(struct proto_geodesic *geodesic)
 {
@@ -26,8 +27,8 @@ void proto_geodesic_free(struct proto_geodesic *geodesic)
 }
 
 /* A whole number from `least` to `most` that may be left out. */
-static bool decode_count(const json_t *document, const char *member, uint32_t least, uint32_t most, uint32_t *out,
-                         struct proto_problem *problem)
+static bool decode_count(const json_t *document, const char *member, uint32_t least, uint32_t most,
+                         uint32_t *out, struct proto_problem *problem)
 {
     uint32_t count;
     if (!json_object_get(document, member)) return true;
@@ -43,33 +44,39 @@ static bool decode_tolerance(const json_t *document, double *out, struct proto_p
     if (!json_object_get(document, "tolerance")) return true;
     if (!proto_decode_number(document, "", "tolerance", out, problem)) return false;
     return (*out >= GD_GEODESIC_TOLERANCE_LEAST && *out <= 1) ||
-           proto_problem_refuse(problem, "/tolerance", "the tolerance is a part of the length, from %g to 1",
+           proto_problem_refuse(problem, "/tolerance",
+                                "the tolerance is a part of the length, from %g to 1",
                                 GD_GEODESIC_TOLERANCE_LEAST);
 }
 
-static bool decode_options(const json_t *document, struct proto_geodesic *out, struct proto_problem *problem)
+static bool decode_options(const json_t *document, struct proto_geodesic *out,
+                           struct proto_problem *problem)
 {
     struct gd_geodesic_options *options = &out->options;
-    if (!decode_count(document, "degree", GD_GEODESIC_DEGREE_LEAST, GD_GEODESIC_DEGREE_MOST, &options->degree, problem))
+    if (!decode_count(document, "degree", GD_GEODESIC_DEGREE_LEAST, GD_GEODESIC_DEGREE_MOST,
+                      &options->degree, problem))
         return false;
     uint32_t degree = options->degree ? options->degree : GD_GEODESIC_DEGREE;
     return decode_count(document, "control_points", degree + 1, GD_GEODESIC_CONTROL_POINTS_MOST,
                         &options->control_points, problem) &&
-           decode_count(document, "samples", 2, PROTO_GEODESIC_SAMPLES_MOST, &out->samples, problem) &&
+           decode_count(document, "samples", 2, PROTO_GEODESIC_SAMPLES_MOST, &out->samples,
+                        problem) &&
            decode_tolerance(document, &options->tolerance, problem) &&
            proto_decode_flag(document, "", "all_minima", &options->all_minima, problem);
 }
 
-bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form, struct proto_geodesic *out,
-                           struct proto_problem *problem)
+bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
+                           struct proto_geodesic *out, struct proto_problem *problem)
 {
     const char *const members[] = {form->ends[0], form->ends[1], "degree",  "control_points",
                                    "tolerance",   "all_minima",  "samples", NULL};
     struct proto_geodesic read = {.form = form, .samples = PROTO_GEODESIC_SAMPLES};
-    bool ok = proto_decode_object(document, "", members, problem) && decode_options(document, &read, problem);
+    bool ok = proto_decode_object(document, "", members, problem) &&
+              decode_options(document, &read, problem);
     for (int k = 0; k < 2 && ok; k++)
-        ok = form->is_curve[k] ? proto_domain_curve_decode(document, form->ends[k], &read.ends[k], problem)
-                               : proto_domain_curve_decode_point(document, form->ends[k], &read.ends[k], problem);
+        ok = form->is_curve[k]
+                 ? proto_domain_curve_decode(document, form->ends[k], &read.ends[k], problem)
+                 : proto_domain_curve_decode_point(document, form->ends[k], &read.ends[k], problem);
     if (ok)
         *out = read;
     else
@@ -77,7 +84,7 @@ bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_f
     return ok;
 }
 
-/* --- the curve ---------------------------------------------------------------------------------------------------- */
+/* --- the curve -------------------------------------------------------------------------------- */
 
 static bool is_same_place(const double a[2], const double b[2])
 {
@@ -102,7 +109,8 @@ static void encode_control_points(struct proto_writer *writer, const struct gd_g
     proto_write_array_end(writer);
 }
 
-/* Piece i on [i, i + 1]. Where two of them share a control point its knot has the multiplicity of the degree, else one more. */
+/* Piece i on [i, i + 1]. Where two of them share a control point its knot has the multiplicity of
+ * the degree, else one more. */
 static void encode_knots(struct proto_writer *writer, const struct gd_geodesic *path)
 {
     proto_write_key(writer, "knots");
@@ -112,7 +120,8 @@ static void encode_knots(struct proto_writer *writer, const struct gd_geodesic *
         bool is_last = i + 1 == path->piece_count;
         if (i == 0) proto_write_number(writer, 0);
         uint32_t shared = is_last || !continues(path, i + 1) ? 0 : 1;
-        for (uint32_t k = i == 0 ? 1 : piece->degree + 1; k < piece->count + piece->degree + 1 - shared; k++)
+        for (uint32_t k = i == 0 ? 1 : piece->degree + 1;
+             k < piece->count + piece->degree + 1 - shared; k++)
             proto_write_number(writer, piece->knots[k] + i);
     }
     proto_write_array_end(writer);
@@ -141,7 +150,8 @@ static double clamp(const struct gd_axis *axis, double t)
 static struct gd_vec3 position(const struct gd_parametric *surface, const double uv[2])
 {
     struct gd_jet jet = {.x = {NAN, NAN, NAN}};
-    double u = clamp(gd_parametric_axis_u(surface), uv[0]), v = clamp(gd_parametric_axis_v(surface), uv[1]);
+    double u = clamp(gd_parametric_axis_u(surface), uv[0]),
+           v = clamp(gd_parametric_axis_v(surface), uv[1]);
     (void)!gd_parametric_evaluate(surface, u, v, &jet);
     return jet.x;
 }
@@ -152,8 +162,8 @@ struct samples { /* all zero is an empty list */
     uint32_t count;
 };
 
-static enum gd_status sample(const struct gd_parametric *surface, const struct gd_geodesic *path, uint32_t count,
-                             struct samples *out)
+static enum gd_status sample(const struct gd_parametric *surface, const struct gd_geodesic *path,
+                             uint32_t count, struct samples *out)
 {
     out->count = path->piece_count ? count : 1;
     out->uv = malloc(out->count * sizeof *out->uv);
@@ -165,15 +175,18 @@ static enum gd_status sample(const struct gd_parametric *surface, const struct g
     return GD_OK;
 }
 
-static enum gd_status encode_points(struct proto_writer *writer, const struct gd_parametric *surface,
-                                    const struct gd_geodesic *path, uint32_t count, enum proto_geometry geometry)
+static enum gd_status encode_points(struct proto_writer *writer,
+                                    const struct gd_parametric *surface,
+                                    const struct gd_geodesic *path, uint32_t count,
+                                    enum proto_geometry geometry)
 {
     struct samples samples = {0};
     enum gd_status status = sample(surface, path, count, &samples);
     if (!status) {
         proto_write_key(writer, "points");
         proto_write_array_begin(writer);
-        for (uint32_t i = 0; i < samples.count; i++) encode_sample(writer, samples.uv[i], samples.xyz[i], geometry);
+        for (uint32_t i = 0; i < samples.count; i++)
+            encode_sample(writer, samples.uv[i], samples.xyz[i], geometry);
         proto_write_array_end(writer);
     }
     free(samples.uv);
@@ -181,10 +194,11 @@ static enum gd_status encode_points(struct proto_writer *writer, const struct gd
     return status;
 }
 
-/* --- the ends ----------------------------------------------------------------------------------------------------- */
+/* --- the ends --------------------------------------------------------------------------------- */
 
 /* Where the path has no direction, its length being 0, there is no angle. */
-static void encode_end(struct proto_writer *writer, const struct gd_domain_curve *curve, double parameter, double angle)
+static void encode_end(struct proto_writer *writer, const struct gd_domain_curve *curve,
+                       double parameter, double angle)
 {
     double uv[2];
     gd_domain_curve_at(curve, parameter, uv);
@@ -213,9 +227,10 @@ static void encode_ends(struct proto_writer *writer, const struct proto_geodesic
     proto_write_object_end(writer);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
-static void encode_numbers(struct proto_writer *writer, const struct gd_geodesic *path, uint32_t fields)
+static void encode_numbers(struct proto_writer *writer, const struct gd_geodesic *path,
+                           uint32_t fields)
 {
     const struct {
         const char *key;
@@ -256,7 +271,8 @@ static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
     proto_write_array_end(writer);
 }
 
-static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic *path, uint32_t fields)
+static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic *path,
+                           uint32_t fields)
 {
     encode_numbers(writer, path, fields);
     encode_flag(writer, "converged", !(path->warnings & GD_GEODESIC_NOT_CONVERGED),
@@ -268,8 +284,10 @@ static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic
 }
 
 /* The members of one path's object. */
-static enum gd_status encode_path(struct proto_writer *writer, const struct proto_geodesic_answer *answer,
-                                  const struct gd_geodesic *path, const struct proto_options *options)
+static enum gd_status encode_path(struct proto_writer *writer,
+                                  const struct proto_geodesic_answer *answer,
+                                  const struct gd_geodesic *path,
+                                  const struct proto_options *options)
 {
     uint32_t fields = options->fields;
     enum gd_status status = GD_OK;
@@ -279,14 +297,15 @@ static enum gd_status encode_path(struct proto_writer *writer, const struct prot
     if (fields & PROTO_GEODESIC_FIELD_KNOTS) encode_knots(writer, path);
     if (fields & PROTO_GEODESIC_FIELD_CONTROL_POINTS) encode_control_points(writer, path);
     if (fields & PROTO_GEODESIC_FIELD_POINTS && options->geometry != PROTO_GEOMETRY_NONE)
-        status = encode_points(writer, gd_domain_curve_surface(answer->ends[0]), path, answer->request->samples,
-                               options->geometry);
+        status = encode_points(writer, gd_domain_curve_surface(answer->ends[0]), path,
+                               answer->request->samples, options->geometry);
     if (fields & PROTO_GEODESIC_FIELD_ENDS) encode_ends(writer, answer, path);
     encode_verdict(writer, path, fields);
     return status;
 }
 
-static enum gd_status encode_minima(struct proto_writer *writer, const struct proto_geodesic_answer *answer,
+static enum gd_status encode_minima(struct proto_writer *writer,
+                                    const struct proto_geodesic_answer *answer,
                                     const struct proto_options *options)
 {
     enum gd_status status = GD_OK;
@@ -302,12 +321,14 @@ static enum gd_status encode_minima(struct proto_writer *writer, const struct pr
     return status;
 }
 
-enum gd_status proto_geodesic_encode(struct proto_writer *writer, const struct proto_geodesic_answer *answer,
+enum gd_status proto_geodesic_encode(struct proto_writer *writer,
+                                     const struct proto_geodesic_answer *answer,
                                      const struct proto_options *options)
 {
     proto_write_object_begin(writer);
     enum gd_status status = encode_path(writer, answer, &answer->found->items[0], options);
-    if (!status && answer->request->options.all_minima && options->fields & PROTO_GEODESIC_FIELD_MINIMA)
+    if (!status && answer->request->options.all_minima &&
+        options->fields & PROTO_GEODESIC_FIELD_MINIMA)
         status = encode_minima(writer, answer, options);
     proto_write_object_end(writer);
     return status;

@@ -4,8 +4,9 @@
  *     point-curve-distance   {"point": [u, v], "curve": curve}
  *     curve-distance         {"a": curve, "b": curve}
  *
- * each with "control_points"?, "degree"?, "tolerance"?, "all_minima"?, "samples"?; their answers differ in the names of the ends only. The path is
- * one B-spline in the domain: "degree", "knots" and "control_points" (u, v). */
+ * each with "control_points"?, "degree"?, "tolerance"?, "all_minima"?, "samples"?; their answers
+ * differ in the names of the ends only. The path is one B-spline in the domain: "degree", "knots"
+ * and "control_points" (u, v). */
 #ifndef PROTO_GEODESIC_LIKE_H
 #define PROTO_GEODESIC_LIKE_H
 
@@ -13,10 +14,12 @@
 #include "proto/domain_curve.h"
 #include "proto/options.h"
 
-#define PROTO_GEODESIC_SAMPLES      65 /* points of an answer's path when the request does not say */
+/* points of an answer's path when the request does not say */
+#define PROTO_GEODESIC_SAMPLES      65
 #define PROTO_GEODESIC_SAMPLES_MOST 10000
 
-/* Names of the two ends in a request; which of them are curves; and which are told of in the answer. */
+/* Names of the two ends in a request; which of them are curves; and which are told of in the
+ * answer. */
 struct proto_geodesic_form {
     const char *ends[2];
     bool is_curve[2], is_told[2];
@@ -32,8 +35,8 @@ struct proto_geodesic { /* all zero is an empty one */
 };
 
 /* invalid_request, too_large, insufficient_memory. Freed by proto_geodesic_free. */
-bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form, struct proto_geodesic *out,
-                           struct proto_problem *problem);
+bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
+                           struct proto_geodesic *out, struct proto_problem *problem);
 void proto_geodesic_free(struct proto_geodesic *geodesic); /* a second time is harmless */
 
 /* Fields of the answer, as bits of proto_options.fields. */
@@ -64,7 +67,8 @@ struct proto_geodesic_answer {
     const struct gd_geodesics *found;
 };
 
-/* Writes the shortest one's fields, and with all_minima "minima", all those that are local minima, in the same form. GD_NO_MEMORY. */
+/* Writes the shortest one's fields, and with all_minima "minima", all those that are local minima,
+ * in the same form. GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status proto_geodesic_encode(struct proto_writer *writer,
                                                  const struct proto_geodesic_answer *answer,
                                                  const struct proto_options *options);

@@ -21,7 +21,7 @@ void proto_isolines_free(struct proto_isolines *isolines)
     *isolines = (struct proto_isolines){0};
 }
 
-/* --- levels ------------------------------------------------------------------------------------------------------- */
+/* --- levels ----------------------------------------------------------------------------------- */
 
 static bool refuse_memory(struct proto_problem *problem)
 {
@@ -31,15 +31,16 @@ static bool refuse_memory(struct proto_problem *problem)
 
 static bool refuse_choice(const char *place, struct proto_problem *problem)
 {
-    return proto_problem_refuse(problem, place, "say which levels, or count, how many of them: one of both");
+    return proto_problem_refuse(problem, place,
+                                "say which levels, or count, how many of them: one of both");
 }
 
 static bool check_count(const char *place, uint64_t count, struct proto_problem *problem)
 {
     if (count == 0) return proto_problem_refuse(problem, place, "ask for at least one level");
     if (count <= PROTO_ISOLINES_LEVELS) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d levels are taken here; ask for fewer",
-                      PROTO_ISOLINES_LEVELS);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "at most %d levels are taken here; ask for fewer", PROTO_ISOLINES_LEVELS);
     proto_problem_at(problem, place);
     return proto_problem_limit(problem, PROTO_ISOLINES_LEVELS);
 }
@@ -48,22 +49,26 @@ static bool check_levels(const struct proto_isolines *isolines, struct proto_pro
 {
     for (uint32_t i = 0; i < isolines->level_count; i++)
         if (!(isolines->levels[i] >= 0))
-            return proto_problem_refuse(problem, isolines->place, "a level is a distance: a number of at least 0");
+            return proto_problem_refuse(problem, isolines->place,
+                                        "a level is a distance: a number of at least 0");
     return true;
 }
 
 static bool check_tolerance(const char *place, double tolerance, struct proto_problem *problem)
 {
-    return tolerance > 0 || proto_problem_refuse(problem, place, "the tolerance is a length of more than 0");
+    return tolerance > 0 ||
+           proto_problem_refuse(problem, place, "the tolerance is a length of more than 0");
 }
 
-/* --- from the body ------------------------------------------------------------------------------------------------ */
+/* --- from the body ---------------------------------------------------------------------------- */
 
-static bool decode_levels(const json_t *document, struct proto_isolines *out, struct proto_problem *problem)
+static bool decode_levels(const json_t *document, struct proto_isolines *out,
+                          struct proto_problem *problem)
 {
     const json_t *value = json_object_get(document, "levels");
     out->place = "/levels";
-    if (!json_is_array(value)) return proto_problem_refuse(problem, out->place, "expected an array of numbers");
+    if (!json_is_array(value))
+        return proto_problem_refuse(problem, out->place, "expected an array of numbers");
     if (!check_count(out->place, json_array_size(value), problem)) return false;
     out->level_count = (uint32_t)json_array_size(value);
     out->levels = malloc(out->level_count * sizeof *out->levels);
@@ -72,26 +77,31 @@ static bool decode_levels(const json_t *document, struct proto_isolines *out, st
            check_levels(out, problem);
 }
 
-static bool decode_count(const json_t *document, struct proto_isolines *out, struct proto_problem *problem)
+static bool decode_count(const json_t *document, struct proto_isolines *out,
+                         struct proto_problem *problem)
 {
     out->place = "/count";
     return proto_decode_index(document, "", "count", &out->level_count, problem) &&
            check_count(out->place, out->level_count, problem);
 }
 
-static bool decode(const json_t *document, struct proto_isolines *out, struct proto_problem *problem)
+static bool decode(const json_t *document, struct proto_isolines *out,
+                   struct proto_problem *problem)
 {
-    bool has_levels = json_object_get(document, "levels") != NULL, has_count = json_object_get(document, "count");
+    bool has_levels = json_object_get(document, "levels") != NULL,
+         has_count = json_object_get(document, "count");
     if (has_levels == has_count) return refuse_choice("", problem);
     if (!proto_decode_flag(document, "", "arcs", &out->wants_arcs, problem)) return false;
     if (json_object_get(document, "tolerance") &&
         (!proto_decode_number(document, "", "tolerance", &out->tolerance, problem) ||
          !check_tolerance("/tolerance", out->tolerance, problem)))
         return false;
-    return has_levels ? decode_levels(document, out, problem) : decode_count(document, out, problem);
+    return has_levels ? decode_levels(document, out, problem)
+                      : decode_count(document, out, problem);
 }
 
-bool proto_isolines_decode(const json_t *document, struct proto_isolines *out, struct proto_problem *problem)
+bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
+                           struct proto_problem *problem)
 {
     struct proto_isolines isolines = {0};
     if (!proto_decode_object(document, "", proto_isolines_parameters, problem)) return false;
@@ -103,9 +113,10 @@ bool proto_isolines_decode(const json_t *document, struct proto_isolines *out, s
     return true;
 }
 
-/* --- from the query string ---------------------------------------------------------------------------------------- */
+/* --- from the query string -------------------------------------------------------------------- */
 
-static bool parse_levels(const char *text, struct proto_isolines *out, struct proto_problem *problem)
+static bool parse_levels(const char *text, struct proto_isolines *out,
+                         struct proto_problem *problem)
 {
     uint64_t count = 1;
     out->place = "levels";
@@ -117,7 +128,8 @@ static bool parse_levels(const char *text, struct proto_isolines *out, struct pr
         size_t length = proto_number_parse(text, &out->levels[out->level_count++]);
         text += length;
         if (length == 0 || *text != (out->level_count < count ? ',' : '\0'))
-            return proto_problem_refuse(problem, out->place, "expected numbers with commas between them: 0.5,1");
+            return proto_problem_refuse(problem, out->place,
+                                        "expected numbers with commas between them: 0.5,1");
     }
     return check_levels(out, problem);
 }
@@ -127,12 +139,14 @@ static bool parse_count(const struct proto_parameters *parameters, struct proto_
 {
     uint64_t count = 0;
     out->place = "count";
-    if (!proto_parameters_integer(parameters, "count", 0, UINT32_MAX, &count, problem)) return false;
+    if (!proto_parameters_integer(parameters, "count", 0, UINT32_MAX, &count, problem))
+        return false;
     out->level_count = (uint32_t)count;
     return check_count(out->place, count, problem);
 }
 
-static bool parse_tolerance(const struct proto_parameters *parameters, double *out, struct proto_problem *problem)
+static bool parse_tolerance(const struct proto_parameters *parameters, double *out,
+                            struct proto_problem *problem)
 {
     const char *text = parameters->get(parameters->user, "tolerance");
     double tolerance = 0;
@@ -143,7 +157,8 @@ static bool parse_tolerance(const struct proto_parameters *parameters, double *o
     return check_tolerance("tolerance", tolerance, problem);
 }
 
-static bool parse_arcs(const struct proto_parameters *parameters, bool *out, struct proto_problem *problem)
+static bool parse_arcs(const struct proto_parameters *parameters, bool *out,
+                       struct proto_problem *problem)
 {
     static const char *const words[] = {"false", "true", NULL};
     unsigned word = 0;
@@ -152,7 +167,8 @@ static bool parse_arcs(const struct proto_parameters *parameters, bool *out, str
     return true;
 }
 
-static bool parse(const struct proto_parameters *parameters, struct proto_isolines *out, struct proto_problem *problem)
+static bool parse(const struct proto_parameters *parameters, struct proto_isolines *out,
+                  struct proto_problem *problem)
 {
     const char *levels = parameters->get(parameters->user, "levels");
     bool has_count = parameters->get(parameters->user, "count") != NULL;
@@ -174,9 +190,10 @@ bool proto_isolines_parse(const struct proto_parameters *parameters, struct prot
     return true;
 }
 
-/* --- on the field ------------------------------------------------------------------------------------------------- */
+/* --- on the field ----------------------------------------------------------------------------- */
 
-static bool spread_levels(struct proto_isolines *isolines, double most, struct proto_problem *problem)
+static bool spread_levels(struct proto_isolines *isolines, double most,
+                          struct proto_problem *problem)
 {
     isolines->levels = malloc(isolines->level_count * sizeof *isolines->levels);
     if (!isolines->levels) return refuse_memory(problem);
@@ -185,28 +202,32 @@ static bool spread_levels(struct proto_isolines *isolines, double most, struct p
     return true;
 }
 
-bool proto_isolines_settle(struct proto_isolines *isolines, const struct proto_field_description *field,
+bool proto_isolines_settle(struct proto_isolines *isolines,
+                           const struct proto_field_description *field,
                            struct proto_problem *problem)
 {
     double reach = field->max_distance > 0 ? field->max_distance : INFINITY;
-    if (!isolines->levels) return spread_levels(isolines, isnan(field->max) ? reach : field->max, problem);
+    if (!isolines->levels)
+        return spread_levels(isolines, isnan(field->max) ? reach : field->max, problem);
     for (uint32_t i = 0; i < isolines->level_count; i++)
         if (isolines->levels[i] > reach)
-            return proto_problem_refuse(problem, isolines->place,
-                                        "the level %.17g is beyond the field's max_distance, %.17g, where it ends; ask "
-                                        "for lower ones, or for a field that goes farther",
-                                        isolines->levels[i], reach);
+            return proto_problem_refuse(
+                problem, isolines->place,
+                "the level %.17g is beyond the field's max_distance, %.17g, where it ends; ask "
+                "for lower ones, or for a field that goes farther",
+                isolines->levels[i], reach);
     return true;
 }
 
 double proto_isolines_tolerance(const struct proto_isolines *isolines, const struct gd_mesh *mesh)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
-    return isolines->tolerance > 0 ? isolines->tolerance
-                                   : TOLERANCE_OF_DIAGONAL * gd_vec3_distance(summary->min, summary->max);
+    return isolines->tolerance > 0
+               ? isolines->tolerance
+               : TOLERANCE_OF_DIAGONAL * gd_vec3_distance(summary->min, summary->max);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 void proto_isolines_begin(struct proto_writer *writer)
 {
@@ -264,12 +285,14 @@ static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *
     struct gd_vec3 zero, quarter, x, y;
     gd_isoline_arc_axes(mesh, arc, &x, &y);
     gd_direction_axes(mesh, arc->face, &zero, &quarter);
-    double start = fmod(arc->from + atan2(gd_vec3_dot(x, quarter), gd_vec3_dot(x, zero)), 2 * M_PI) + 0.0;
+    double start =
+        fmod(arc->from + atan2(gd_vec3_dot(x, quarter), gd_vec3_dot(x, zero)), 2 * M_PI) + 0.0;
     if (start < 0) start += 2 * M_PI;
     return start < 2 * M_PI ? start : 0;
 }
 
-static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
+static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_isoline_arc *arc)
 {
     double start = start_of(mesh, arc);
     proto_member_xyz(writer, "centre", arc->centre);
@@ -278,7 +301,8 @@ static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_member_number(writer, "end", start + (arc->to - arc->from));
 }
 
-void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
+void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                      const struct gd_isoline_arc *arc)
 {
     proto_write_object_begin(writer);
     proto_member_uint(writer, "face", arc->face.index);

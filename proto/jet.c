@@ -7,13 +7,14 @@
 #include "proto/point.h"
 
 const char *const proto_jet_fields[] = {
-    "points", "xyz", "normal", "du", "dv", "duu", "duv", "dvv", "gaussian_curvature", "mean_curvature", NULL};
+    "points",         "xyz", "normal", "du", "dv", "duu", "duv", "dvv", "gaussian_curvature",
+    "mean_curvature", NULL};
 const char *const proto_foot_fields[] = {"uv", "xyz", "distance", NULL};
 
-/* --- the requests ------------------------------------------------------------------------------------------------- */
+/* --- the requests ----------------------------------------------------------------------------- */
 
-bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface, struct proto_uvs *out,
-                       struct proto_problem *problem)
+bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface,
+                       struct proto_uvs *out, struct proto_problem *problem)
 {
     static const char *const members[] = {"uv", NULL};
     struct proto_uvs uvs;
@@ -43,7 +44,7 @@ bool proto_foot_decode(const json_t *document, struct gd_vec3 *out, struct proto
     return true;
 }
 
-/* --- the answers -------------------------------------------------------------------------------------------------- */
+/* --- the answers ------------------------------------------------------------------------------ */
 
 static void encode_normal(struct proto_writer *writer, const struct gd_curvature *curvature)
 {
@@ -55,7 +56,8 @@ static void encode_normal(struct proto_writer *writer, const struct gd_curvature
 
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uint32_t fields)
 {
-    const uint32_t wanted = proto_fields_within(fields, PROTO_JET_FIELD_POINTS, ~(uint32_t)PROTO_JET_FIELD_POINTS);
+    const uint32_t wanted =
+        proto_fields_within(fields, PROTO_JET_FIELD_POINTS, ~(uint32_t)PROTO_JET_FIELD_POINTS);
     const struct gd_curvature curvature = gd_jet_curvature(jet);
     proto_write_object_begin(writer);
     if (wanted & PROTO_JET_FIELD_XYZ) proto_member_xyz(writer, "xyz", jet->x);
@@ -66,13 +68,15 @@ void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uin
     if (wanted & PROTO_JET_FIELD_DUV) proto_member_xyz(writer, "duv", jet->uv);
     if (wanted & PROTO_JET_FIELD_DVV) proto_member_xyz(writer, "dvv", jet->vv);
     if (wanted & PROTO_JET_FIELD_GAUSSIAN)
-        proto_member_number(writer, "gaussian_curvature", curvature.regular ? curvature.gaussian : NAN);
+        proto_member_number(writer, "gaussian_curvature",
+                            curvature.regular ? curvature.gaussian : NAN);
     if (wanted & PROTO_JET_FIELD_MEAN)
         proto_member_number(writer, "mean_curvature", curvature.regular ? curvature.mean : NAN);
     proto_write_object_end(writer);
 }
 
-void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot, uint32_t fields)
+void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot,
+                       uint32_t fields)
 {
     proto_write_object_begin(writer);
     if (fields & PROTO_FOOT_FIELD_UV) {

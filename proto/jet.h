@@ -1,7 +1,8 @@
 /* Jet: places of a parametric surface, evaluated, and the place nearest to a point of space.
  *
- *     evaluate   {"uv": [[u, v]…]}   -> {"points": [{"xyz", "normal", "du", "dv", "duu", "duv", "dvv", "gaussian_curvature", "mean_curvature"}…]}
- *     nearest    {"xyz": [x, y, z]}  -> {"uv", "xyz", "distance"} */
+ *     evaluate   {"uv": [[u, v]…]}   -> {"points": [{"xyz", "normal", "du", "dv", "duu", "duv",
+ * "dvv", "gaussian_curvature", "mean_curvature"}…]} nearest    {"xyz": [x, y, z]}  -> {"uv", "xyz",
+ * "distance"} */
 #ifndef PROTO_JET_H
 #define PROTO_JET_H
 
@@ -10,11 +11,13 @@
 
 #define PROTO_JETS 100000 /* most places of a request */
 
-/* Each place lies in the surface's domain. invalid_request, too_large, point_not_on_surface, insufficient_memory. Freed by proto_uvs_free. */
-bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface, struct proto_uvs *out,
-                       struct proto_problem *problem);
+/* Each place lies in the surface's domain. invalid_request, too_large, point_not_on_surface,
+ * insufficient_memory. Freed by proto_uvs_free. */
+bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface,
+                       struct proto_uvs *out, struct proto_problem *problem);
 
-/* Fields of the answer, as bits of proto_options.fields: its own one, which alone is all of them, and those of each point. */
+/* Fields of the answer, as bits of proto_options.fields: its own one, which alone is all of them,
+ * and those of each point. */
 enum proto_jet_field {
     PROTO_JET_FIELD_POINTS = 1 << 0,
     PROTO_JET_FIELD_XYZ = 1 << 1,
@@ -29,7 +32,8 @@ enum proto_jet_field {
 };
 extern const char *const proto_jet_fields[]; /* NULL-terminated, for proto_options_parse */
 
-/* Writes one point, of its fields the wanted ones. Normal and curvatures are null where the derivatives are parallel. */
+/* Writes one point, of its fields the wanted ones. Normal and curvatures are null where the
+ * derivatives are parallel. */
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uint32_t fields);
 
 /* The point of space. invalid_request. */
@@ -42,6 +46,7 @@ enum proto_foot_field {
 };
 extern const char *const proto_foot_fields[];
 
-void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot, uint32_t fields);
+void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot,
+                       uint32_t fields);
 
 #endif

@@ -44,8 +44,8 @@ static void encode_response(struct proto_writer *writer, const struct proto_job 
 /* The media types of this API that can stand inside JSON. */
 static bool is_json(const char *media_type)
 {
-    return media_type &&
-           (strcmp(media_type, "application/json") == 0 || strcmp(media_type, "application/problem+json") == 0);
+    return media_type && (strcmp(media_type, "application/json") == 0 ||
+                          strcmp(media_type, "application/problem+json") == 0);
 }
 
 static void encode_link(struct proto_writer *writer, const struct proto_job *job)
@@ -93,7 +93,8 @@ bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *
     return true;
 }
 
-void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail)
+void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
+                      enum proto_job_detail detail)
 {
     encode_told(writer, job);
     if (job->answer && shows_body(job, detail)) encode_body(writer, job);

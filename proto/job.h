@@ -9,11 +9,11 @@
 #include "proto/writer.h"
 
 /* X(NAME, name) */
-#define PROTO_JOB_STATES(X)                                                                                            \
-    X(QUEUED, queued)                                                                                                  \
-    X(RUNNING, running)                                                                                                \
-    X(DONE, done)                                                                                                      \
-    X(FAILED, failed)                                                                                                  \
+#define PROTO_JOB_STATES(X)                                                                        \
+    X(QUEUED, queued)                                                                              \
+    X(RUNNING, running)                                                                            \
+    X(DONE, done)                                                                                  \
+    X(FAILED, failed)                                                                              \
     X(CANCELLED, cancelled)
 
 enum proto_job_state {
@@ -52,10 +52,12 @@ struct proto_job {
     const struct proto_job_answer *answer; /* NULL: none, or not yet */
 };
 
-/* How much of a job is told: BRIEF leaves the body of its answer out, EVENT that of a result but not that of a problem. */
+/* How much of a job is told: BRIEF leaves the body of its answer out, EVENT that of a result but
+ * not that of a problem. */
 enum proto_job_detail { PROTO_JOB_BRIEF, PROTO_JOB_EVENT, PROTO_JOB_FULL };
 
-void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail);
+void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
+                      enum proto_job_detail detail);
 
 /* The same as FULL up to where the body of its answer stands, then PROTO_JOB_TAIL follows. False,
  * with nothing written, when no body stands there as it is. */

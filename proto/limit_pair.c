@@ -6,13 +6,14 @@
 #include "proto/limit_trace.h"
 #include "proto/member.h"
 
-#define DISTANCE_FIELDS "distance", "reason", "error_estimate", "relaxed", "mesh_distance", "level", "from", "to"
+#define DISTANCE_FIELDS                                                                            \
+    "distance", "reason", "error_estimate", "relaxed", "mesh_distance", "level", "from", "to"
 
 const char *const proto_limit_distance_fields[] = {DISTANCE_FIELDS, NULL};
 const char *const proto_limit_path_fields[] = {DISTANCE_FIELDS, "path", NULL};
 
-bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface, struct proto_limit_pair *out,
-                             struct proto_problem *problem)
+bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
+                             struct proto_limit_pair *out, struct proto_problem *problem)
 {
     static const char *const members[] = {"from", "to", "level", NULL};
     struct proto_limit_pair pair;
@@ -25,22 +26,27 @@ bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision
     return true;
 }
 
-static void encode_number(struct proto_writer *writer, const char *key, double value, bool is_wanted)
+static void encode_number(struct proto_writer *writer, const char *key, double value,
+                          bool is_wanted)
 {
     if (!is_wanted) return;
     proto_member_number(writer, key, value); /* infinite: null */
 }
 
-static void encode_distance(struct proto_writer *writer, const struct gd_limit_shortest *found, uint32_t fields)
+static void encode_distance(struct proto_writer *writer, const struct gd_limit_shortest *found,
+                            uint32_t fields)
 {
     bool is_there = isfinite(found->distance);
     encode_number(writer, "distance", found->distance, fields & PROTO_LIMIT_PAIR_FIELD_DISTANCE);
     if (!is_there && fields & (PROTO_LIMIT_PAIR_FIELD_DISTANCE | PROTO_LIMIT_PAIR_FIELD_REASON))
         proto_member_string(writer, "reason", "no_path");
     if (!is_there) return;
-    encode_number(writer, "error_estimate", found->error_estimate, fields & PROTO_LIMIT_PAIR_FIELD_ERROR);
-    if (fields & PROTO_LIMIT_PAIR_FIELD_RELAXED) proto_member_bool(writer, "relaxed", found->relaxed);
-    encode_number(writer, "mesh_distance", found->mesh_distance, fields & PROTO_LIMIT_PAIR_FIELD_MESH_DISTANCE);
+    encode_number(writer, "error_estimate", found->error_estimate,
+                  fields & PROTO_LIMIT_PAIR_FIELD_ERROR);
+    if (fields & PROTO_LIMIT_PAIR_FIELD_RELAXED)
+        proto_member_bool(writer, "relaxed", found->relaxed);
+    encode_number(writer, "mesh_distance", found->mesh_distance,
+                  fields & PROTO_LIMIT_PAIR_FIELD_MESH_DISTANCE);
 }
 
 static void encode_path(struct proto_writer *writer, const struct gd_limit_shortest *found,

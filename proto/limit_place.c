@@ -13,15 +13,16 @@ void proto_limit_places_free(struct proto_limit_places *places)
     *places = (struct proto_limit_places){0};
 }
 
-/* --- from the request --------------------------------------------------------------------------------------------- */
+/* --- from the request ------------------------------------------------------------------------- */
 
-static bool check(const struct gd_subdivision *surface, struct gd_limit_point *place, const char *pointer,
-                  struct proto_problem *problem)
+static bool check(const struct gd_subdivision *surface, struct gd_limit_point *place,
+                  const char *pointer, struct proto_problem *problem)
 {
     struct gd_detail detail = {0};
     enum gd_status status = gd_limit_place_check(surface, place, &detail);
     if (!status) return true;
-    proto_problem_from_status(problem, status == GD_INVALID_ARGUMENT ? GD_NOT_ON_SURFACE : status, &detail);
+    proto_problem_from_status(problem, status == GD_INVALID_ARGUMENT ? GD_NOT_ON_SURFACE : status,
+                              &detail);
     proto_problem_at(problem, pointer);
     return proto_problem_descend(problem, status == GD_INVALID_ARGUMENT ? "uv" : "face");
 }
@@ -36,7 +37,8 @@ static bool decode(const json_t *value, const char *pointer, const struct gd_sub
         !proto_decode_index(value, pointer, "face", &place.face, problem) ||
         !proto_decode_numbers(value, pointer, "uv", 2, uv, problem))
         return false;
-    if (json_object_get(value, "corner") && !proto_decode_index(value, pointer, "corner", &place.corner, problem))
+    if (json_object_get(value, "corner") &&
+        !proto_decode_index(value, pointer, "corner", &place.corner, problem))
         return false;
     place.u = uv[0];
     place.v = uv[1];
@@ -45,8 +47,9 @@ static bool decode(const json_t *value, const char *pointer, const struct gd_sub
     return true;
 }
 
-bool proto_limit_place_decode(const json_t *document, const char *member, const struct gd_subdivision *surface,
-                              struct gd_limit_point *out, struct proto_problem *problem)
+bool proto_limit_place_decode(const json_t *document, const char *member,
+                              const struct gd_subdivision *surface, struct gd_limit_point *out,
+                              struct proto_problem *problem)
 {
     char pointer[PROTO_POINT_PLACE];
     const json_t *value = proto_decode_member(document, "", member, problem);
@@ -64,8 +67,8 @@ static const json_t *find_points(const json_t *document, struct proto_problem *p
         proto_problem_refuse(problem, "/points", "expected an array of at least one place");
         return NULL;
     }
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d places are taken here; send fewer",
-                      PROTO_LIMIT_PLACES);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "at most %d places are taken here; send fewer", PROTO_LIMIT_PLACES);
     proto_problem_at(problem, "/points");
     proto_problem_limit(problem, PROTO_LIMIT_PLACES);
     return NULL;
@@ -90,7 +93,7 @@ bool proto_limit_places_decode(const json_t *document, const struct gd_subdivisi
     return true;
 }
 
-/* --- in answers --------------------------------------------------------------------------------------------------- */
+/* --- in answers ------------------------------------------------------------------------------- */
 
 void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_point *place)
 {
@@ -100,7 +103,8 @@ void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_
     proto_write_numbers(writer, (double[]){place->u, place->v}, 2);
 }
 
-void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place, struct gd_vec3 xyz)
+void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place,
+                              struct gd_vec3 xyz)
 {
     proto_write_object_begin(writer);
     proto_limit_place_write(writer, place);

@@ -21,11 +21,14 @@ struct proto_limit_places { /* all zero is an empty list */
 
 void proto_limit_places_free(struct proto_limit_places *places); /* leaves an empty list */
 
-/* The member, a place of the surface. invalid_request (its form, its face or its corner), point_not_on_surface (u, v outside of the face). */
-bool proto_limit_place_decode(const json_t *document, const char *member, const struct gd_subdivision *surface,
-                              struct gd_limit_point *out, struct proto_problem *problem);
+/* The member, a place of the surface. invalid_request (its form, its face or its corner),
+ * point_not_on_surface (u, v outside of the face). */
+bool proto_limit_place_decode(const json_t *document, const char *member,
+                              const struct gd_subdivision *surface, struct gd_limit_point *out,
+                              struct proto_problem *problem);
 
-/* The member "points", 1 to PROTO_LIMIT_PLACES of them. The same problems, too_large, insufficient_memory. */
+/* The member "points", 1 to PROTO_LIMIT_PLACES of them. The same problems, too_large,
+ * insufficient_memory. */
 bool proto_limit_places_decode(const json_t *document, const struct gd_subdivision *surface,
                                struct proto_limit_places *out, struct proto_problem *problem);
 
@@ -33,6 +36,7 @@ bool proto_limit_places_decode(const json_t *document, const struct gd_subdivisi
 void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_point *place);
 
 /* Writes {"face", "uv", "xyz"}. */
-void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place, struct gd_vec3 xyz);
+void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place,
+                              struct gd_vec3 xyz);
 
 #endif

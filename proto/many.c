@@ -6,16 +6,18 @@
 #include "proto/decode.h"
 #include "proto/member.h"
 
-static const char *const queries[] = {[PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
+static const char *const queries[] = {
+    [PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
 
 const char *proto_many_query_name(enum proto_many_query query)
 {
     return queries[query];
 }
 
-/* --- reading ------------------------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
-static bool read_query(const json_t *document, enum proto_many_query *out, struct proto_problem *problem)
+static bool read_query(const json_t *document, enum proto_many_query *out,
+                       struct proto_problem *problem)
 {
     const char *name = json_string_value(json_object_get(document, "query"));
     for (int i = 0; name && i < (int)(sizeof queries / sizeof queries[0]); i++) {
@@ -23,7 +25,8 @@ static bool read_query(const json_t *document, enum proto_many_query *out, struc
         *out = (enum proto_many_query)i;
         return true;
     }
-    return proto_problem_refuse(problem, "/query", "a batch is of the query \"all-pairs\" or \"fields\"");
+    return proto_problem_refuse(problem, "/query",
+                                "a batch is of the query \"all-pairs\" or \"fields\"");
 }
 
 static bool check_name(const json_t *value, const char *place, struct proto_problem *problem)
@@ -35,7 +38,8 @@ static bool check_name(const json_t *value, const char *place, struct proto_prob
 }
 
 /* The array of that name, which has 1 to PROTO_MANY_ITEMS members; else NULL with the problem. */
-static const json_t *read_list(const json_t *document, const char *member, struct proto_problem *problem)
+static const json_t *read_list(const json_t *document, const char *member,
+                               struct proto_problem *problem)
 {
     const json_t *list = proto_decode_member(document, "", member, problem);
     size_t count = json_array_size(list);
@@ -53,13 +57,16 @@ static bool check_vertices(const json_t *list, struct proto_problem *problem)
     json_array_foreach(list, i, value)
     {
         double index = json_number_value(value);
-        if (!json_is_number(value) || index < 0 || index > UINT32_MAX - 1 || index != (double)(uint32_t)index)
-            return proto_problem_refuse(problem, "/vertices", "member %zu is no index of a vertex", i);
+        if (!json_is_number(value) || index < 0 || index > UINT32_MAX - 1 ||
+            index != (double)(uint32_t)index)
+            return proto_problem_refuse(problem, "/vertices", "member %zu is no index of a vertex",
+                                        i);
     }
     return true;
 }
 
-static bool decode_all_pairs(const json_t *document, struct proto_many *out, struct proto_problem *problem)
+static bool decode_all_pairs(const json_t *document, struct proto_many *out,
+                             struct proto_problem *problem)
 {
     static const char *const members[] = {"query", "mesh", "vertices", NULL};
     if (!proto_decode_object(document, "", members, problem)) return false;
@@ -70,7 +77,8 @@ static bool decode_all_pairs(const json_t *document, struct proto_many *out, str
     return true;
 }
 
-static bool decode_fields(const json_t *document, struct proto_many *out, struct proto_problem *problem)
+static bool decode_fields(const json_t *document, struct proto_many *out,
+                          struct proto_problem *problem)
 {
     static const char *const members[] = {"query", "meshes", "set", "max_distance", NULL};
     size_t i;
@@ -97,7 +105,8 @@ bool proto_many_decode(json_t *document, struct proto_many *out, struct proto_pr
     return is_fine;
 }
 
-bool proto_many_read(const void *text, size_t size, struct proto_many *out, struct proto_problem *problem)
+bool proto_many_read(const void *text, size_t size, struct proto_many *out,
+                     struct proto_problem *problem)
 {
     json_t *document = proto_decode_document(text, size, problem);
     if (document && proto_many_decode(document, out, problem)) return true;
@@ -111,22 +120,24 @@ void proto_many_free(struct proto_many *many)
     many->document = NULL;
 }
 
-/* --- asking ------------------------------------------------------------------------------------------------------- */
+/* --- asking ----------------------------------------------------------------------------------- */
 
 const char *proto_many_mesh(const struct proto_many *many, uint32_t item)
 {
     const json_t *names = json_object_get(many->document, "meshes");
-    return json_string_value(many->query == PROTO_MANY_FIELDS ? json_array_get(names, item)
-                                                              : json_object_get(many->document, "mesh"));
+    return json_string_value(many->query == PROTO_MANY_FIELDS
+                                 ? json_array_get(names, item)
+                                 : json_object_get(many->document, "mesh"));
 }
 
 static uint32_t vertex_of(const struct proto_many *many, uint32_t item)
 {
-    return (uint32_t)json_number_value(json_array_get(json_object_get(many->document, "vertices"), item));
+    return (uint32_t)json_number_value(
+        json_array_get(json_object_get(many->document, "vertices"), item));
 }
 
-static void write_vertices(struct proto_writer *body, const char *key, const struct proto_many *many, uint32_t from,
-                           uint32_t to)
+static void write_vertices(struct proto_writer *body, const char *key,
+                           const struct proto_many *many, uint32_t from, uint32_t to)
 {
     proto_write_key(body, key);
     proto_write_array_begin(body);
@@ -144,12 +155,14 @@ static int append(const char *text, size_t size, void *writer)
     return 0;
 }
 
-static void copy_member(struct proto_writer *body, const struct proto_many *many, const char *member)
+static void copy_member(struct proto_writer *body, const struct proto_many *many,
+                        const char *member)
 {
     const json_t *value = json_object_get(many->document, member);
     if (!value) return;
     proto_write_key(body, member);
-    if (json_dump_callback(value, append, body, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)))
+    if (json_dump_callback(value, append, body,
+                           JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)))
         body->failure = PROTO_WRITER_NO_MEMORY;
     body->comma = true;
 }
@@ -168,14 +181,17 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
     return many->query == PROTO_MANY_ALL_PAIRS ? "matrix" : "fields";
 }
 
-/* --- telling ------------------------------------------------------------------------------------------------------ */
+/* --- telling ---------------------------------------------------------------------------------- */
 
 void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state)
 {
     bool is_done = state->done == state->items;
     proto_write_object_begin(writer);
     proto_member_string(writer, "id", state->id);
-    proto_member_string(writer, "state", is_done ? "done" : state->is_cancelled ? "cancelled" : "running");
+    proto_member_string(writer, "state",
+                        is_done               ? "done"
+                        : state->is_cancelled ? "cancelled"
+                                              : "running");
     proto_member_int(writer, "items", state->items);
     proto_member_int(writer, "done", state->done);
     proto_member_int(writer, "failed", state->failed);
@@ -184,14 +200,15 @@ void proto_many_encode(struct proto_writer *writer, const struct proto_many_stat
     proto_write_object_end(writer);
 }
 
-void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many, uint32_t item,
-                              unsigned status, const char *answer, size_t size)
+void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
+                              uint32_t item, unsigned status, const char *answer, size_t size)
 {
     proto_write_object_begin(writer);
     proto_member_int(writer, "item", item);
     proto_member_int(writer, "status", status);
     proto_member_string(writer, "mesh", proto_many_mesh(many, item));
-    if (many->query == PROTO_MANY_ALL_PAIRS) proto_member_int(writer, "vertex", vertex_of(many, item));
+    if (many->query == PROTO_MANY_ALL_PAIRS)
+        proto_member_int(writer, "vertex", vertex_of(many, item));
     proto_write_key(writer, status < 400 ? "answer" : "problem");
     proto_write_raw(writer, answer, size);
     proto_write_object_end(writer);

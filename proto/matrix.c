@@ -9,7 +9,7 @@
 
 const char *const proto_matrix_fields[] = {"distances", "reasons", NULL};
 
-/* --- the request ------------------------------------------------------------------------------------------------ */
+/* --- the request ------------------------------------------------------------------------------ */
 
 void proto_matrix_free(struct proto_matrix *matrix)
 {
@@ -21,7 +21,8 @@ static bool decode_points(const json_t *document, const char *pointer, struct pr
                           struct proto_problem *problem)
 {
     const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
-    if (!value || !proto_points_decode(out, value, pointer, PROTO_MATRIX_ENTRIES, problem)) return false;
+    if (!value || !proto_points_decode(out, value, pointer, PROTO_MATRIX_ENTRIES, problem))
+        return false;
     return out->count || proto_problem_refuse(problem, pointer, "name at least one point");
 }
 
@@ -29,22 +30,27 @@ static bool check_size(const struct proto_matrix *matrix, struct proto_problem *
 {
     uint64_t entries = (uint64_t)matrix->sources.count * matrix->targets.count;
     if (entries <= PROTO_MATRIX_ENTRIES) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "%u sources and %u targets make %llu distances, more than %d; ask for the matrix in parts",
-                      matrix->sources.count, matrix->targets.count, (unsigned long long)entries, PROTO_MATRIX_ENTRIES);
+    proto_problem_set(
+        problem, PROTO_PROBLEM_TOO_LARGE,
+        "%u sources and %u targets make %llu distances, more than %d; ask for the matrix in parts",
+        matrix->sources.count, matrix->targets.count, (unsigned long long)entries,
+        PROTO_MATRIX_ENTRIES);
     proto_problem_at(problem, "");
     return proto_problem_limit(problem, PROTO_MATRIX_ENTRIES);
 }
 
-static bool decode(const json_t *document, struct proto_matrix *matrix, struct proto_problem *problem)
+static bool decode(const json_t *document, struct proto_matrix *matrix,
+                   struct proto_problem *problem)
 {
     if (!proto_decode_max_distance(document, &matrix->max_distance, problem)) return false;
     if (!matrix->max_distance) matrix->max_distance = INFINITY;
     return decode_points(document, "/sources", &matrix->sources, problem) &&
-           decode_points(document, "/targets", &matrix->targets, problem) && check_size(matrix, problem);
+           decode_points(document, "/targets", &matrix->targets, problem) &&
+           check_size(matrix, problem);
 }
 
-bool proto_matrix_decode(const json_t *document, struct proto_matrix *out, struct proto_problem *problem)
+bool proto_matrix_decode(const json_t *document, struct proto_matrix *out,
+                         struct proto_problem *problem)
 {
     static const char *const members[] = {"sources", "targets", "max_distance", NULL};
     struct proto_matrix matrix = {0};
@@ -57,7 +63,7 @@ bool proto_matrix_decode(const json_t *document, struct proto_matrix *out, struc
     return false;
 }
 
-/* --- the answer ------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static bool has_nulls(const struct proto_matrix_answer *answer)
 {
@@ -78,8 +84,9 @@ static void write_reasons(struct proto_writer *writer, const double *distances, 
     proto_write_array_end(writer);
 }
 
-static void write_rows(struct proto_writer *writer, const char *key, const struct proto_matrix_answer *answer,
-                       void (*write_row)(struct proto_writer *writer, const double *distances, size_t count))
+static void
+write_rows(struct proto_writer *writer, const char *key, const struct proto_matrix_answer *answer,
+           void (*write_row)(struct proto_writer *writer, const double *distances, size_t count))
 {
     proto_write_key(writer, key);
     proto_write_array_begin(writer);
@@ -92,7 +99,8 @@ void proto_matrix_encode(struct proto_writer *writer, const struct proto_matrix_
                          const struct proto_options *options)
 {
     proto_write_object_begin(writer);
-    if (options->fields & PROTO_MATRIX_FIELD_DISTANCES) write_rows(writer, "distances", answer, proto_write_numbers);
+    if (options->fields & PROTO_MATRIX_FIELD_DISTANCES)
+        write_rows(writer, "distances", answer, proto_write_numbers);
     if (options->fields && has_nulls(answer)) write_rows(writer, "reasons", answer, write_reasons);
     proto_write_object_end(writer);
 }

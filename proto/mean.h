@@ -1,4 +1,5 @@
-/* Mean: the weighted mean of points of a surface. The request is {"points", "weights"?, "method"?}. */
+/* Mean: the weighted mean of points of a surface. The request is {"points", "weights"?, "method"?}.
+ */
 #ifndef PROTO_MEAN_H
 #define PROTO_MEAN_H
 
@@ -15,7 +16,8 @@ struct proto_mean { /* all zero is an empty one */
 };
 
 /* invalid_request, too_large (with the limit), insufficient_memory. Freed by proto_mean_free. */
-bool proto_mean_decode(const json_t *document, struct proto_mean *out, struct proto_problem *problem);
+bool proto_mean_decode(const json_t *document, struct proto_mean *out,
+                       struct proto_problem *problem);
 void proto_mean_free(struct proto_mean *mean); /* a second time is harmless */
 
 /* Fields of the answer, as bits of proto_options.fields. */
@@ -30,7 +32,7 @@ enum proto_mean_field {
 extern const char *const proto_mean_fields[]; /* NULL-terminated, for proto_options_parse */
 
 /* Writes {"point", "residual", "spread", "iterations", "converged"}, of these the wanted ones. */
-void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_mean *mean,
-                       const struct proto_options *options);
+void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                       const struct gd_mean *mean, const struct proto_options *options);
 
 #endif

@@ -9,7 +9,7 @@
 #include "proto/page.h"
 #include "proto/point.h"
 
-/* --- name --------------------------------------------------------------------------------------------------------- */
+/* --- name ------------------------------------------------------------------------------------- */
 
 static bool is_name_character(char character, bool first)
 {
@@ -22,20 +22,24 @@ bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem
 {
     bool good = length > 0 && length <= PROTO_MESH_NAME;
     for (size_t i = 0; good && i < length; i++) good = is_name_character(name[i], i == 0);
-    return good || proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                                     "a name has 1 to %d characters of A-Z a-z 0-9 . _ - and does not begin with a dot",
-                                     PROTO_MESH_NAME);
+    return good ||
+           proto_problem_set(
+               problem, PROTO_PROBLEM_INVALID_REQUEST,
+               "a name has 1 to %d characters of A-Z a-z 0-9 . _ - and does not begin with a dot",
+               PROTO_MESH_NAME);
 }
 
-/* --- options of an upload ----------------------------------------------------------------------------------------- */
+/* --- options of an upload --------------------------------------------------------------------- */
 
-static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out, struct proto_problem *problem)
+static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out,
+                         struct proto_problem *problem)
 {
     const char *name = parameters->get(parameters->user, "format");
     if (!name) return true;
     enum gd_format format = gd_format_by_name(name);
     if (format == GD_FORMAT_ANY)
-        return proto_problem_refuse(problem, "format", "expected one of: obj ply stl off json glb gltf");
+        return proto_problem_refuse(problem, "format",
+                                    "expected one of: obj ply stl off json glb gltf");
     *out = format;
     return true;
 }
@@ -48,7 +52,8 @@ static bool parse_weld(const struct proto_parameters *parameters, struct gd_mesh
     double tolerance = -1;
     size_t length = proto_number_parse(text, &tolerance);
     if (length == 0 || text[length] != '\0' || tolerance < 0)
-        return proto_problem_refuse(problem, "weld", "expected a length: a finite number of at least 0");
+        return proto_problem_refuse(problem, "weld",
+                                    "expected a length: a finite number of at least 0");
     out->weld = true;
     out->weld_tolerance = tolerance;
     return true;
@@ -64,8 +69,8 @@ static bool parse_repair(const struct proto_parameters *parameters, struct gd_me
     return true;
 }
 
-bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct proto_mesh_options *out,
-                              struct proto_problem *problem)
+bool proto_mesh_options_parse(const struct proto_parameters *parameters,
+                              struct proto_mesh_options *out, struct proto_problem *problem)
 {
     static const char *const names[] = {"format", "weld", "repair", "triangulate", NULL};
     static const char *const booleans[] = {"false", "true", NULL};
@@ -75,14 +80,15 @@ bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct 
     if (!parse_format(parameters, &options.format, problem)) return false;
     if (!parse_weld(parameters, &options.build, problem)) return false;
     if (!parse_repair(parameters, &options.build, problem)) return false;
-    if (!proto_parameters_choice(parameters, "triangulate", booleans, &triangulate, problem)) return false;
+    if (!proto_parameters_choice(parameters, "triangulate", booleans, &triangulate, problem))
+        return false;
     options.build.refuse_polygons = !triangulate;
     *out = options;
     return true;
 }
 
-enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes, size_t size,
-                                        const char *content_type)
+enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes,
+                                        size_t size, const char *content_type)
 {
     if (options->format != GD_FORMAT_ANY) return options->format;
     enum gd_format format = gd_format_recognise(bytes, size);
@@ -90,7 +96,7 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
     return gd_format_by_media_type(content_type);
 }
 
-/* --- format on the way out ---------------------------------------------------------------------------------------- */
+/* --- format on the way out -------------------------------------------------------------------- */
 
 /* In order of preference at equal quality. */
 static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,
@@ -106,15 +112,14 @@ static bool negotiate(const char *accept, enum gd_format *out, struct proto_prob
         best = quality;
         *out = content_formats[i];
     }
-    return best > 0 ||
-           proto_problem_set(
-               problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
-               "a mesh can be had as model/obj, application/x-ply, text/x-off, model/stl, model/gltf-binary or "
-               "model/gltf+json; see Accept");
+    return best > 0 || proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                                         "a mesh can be had as model/obj, application/x-ply, "
+                                         "text/x-off, model/stl, model/gltf-binary or "
+                                         "model/gltf+json; see Accept");
 }
 
-bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept, enum gd_format *out,
-                               struct proto_problem *problem)
+bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
+                               enum gd_format *out, struct proto_problem *problem)
 {
     static const char *const names[] = {"format", NULL};
     enum gd_format format = GD_FORMAT_ANY;
@@ -127,7 +132,7 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
     return true;
 }
 
-/* --- description -------------------------------------------------------------------------------------------------- */
+/* --- description ------------------------------------------------------------------------------ */
 
 static void encode_boundary(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t loop)
 {
@@ -138,16 +143,19 @@ static void encode_boundary(struct proto_writer *writer, const struct gd_mesh *m
     proto_write_object_end(writer);
 }
 
-static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t count)
+static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh,
+                              uint32_t count)
 {
     proto_member_uint(writer, "boundary_count", count);
     proto_write_key(writer, "boundaries");
     proto_write_array_begin(writer);
-    for (uint32_t loop = 0; loop < count && loop < PROTO_MESH_BOUNDARIES; loop++) encode_boundary(writer, mesh, loop);
+    for (uint32_t loop = 0; loop < count && loop < PROTO_MESH_BOUNDARIES; loop++)
+        encode_boundary(writer, mesh, loop);
     proto_write_array_end(writer);
 }
 
-void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after, uint32_t limit)
+void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after,
+                             uint32_t limit)
 {
     uint32_t count = gd_mesh_summary(mesh)->boundaries;
     uint32_t first = after < (int64_t)count ? (uint32_t)(after + 1) : count;
@@ -166,12 +174,14 @@ static int append(const char *text, size_t size, void *writer)
 
 char *proto_mesh_shorten(const char *description)
 {
-    json_t *document = json_loads(description, 0, NULL), *boundaries = json_object_get(document, "boundaries");
+    json_t *document = json_loads(description, 0, NULL),
+           *boundaries = json_object_get(document, "boundaries");
     json_int_t count = (json_int_t)json_array_size(boundaries);
     struct proto_writer writer;
     size_t size = 0;
     proto_writer_init(&writer, strlen(description));
-    if (count > PROTO_MESH_BOUNDARIES && !json_object_set_new(document, "boundary_count", json_integer(count))) {
+    if (count > PROTO_MESH_BOUNDARIES &&
+        !json_object_set_new(document, "boundary_count", json_integer(count))) {
         while (json_array_size(boundaries) > PROTO_MESH_BOUNDARIES)
             (void)json_array_remove(boundaries, json_array_size(boundaries) - 1);
         if (json_dump_callback(document, append, &writer, JSON_COMPACT | JSON_REAL_PRECISION(17)))
@@ -268,9 +278,12 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
 {
     const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
     const struct kind kinds[] = {
-        {"edges_split", &repair->edges_split, false},         {"vertices_split", &repair->vertices_split, false},
-        {"vertices_welded", &repair->vertices_welded, false}, {"vertices_merged", &repair->vertices_merged, false},
-        {"duplicate_faces", &repair->duplicate_faces, false}, {"degenerate_faces", &repair->degenerate_faces, true},
+        {"edges_split", &repair->edges_split, false},
+        {"vertices_split", &repair->vertices_split, false},
+        {"vertices_welded", &repair->vertices_welded, false},
+        {"vertices_merged", &repair->vertices_merged, false},
+        {"duplicate_faces", &repair->duplicate_faces, false},
+        {"degenerate_faces", &repair->degenerate_faces, true},
         {"edges_flipped", &repair->edges_flipped, false},
     };
     proto_write_key(writer, "repair");
@@ -286,7 +299,8 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
     proto_write_object_end(writer);
 }
 
-void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_description *description)
+void proto_mesh_encode(struct proto_writer *writer,
+                       const struct proto_mesh_description *description)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(description->mesh);
     proto_write_object_begin(writer);

@@ -5,16 +5,18 @@
 
 #include "gd/number.h"
 
-static const char digit_pairs[] =
-    "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748"
-    "4950515253545556575859606162636465666768697071727374757677787980818283848586878889909192939495969798"
-    "99";
+static const char digit_pairs[] = "0001020304050607080910111213141516171819202122232425262728293031"
+                                  "3233343536373839404142434445464748"
+                                  "4950515253545556575859606162636465666768697071727374757677787980"
+                                  "818283848586878889909192939495969798"
+                                  "99";
 
 size_t proto_integer_print(uint64_t value, char *out)
 {
     char digits[PROTO_INTEGER_SIZE];
     size_t at = sizeof digits;
-    for (; value >= 100; value /= 100) memcpy(digits + (at -= 2), digit_pairs + 2 * (value % 100), 2);
+    for (; value >= 100; value /= 100)
+        memcpy(digits + (at -= 2), digit_pairs + 2 * (value % 100), 2);
     if (value >= 10)
         memcpy(digits + (at -= 2), digit_pairs + 2 * value, 2);
     else
@@ -50,7 +52,8 @@ static size_t number_length(const char *text)
         if (exponent == 0) return 0;
         at += exponent;
     }
-    if (*at == 'x' || *at == 'X') return 0; /* "0x10" is not the number 0 with something behind it */
+    /* "0x10" is not the number 0 with something behind it */
+    if (*at == 'x' || *at == 'X') return 0;
     return (size_t)(at - text);
 }
 

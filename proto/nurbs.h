@@ -1,7 +1,8 @@
 /* NURBS: the resource. Its file, which is JSON,
  *
  *     {"degreeU", "degreeV", "knotsU", "knotsV", "controlPoints", "weights"?, "convention"?}
- *     {"parametric": {…}}                                                                        a surface of known shape (parametric.h)
+ *     {"parametric": {…}}                                                                        a
+ * surface of known shape (parametric.h)
  *
  * the options of an upload, and its description. No JSON library shows here. */
 #ifndef PROTO_NURBS_H
@@ -21,8 +22,8 @@ struct proto_nurbs_options {
 };
 
 /* Reads convention, and format, which can only be json, and refuses any other parameter. */
-bool proto_nurbs_options_parse(const struct proto_parameters *parameters, struct proto_nurbs_options *out,
-                               struct proto_problem *problem);
+bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
+                               struct proto_nurbs_options *out, struct proto_problem *problem);
 
 /* What a file says of its surface. */
 struct proto_nurbs_form {
@@ -32,10 +33,12 @@ struct proto_nurbs_form {
     bool is_rational;                              /* the weights differ */
 };
 
-/* The surface of a file. invalid_request: it is not JSON of this form; invalid_mesh with the flaw's name as reason: its numbers are no surface;
- * too_large, insufficient_memory. The caller releases `*out`. Memory: about 70 bytes a number. */
+/* The surface of a file. invalid_request: it is not JSON of this form; invalid_mesh with the flaw's
+ * name as reason: its numbers are no surface; too_large, insufficient_memory. The caller releases
+ * `*out`. Memory: about 70 bytes a number. */
 bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_options *options,
-                      struct gd_parametric **out, struct proto_nurbs_form *form, struct proto_problem *problem);
+                      struct gd_parametric **out, struct proto_nurbs_form *form,
+                      struct proto_problem *problem);
 
 /* All strings are borrowed. */
 struct proto_nurbs_description {
@@ -46,10 +49,12 @@ struct proto_nurbs_description {
     uint64_t memory_bytes;
     struct proto_nurbs_form form;
     const struct gd_parametric *surface;
-    uint64_t seeding_faces; /* of the tessellation that shortest paths are first looked for on; 0: it has none, */
-    const char *obstacle;   /* and why */
+    /* of the tessellation that shortest paths are first looked for on; 0: it has none, */
+    uint64_t seeding_faces;
+    const char *obstacle; /* and why */
 };
 
-void proto_nurbs_encode(struct proto_writer *writer, const struct proto_nurbs_description *description);
+void proto_nurbs_encode(struct proto_writer *writer,
+                        const struct proto_nurbs_description *description);
 
 #endif

@@ -6,13 +6,16 @@
 #include "proto/member.h"
 #include "proto/problem.h"
 
-bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out, struct proto_problem *problem)
+bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
+                      struct proto_problem *problem)
 {
     static const char *const names[] = {"limit", "after", NULL};
     uint64_t limit = PROTO_PAGE_DEFAULT;
     if (!proto_parameters_check(parameters, names, problem)) return false;
-    if (!proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem)) return false;
-    *out = (struct proto_page){.limit = (uint32_t)limit, .after = parameters->get(parameters->user, "after")};
+    if (!proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem))
+        return false;
+    *out = (struct proto_page){.limit = (uint32_t)limit,
+                               .after = parameters->get(parameters->user, "after")};
     return true;
 }
 
@@ -21,7 +24,8 @@ bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto
     char *end = NULL;
     *out = page->after ? strtoll(page->after, &end, 10) : -1;
     if (!page->after || (end != page->after && !*end && *out >= 0)) return true;
-    return proto_problem_refuse(problem, "after", "write the number of an item, as `next` of the page before has it");
+    return proto_problem_refuse(problem, "after",
+                                "write the number of an item, as `next` of the page before has it");
 }
 
 const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER])

@@ -11,7 +11,7 @@ const char *const proto_distance_fields[] = {"distance", "reason", "from", "to",
 const char *const proto_path_fields[] = {"distance", "reason", "from", "to", "via", "path", NULL};
 const char *const proto_pair_parameters[] = {"from", "to", "via", NULL};
 
-/* --- the request ------------------------------------------------------------------------------------------------ */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool decode_end(struct proto_points *stops, const json_t *document, const char *pointer,
                        struct proto_problem *problem)
@@ -21,7 +21,8 @@ static bool decode_end(struct proto_points *stops, const json_t *document, const
     return end && proto_point_decode(value, pointer, end, problem);
 }
 
-static bool decode_stops(const json_t *document, struct proto_points *stops, struct proto_problem *problem)
+static bool decode_stops(const json_t *document, struct proto_points *stops,
+                         struct proto_problem *problem)
 {
     if (!proto_decode_object(document, "", proto_pair_parameters, problem)) return false;
     if (!decode_end(stops, document, "/from", problem)) return false;
@@ -30,8 +31,8 @@ static bool decode_stops(const json_t *document, struct proto_points *stops, str
     return decode_end(stops, document, "/to", problem);
 }
 
-static bool parse_end(struct proto_points *stops, const struct proto_parameters *parameters, const char *name,
-                      struct proto_problem *problem)
+static bool parse_end(struct proto_points *stops, const struct proto_parameters *parameters,
+                      const char *name, struct proto_problem *problem)
 {
     const char *text = proto_parameters_require(parameters, name, problem);
     struct proto_point *end = text ? proto_points_add(stops, problem) : NULL;
@@ -57,7 +58,8 @@ static bool hand_over(struct proto_points *stops, bool was_read, struct proto_po
     return was_read;
 }
 
-bool proto_pair_decode(const json_t *document, struct proto_points *out, struct proto_problem *problem)
+bool proto_pair_decode(const json_t *document, struct proto_points *out,
+                       struct proto_problem *problem)
 {
     struct proto_points stops = {0};
     return hand_over(&stops, decode_stops(document, &stops, problem), out);
@@ -70,10 +72,10 @@ bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_po
     return hand_over(&stops, parse_stops(parameters, &stops, problem), out);
 }
 
-/* --- the answer ------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
-static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_pair_answer *answer,
-                        enum proto_geometry geometry)
+static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_pair_answer *answer, enum proto_geometry geometry)
 {
     proto_write_key(writer, "path");
     if (isfinite(answer->distance))
@@ -94,8 +96,8 @@ static void encode_distance(struct proto_writer *writer, double distance, uint32
     }
 }
 
-static void encode_end(struct proto_writer *writer, const char *key, const struct proto_located_points *stops,
-                       uint32_t stop)
+static void encode_end(struct proto_writer *writer, const char *key,
+                       const struct proto_located_points *stops, uint32_t stop)
 {
     proto_write_key(writer, key);
     proto_point_encode(writer, stops->mesh, &stops->points[stop], stops->snaps[stop]);
@@ -105,8 +107,10 @@ void proto_pair_encode(struct proto_writer *writer, const struct proto_located_p
                        const struct gd_pair_answer *answer, const struct proto_options *options)
 {
     uint32_t fields = options->fields, last = stops->count - 1;
-    size_t path_bytes = fields & PROTO_PAIR_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
-    proto_writer_expect(writer, ENDS_BYTES + path_bytes); /* at once: it is most of what an answer's memory costs */
+    size_t path_bytes =
+        fields & PROTO_PAIR_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
+    /* at once: it is most of what an answer's memory costs */
+    proto_writer_expect(writer, ENDS_BYTES + path_bytes);
     proto_write_object_begin(writer);
     encode_distance(writer, answer->distance, fields);
     if (fields & PROTO_PAIR_FIELD_FROM) encode_end(writer, "from", stops, 0);

@@ -42,11 +42,12 @@ static bool decode_helicoid(const json_t *value, const char *place, struct gd_pa
     struct gd_detail detail = {0};
     double pitch, u[2], v[2];
     return proto_decode_object(value, place, members, problem) &&
-           proto_decode_number(value, place, "pitch", &pitch, problem) && decode_ranges(value, place, u, v, problem) &&
+           proto_decode_number(value, place, "pitch", &pitch, problem) &&
+           decode_ranges(value, place, u, v, problem) &&
            finish(gd_parametric_helicoid(pitch, u, v, out, &detail), &detail, place, problem);
 }
 
-/* --- graph of a polynomial ---------------------------------------------------------------------------------------- */
+/* --- graph of a polynomial -------------------------------------------------------------------- */
 
 #define ROWS_MOST (GD_GRAPH_DEGREE_MAX + 1)
 
@@ -58,7 +59,8 @@ struct polynomial {
 static bool refuse_coefficients(const char *place, struct proto_problem *problem)
 {
     proto_problem_refuse(problem, place,
-                         "coefficients[i][j] belongs to u^i v^j: rows of equal length, %d at most, and at most so many "
+                         "coefficients[i][j] belongs to u^i v^j: rows of equal length, %d at most, "
+                         "and at most so many "
                          "numbers in each",
                          ROWS_MOST);
     return proto_problem_descend(problem, "coefficients");
@@ -94,13 +96,14 @@ static bool decode_graph(const json_t *value, const char *place, struct gd_param
     struct gd_detail detail = {0};
     double u[2], v[2];
     return proto_decode_object(value, place, members, problem) &&
-           decode_coefficients(value, place, &polynomial, problem) && decode_ranges(value, place, u, v, problem) &&
-           finish(gd_parametric_graph(polynomial.rows - 1, polynomial.columns - 1, polynomial.coefficients, u, v, out,
-                                      &detail),
+           decode_coefficients(value, place, &polynomial, problem) &&
+           decode_ranges(value, place, u, v, problem) &&
+           finish(gd_parametric_graph(polynomial.rows - 1, polynomial.columns - 1,
+                                      polynomial.coefficients, u, v, out, &detail),
                   &detail, place, problem);
 }
 
-/* --- surface of revolution ---------------------------------------------------------------------------------------- */
+/* --- surface of revolution -------------------------------------------------------------------- */
 
 struct profile { /* all zero is an empty one */
     uint32_t degree, knot_count, weight_count;
@@ -108,17 +111,20 @@ struct profile { /* all zero is an empty one */
     double *knots, *weights;
 };
 
-static bool check_profile(const struct profile *profile, const char *place, struct proto_problem *problem)
+static bool check_profile(const struct profile *profile, const char *place,
+                          struct proto_problem *problem)
 {
     uint64_t needed = (uint64_t)profile->points.count + profile->degree + 1;
     if (profile->knot_count != needed) {
-        proto_problem_refuse(problem, place, "%u control points of degree %u need %llu knots, not %u",
-                             profile->points.count, profile->degree, (unsigned long long)needed, profile->knot_count);
+        proto_problem_refuse(problem, place,
+                             "%u control points of degree %u need %llu knots, not %u",
+                             profile->points.count, profile->degree, (unsigned long long)needed,
+                             profile->knot_count);
         return proto_problem_descend(problem, "knots");
     }
     if (!profile->weights || profile->weight_count == profile->points.count) return true;
-    proto_problem_refuse(problem, place, "there are %u control points, and %u weights", profile->points.count,
-                         profile->weight_count);
+    proto_problem_refuse(problem, place, "there are %u control points, and %u weights",
+                         profile->points.count, profile->weight_count);
     return proto_problem_descend(problem, "weights");
 }
 
@@ -128,9 +134,10 @@ static bool decode_profile(const json_t *value, const char *place, struct profil
     static const char *const members[] = {"degree", "knots", "control_points", "weights", NULL};
     return proto_decode_object(value, place, members, problem) &&
            proto_decode_index(value, place, "degree", &profile->degree, problem) &&
-           proto_uvs_decode(value, place, "control_points", PROTO_PROFILE_POINTS, &profile->points, problem) &&
-           proto_numbers_decode(value, place, "knots", 2 * PROTO_PROFILE_POINTS, &profile->knots, &profile->knot_count,
-                                problem) &&
+           proto_uvs_decode(value, place, "control_points", PROTO_PROFILE_POINTS, &profile->points,
+                            problem) &&
+           proto_numbers_decode(value, place, "knots", 2 * PROTO_PROFILE_POINTS, &profile->knots,
+                                &profile->knot_count, problem) &&
            (!json_object_get(value, "weights") ||
             proto_numbers_decode(value, place, "weights", PROTO_PROFILE_POINTS, &profile->weights,
                                  &profile->weight_count, problem)) &&
@@ -157,22 +164,26 @@ static bool decode_revolution(const json_t *value, const char *place, struct gd_
     return ok;
 }
 
-/* --- any of them -------------------------------------------------------------------------------------------------- */
+/* --- any of them ------------------------------------------------------------------------------ */
 
 static const struct shape {
     const char *name;
-    bool (*decode)(const json_t *value, const char *place, struct gd_parametric **out, struct proto_problem *problem);
-} shapes[] = {
-    {"torus", decode_torus}, {"helicoid", decode_helicoid}, {"graph", decode_graph}, {"revolution", decode_revolution}};
+    bool (*decode)(const json_t *value, const char *place, struct gd_parametric **out,
+                   struct proto_problem *problem);
+} shapes[] = {{"torus", decode_torus},
+              {"helicoid", decode_helicoid},
+              {"graph", decode_graph},
+              {"revolution", decode_revolution}};
 
-bool proto_parametric_decode(const json_t *value, const char *place, struct gd_parametric **out, const char **shape,
-                             struct proto_problem *problem)
+bool proto_parametric_decode(const json_t *value, const char *place, struct gd_parametric **out,
+                             const char **shape, struct proto_problem *problem)
 {
     static const char *const members[] = {"torus", "helicoid", "graph", "revolution", NULL};
     if (!proto_decode_object(value, place, members, problem)) return false;
     if (json_object_size(value) != 1)
-        return proto_problem_refuse(problem, place,
-                                    "a surface is exactly one of \"torus\", \"helicoid\", \"graph\", \"revolution\"");
+        return proto_problem_refuse(
+            problem, place,
+            "a surface is exactly one of \"torus\", \"helicoid\", \"graph\", \"revolution\"");
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         const json_t *body = json_object_get(value, shapes[i].name);
         char inner[PROTO_UV_PLACE];
@@ -185,7 +196,7 @@ bool proto_parametric_decode(const json_t *value, const char *place, struct gd_p
     return false; /* not reached: the one member is among them */
 }
 
-/* --- the domain --------------------------------------------------------------------------------------------------- */
+/* --- the domain ------------------------------------------------------------------------------- */
 
 static void encode_axis(struct proto_writer *writer, const char *key, const struct gd_axis *axis)
 {

@@ -5,9 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A block of jansson's; the listed ones are those that a parser which runs in this thread has taken and not given back. */
+/* A block of jansson's; the listed ones are those that a parser which runs in this thread has taken
+ * and not given back. */
 struct block {
-    _Alignas(max_align_t) struct block *previous; /* NULL: the first; both unused when it is not listed */
+    /* NULL: the first; both unused when it is not listed */
+    _Alignas(max_align_t) struct block *previous;
     struct block *next;
 };
 
@@ -54,7 +56,7 @@ static void give_all_back(void)
     }
 }
 
-/* --- the text, piece by piece -------------------------------------------------------------------------------------- */
+/* --- the text, piece by piece ----------------------------------------------------------------- */
 
 #define LOOK_BYTES 65536 /* between two looks at the control */
 
@@ -67,7 +69,8 @@ struct source {
     struct proto_parse_end *end;
 };
 
-/* Offset of the first bracket of the next piece that nests too deep, or of the piece's end. Whether the brackets match is the parser's concern. */
+/* Offset of the first bracket of the next piece that nests too deep, or of the piece's end. Whether
+ * the brackets match is the parser's concern. */
 static size_t first_too_deep(struct source *source, size_t end)
 {
     size_t i = source->at;
@@ -106,16 +109,18 @@ static size_t give_piece(void *buffer, size_t room, void *user)
     return size;
 }
 
-json_t *proto_parse(const char *text, size_t size, const struct gd_control *control, struct proto_parse_end *end)
+json_t *proto_parse(const char *text, size_t size, const struct gd_control *control,
+                    struct proto_parse_end *end)
 {
     json_t *volatile document = NULL;
-    struct source source = {.text = text, .size = size, .looked_at = LOOK_BYTES, .control = control, .end = end};
+    struct source source = {
+        .text = text, .size = size, .looked_at = LOOK_BYTES, .control = control, .end = end};
     *end = (struct proto_parse_end){.status = GD_OK};
     parser.first = NULL;
     parser.is_on = true;
     if (setjmp(parser.escape) == 0)
-        document =
-            json_load_callback(give_piece, &source, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &end->error);
+        document = json_load_callback(
+            give_piece, &source, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &end->error);
     else
         end->status = GD_NO_MEMORY;
     parser.is_on = false;

@@ -21,7 +21,8 @@ struct proto_picture {
     struct proto_points stops; /* of the path: at least two, or none */
 };
 
-/* What is not said has its default: 800 x 600, ten isolines where there is a field, a legend, the view from which most of the path is seen. `out` is the caller's to free by proto_picture_free.
+/* What is not said has its default: 800 x 600, ten isolines where there is a field, a legend, the
+ * view from which most of the path is seen. `out` is the caller's to free by proto_picture_free.
  * invalid_request, too_large (with the limit: pixels), insufficient_memory. */
 bool proto_picture_parse(const struct proto_parameters *parameters, struct proto_picture *out,
                          struct proto_problem *problem);

@@ -12,7 +12,7 @@ static struct gd_vec3 vec3(const double c[3])
     return (struct gd_vec3){c[0], c[1], c[2]};
 }
 
-/* --- from JSON ---------------------------------------------------------------------------------------------------- */
+/* --- from JSON -------------------------------------------------------------------------------- */
 
 static bool decode_vertex(const json_t *value, const char *place, struct proto_point *out,
                           struct proto_problem *problem)
@@ -20,7 +20,8 @@ static bool decode_vertex(const json_t *value, const char *place, struct proto_p
     return proto_decode_index(value, place, "vertex", &out->vertex.index, problem);
 }
 
-static bool decode_edge(const json_t *value, const char *place, struct proto_point *out, struct proto_problem *problem)
+static bool decode_edge(const json_t *value, const char *place, struct proto_point *out,
+                        struct proto_problem *problem)
 {
     uint32_t ends[2];
     if (!proto_decode_indices(value, place, "edge", 2, ends, problem)) return false;
@@ -28,20 +29,23 @@ static bool decode_edge(const json_t *value, const char *place, struct proto_poi
     return proto_decode_number(value, place, "t", &out->edge.t, problem);
 }
 
-static bool decode_face(const json_t *value, const char *place, struct proto_point *out, struct proto_problem *problem)
+static bool decode_face(const json_t *value, const char *place, struct proto_point *out,
+                        struct proto_problem *problem)
 {
     return proto_decode_index(value, place, "face", &out->face.face.index, problem) &&
            proto_decode_numbers(value, place, "barycentric", 3, out->face.barycentric, problem);
 }
 
-static bool decode_xyz(const json_t *value, const char *place, struct proto_point *out, struct proto_problem *problem)
+static bool decode_xyz(const json_t *value, const char *place, struct proto_point *out,
+                       struct proto_problem *problem)
 {
     double xyz[3], max_snap = -1;
     if (!proto_decode_numbers(value, place, "xyz", 3, xyz, problem)) return false;
     if (json_object_get(value, "max_snap")) {
         if (!proto_decode_number(value, place, "max_snap", &max_snap, problem)) return false;
         if (max_snap < 0) {
-            proto_problem_refuse(problem, place, "max_snap is a distance: 0 or more, or leave it out for any");
+            proto_problem_refuse(problem, place,
+                                 "max_snap is a distance: 0 or more, or leave it out for any");
             return proto_problem_descend(problem, "max_snap");
         }
     }
@@ -50,7 +54,8 @@ static bool decode_xyz(const json_t *value, const char *place, struct proto_poin
     return true;
 }
 
-static bool decode_ray(const json_t *value, const char *place, struct proto_point *out, struct proto_problem *problem)
+static bool decode_ray(const json_t *value, const char *place, struct proto_point *out,
+                       struct proto_problem *problem)
 {
     static const char *const members[] = {"origin", "direction", NULL};
     char ray_place[PROTO_POINT_PLACE + 8];
@@ -68,7 +73,8 @@ static bool decode_ray(const json_t *value, const char *place, struct proto_poin
 /* A form is told by the member that only it has: the first. */
 static const struct form {
     const char *members[3];
-    bool (*decode)(const json_t *value, const char *place, struct proto_point *out, struct proto_problem *problem);
+    bool (*decode)(const json_t *value, const char *place, struct proto_point *out,
+                   struct proto_problem *problem);
 } forms[] = {
     [PROTO_POINT_VERTEX] = {{"vertex"}, decode_vertex},
     [PROTO_POINT_EDGE] = {{"edge", "t"}, decode_edge},
@@ -79,10 +85,12 @@ static const struct form {
 #define FORM_COUNT  (sizeof forms / sizeof forms[0])
 #define FORMS_KNOWN "vertex; edge and t; face and barycentric; xyz and perhaps max_snap; ray"
 
-static const char *const all_members[] = {"vertex", "edge", "t", "face", "barycentric", "xyz", "max_snap", "ray", NULL};
+static const char *const all_members[] = {"vertex", "edge",     "t",   "face", "barycentric",
+                                          "xyz",    "max_snap", "ray", NULL};
 
 /* The one form whose first member is there. */
-static bool find_form(const json_t *value, const char *place, enum proto_point_form *out, struct proto_problem *problem)
+static bool find_form(const json_t *value, const char *place, enum proto_point_form *out,
+                      struct proto_problem *problem)
 {
     if (!proto_decode_object(value, place, all_members, problem)) return false;
     unsigned found = 0;
@@ -91,7 +99,8 @@ static bool find_form(const json_t *value, const char *place, enum proto_point_f
         *out = (enum proto_point_form)form;
         found++;
     }
-    return found == 1 || proto_problem_refuse(problem, place, "a point is exactly one of: " FORMS_KNOWN);
+    return found == 1 ||
+           proto_problem_refuse(problem, place, "a point is exactly one of: " FORMS_KNOWN);
 }
 
 static void set_place(struct proto_point *point, const char *place)
@@ -113,7 +122,7 @@ bool proto_point_decode(const json_t *value, const char *pointer, struct proto_p
     return true;
 }
 
-/* --- from compact text -------------------------------------------------------------------------------------------- */
+/* --- from compact text ------------------------------------------------------------------------ */
 
 /* Each reader takes what it reads off the front of the text, or returns false. */
 static bool take(const char **text, char character)
@@ -142,8 +151,8 @@ static bool take_number(const char **text, double *out)
 
 static bool take_triple(const char **text, double out[3])
 {
-    return take_number(text, &out[0]) && take(text, ',') && take_number(text, &out[1]) && take(text, ',') &&
-           take_number(text, &out[2]);
+    return take_number(text, &out[0]) && take(text, ',') && take_number(text, &out[1]) &&
+           take(text, ',') && take_number(text, &out[2]);
 }
 
 static bool take_vertex(const char **text, struct proto_point *out)
@@ -156,13 +165,15 @@ static bool take_edge(const char **text, struct proto_point *out)
 {
     out->form = PROTO_POINT_EDGE;
     return take_index(text, &out->edge.ends[0].index) && take(text, '-') &&
-           take_index(text, &out->edge.ends[1].index) && take(text, ':') && take_number(text, &out->edge.t);
+           take_index(text, &out->edge.ends[1].index) && take(text, ':') &&
+           take_number(text, &out->edge.t);
 }
 
 static bool take_face(const char **text, struct proto_point *out)
 {
     out->form = PROTO_POINT_FACE;
-    return take_index(text, &out->face.face.index) && take(text, ':') && take_triple(text, out->face.barycentric);
+    return take_index(text, &out->face.face.index) && take(text, ':') &&
+           take_triple(text, out->face.barycentric);
 }
 
 static bool take_xyz(const char **text, struct proto_point *out)
@@ -193,39 +204,43 @@ static bool take_point(const char **text, struct proto_point *out)
     }
 }
 
-bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out, struct proto_problem *problem)
+bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
+                       struct proto_problem *problem)
 {
     struct proto_point point;
     if (!take_point(&text, &point) || *text != '\0')
-        return proto_problem_refuse(problem, parameter,
-                                    "expected a point: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0");
+        return proto_problem_refuse(
+            problem, parameter,
+            "expected a point: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0");
     set_place(&point, parameter);
     *out = point;
     return true;
 }
 
-/* --- onto the mesh ------------------------------------------------------------------------------------------------ */
+/* --- onto the mesh ---------------------------------------------------------------------------- */
 
-static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_point *point, struct gd_point *out,
-                             double *snap_distance, struct gd_detail *detail)
+static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_point *point,
+                             struct gd_point *out, double *snap_distance, struct gd_detail *detail)
 {
     switch (point->form) {
     case PROTO_POINT_VERTEX:
         return gd_point_at_vertex(mesh, point->vertex, out, detail);
     case PROTO_POINT_EDGE:
-        return gd_point_on_edge(mesh, point->edge.ends[0], point->edge.ends[1], point->edge.t, out, detail);
+        return gd_point_on_edge(mesh, point->edge.ends[0], point->edge.ends[1], point->edge.t, out,
+                                detail);
     case PROTO_POINT_FACE:
         return gd_point_in_face(mesh, point->face.face, point->face.barycentric, out, detail);
     case PROTO_POINT_XYZ:
-        return gd_locate_nearest(mesh, point->xyz.xyz, point->xyz.max_snap, out, snap_distance, detail);
+        return gd_locate_nearest(mesh, point->xyz.xyz, point->xyz.max_snap, out, snap_distance,
+                                 detail);
     case PROTO_POINT_RAY:
         return gd_locate_first_hit(mesh, point->ray.origin, point->ray.direction, out, detail);
     }
     return GD_INTERNAL;
 }
 
-bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point, struct gd_point *out,
-                        double *snap_distance, struct proto_problem *problem)
+bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
+                        struct gd_point *out, double *snap_distance, struct proto_problem *problem)
 {
     struct gd_detail detail = {0};
     double snap = NAN;
@@ -238,9 +253,10 @@ bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *po
     return true;
 }
 
-/* --- back to the client ------------------------------------------------------------------------------------------- */
+/* --- back to the client ----------------------------------------------------------------------- */
 
-const char *const proto_point_fields[] = {"face", "barycentric", "xyz", "vertex", "edge", "t", "snap_distance", NULL};
+const char *const proto_point_fields[] = {"face", "barycentric", "xyz",           "vertex",
+                                          "edge", "t",           "snap_distance", NULL};
 
 void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz)
 {
@@ -258,15 +274,16 @@ static void encode_pair(struct proto_writer *writer, const struct gd_vertex ends
 /* The fields that this point has. */
 static uint32_t fields_of(const struct gd_point_description *point, double snap_distance)
 {
-    uint32_t fields = PROTO_POINT_FIELD_FACE | PROTO_POINT_FIELD_BARYCENTRIC | PROTO_POINT_FIELD_XYZ;
+    uint32_t fields =
+        PROTO_POINT_FIELD_FACE | PROTO_POINT_FIELD_BARYCENTRIC | PROTO_POINT_FIELD_XYZ;
     if (point->kind == GD_POINT_VERTEX) fields |= PROTO_POINT_FIELD_VERTEX;
     if (point->kind == GD_POINT_EDGE) fields |= PROTO_POINT_FIELD_EDGE | PROTO_POINT_FIELD_T;
     if (!isnan(snap_distance)) fields |= PROTO_POINT_FIELD_SNAP_DISTANCE;
     return fields;
 }
 
-static void encode_field(struct proto_writer *writer, const struct gd_point_description *point, double snap_distance,
-                         enum proto_point_field field)
+static void encode_field(struct proto_writer *writer, const struct gd_point_description *point,
+                         double snap_distance, enum proto_point_field field)
 {
     switch (field) {
     case PROTO_POINT_FIELD_FACE:
@@ -295,8 +312,8 @@ static void encode_field(struct proto_writer *writer, const struct gd_point_desc
     }
 }
 
-void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_point *point,
-                               double snap_distance, uint32_t fields)
+void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh,
+                               const struct gd_point *point, double snap_distance, uint32_t fields)
 {
     struct gd_point_description description;
     gd_point_describe(mesh, point, &description);
@@ -310,8 +327,8 @@ void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh
     proto_write_object_end(writer);
 }
 
-void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_point *point,
-                        double snap_distance)
+void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_point *point, double snap_distance)
 {
     proto_point_encode_fields(writer, mesh, point, snap_distance, PROTO_POINT_FIELD_ALL);
 }

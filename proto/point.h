@@ -1,6 +1,7 @@
 /* Point: how a client names a point of a surface, and how a point goes back to the client.
  *
- * Decoding needs no mesh: it checks the form. Locating puts the point on a mesh: it checks the sense. */
+ * Decoding needs no mesh: it checks the form. Locating puts the point on a mesh: it checks the
+ * sense. */
 #ifndef PROTO_POINT_H
 #define PROTO_POINT_H
 
@@ -11,7 +12,13 @@
 #include "proto/problem.h"
 #include "proto/writer.h"
 
-enum proto_point_form { PROTO_POINT_VERTEX, PROTO_POINT_EDGE, PROTO_POINT_FACE, PROTO_POINT_XYZ, PROTO_POINT_RAY };
+enum proto_point_form {
+    PROTO_POINT_VERTEX,
+    PROTO_POINT_EDGE,
+    PROTO_POINT_FACE,
+    PROTO_POINT_XYZ,
+    PROTO_POINT_RAY
+};
 
 #define PROTO_POINT_PLACE 64
 
@@ -38,22 +45,25 @@ struct proto_point {
     };
 };
 
-/* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?} or {"ray":{"origin","direction"}}.
- * `pointer`: the JSON Pointer of `value`, copied. invalid_request. */
+/* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?} or
+ * {"ray":{"origin","direction"}}. `pointer`: the JSON Pointer of `value`, copied. invalid_request.
+ */
 bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
                         struct proto_problem *problem);
 
-/* From compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name of the query-string
- * parameter, copied. invalid_request. */
-bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out, struct proto_problem *problem);
+/* From compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name of
+ * the query-string parameter, copied. invalid_request. */
+bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
+                       struct proto_problem *problem);
 
-/* Puts a point on a mesh. `*snap_distance`: how far an xyz point was moved; NAN for the other forms, which are not
- * snapped. invalid_request (an index that names nothing), point_not_on_surface; both at the point's place. Cost as in
- * gd/point.h and gd/locate.h. */
-bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point, struct gd_point *out,
-                        double *snap_distance, struct proto_problem *problem);
+/* Puts a point on a mesh. `*snap_distance`: how far an xyz point was moved; NAN for the other
+ * forms, which are not snapped. invalid_request (an index that names nothing),
+ * point_not_on_surface; both at the point's place. Cost as in gd/point.h and gd/locate.h. */
+bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
+                        struct gd_point *out, double *snap_distance, struct proto_problem *problem);
 
-/* The fields of a point in an answer, as bits of proto_options.fields; in the order of proto_point_fields. */
+/* The fields of a point in an answer, as bits of proto_options.fields; in the order of
+ * proto_point_fields. */
 enum proto_point_field {
     PROTO_POINT_FIELD_FACE = 1 << 0,
     PROTO_POINT_FIELD_BARYCENTRIC = 1 << 1,
@@ -66,14 +76,14 @@ enum proto_point_field {
 };
 extern const char *const proto_point_fields[]; /* NULL-terminated */
 
-/* Writes all that is known of a point: face, barycentric, xyz, then vertex or edge and t where it lies on one, then
- * snap_distance unless it is NAN. */
-void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_point *point,
-                        double snap_distance);
+/* Writes all that is known of a point: face, barycentric, xyz, then vertex or edge and t where it
+ * lies on one, then snap_distance unless it is NAN. */
+void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_point *point, double snap_distance);
 
 /* The same, but only the fields (bits of enum proto_point_field) that were asked for. */
-void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_point *point,
-                               double snap_distance, uint32_t fields);
+void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh,
+                               const struct gd_point *point, double snap_distance, uint32_t fields);
 
 /* [x,y,z] */
 void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz);

@@ -38,19 +38,21 @@ struct proto_point *proto_points_add(struct proto_points *points, struct proto_p
     return &points->items[points->count++];
 }
 
-/* --- from the request --------------------------------------------------------------------------------------------- */
+/* --- from the request ------------------------------------------------------------------------- */
 
 static bool refuse_number(const char *place, uint32_t most, struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %u points are taken here; send fewer", most);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "at most %u points are taken here; send fewer", most);
     proto_problem_at(problem, place);
     return proto_problem_limit(problem, most);
 }
 
-bool proto_points_decode(struct proto_points *points, const json_t *value, const char *pointer, uint32_t most,
-                         struct proto_problem *problem)
+bool proto_points_decode(struct proto_points *points, const json_t *value, const char *pointer,
+                         uint32_t most, struct proto_problem *problem)
 {
-    if (!json_is_array(value)) return proto_problem_refuse(problem, pointer, "expected an array of points here");
+    if (!json_is_array(value))
+        return proto_problem_refuse(problem, pointer, "expected an array of points here");
     size_t count = json_array_size(value);
     if (count > most) return refuse_number(pointer, most, problem);
     if (!reserve(points, points->count + (uint32_t)count, problem)) return false;
@@ -58,7 +60,8 @@ bool proto_points_decode(struct proto_points *points, const json_t *value, const
         char place[PROTO_POINT_PLACE];
         snprintf(place, sizeof place, "%s/%zu", pointer, i);
         struct proto_point *point = proto_points_add(points, problem);
-        if (!point || !proto_point_decode(json_array_get(value, i), place, point, problem)) return false;
+        if (!point || !proto_point_decode(json_array_get(value, i), place, point, problem))
+            return false;
     }
     return true;
 }
@@ -74,20 +77,21 @@ static bool take_part(const char **text, char part[COMPACT_SIZE])
     return true;
 }
 
-bool proto_points_parse(struct proto_points *points, const char *text, const char *parameter, uint32_t most,
-                        struct proto_problem *problem)
+bool proto_points_parse(struct proto_points *points, const char *text, const char *parameter,
+                        uint32_t most, struct proto_problem *problem)
 {
     for (uint32_t left = most;; left--, text++) {
         char part[COMPACT_SIZE];
         if (!left) return refuse_number(parameter, most, problem);
-        if (!take_part(&text, part)) return proto_problem_refuse(problem, parameter, "a point has too many digits");
+        if (!take_part(&text, part))
+            return proto_problem_refuse(problem, parameter, "a point has too many digits");
         struct proto_point *point = proto_points_add(points, problem);
         if (!point || !proto_point_parse(part, parameter, point, problem)) return false;
         if (!*text) return true;
     }
 }
 
-/* --- on the mesh -------------------------------------------------------------------------------------------------- */
+/* --- on the mesh ------------------------------------------------------------------------------ */
 
 void proto_located_points_free(struct proto_located_points *located)
 {
@@ -103,7 +107,9 @@ bool proto_points_locate(const struct gd_mesh *mesh, const struct proto_points *
     if (!located.points) return refuse_memory(problem);
     located.snaps = (double *)(located.points + points->count);
     for (uint32_t i = 0; i < points->count; i++) {
-        if (proto_point_locate(mesh, &points->items[i], &located.points[i], &located.snaps[i], problem)) continue;
+        if (proto_point_locate(mesh, &points->items[i], &located.points[i], &located.snaps[i],
+                               problem))
+            continue;
         proto_located_points_free(&located);
         return false;
     }
@@ -111,8 +117,9 @@ bool proto_points_locate(const struct gd_mesh *mesh, const struct proto_points *
     return true;
 }
 
-void proto_located_points_encode(struct proto_writer *writer, const struct proto_located_points *located,
-                                 uint32_t first, uint32_t count)
+void proto_located_points_encode(struct proto_writer *writer,
+                                 const struct proto_located_points *located, uint32_t first,
+                                 uint32_t count)
 {
     proto_write_array_begin(writer);
     for (uint32_t i = first; i < first + count; i++)

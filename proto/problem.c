@@ -7,15 +7,15 @@
 #include "proto/member.h"
 #include "proto/writer.h"
 
-/* --- the list ----------------------------------------------------------------------------------------------------- */
+/* --- the list --------------------------------------------------------------------------------- */
 
 static unsigned http_status(enum proto_problem_code code)
 {
     switch (code) {
     case PROTO_PROBLEM_NONE:
         break;
-#define PROTO_PROBLEM_STATUS(status, NAME, name, title)                                                                \
-    case PROTO_PROBLEM_##NAME:                                                                                         \
+#define PROTO_PROBLEM_STATUS(status, NAME, name, title)                                            \
+    case PROTO_PROBLEM_##NAME:                                                                     \
         return status;
         PROTO_PROBLEM_MAP(PROTO_PROBLEM_STATUS)
 #undef PROTO_PROBLEM_STATUS
@@ -28,8 +28,8 @@ const char *proto_problem_name(enum proto_problem_code code)
     switch (code) {
     case PROTO_PROBLEM_NONE:
         break;
-#define PROTO_PROBLEM_NAME(status, NAME, name, title)                                                                  \
-    case PROTO_PROBLEM_##NAME:                                                                                         \
+#define PROTO_PROBLEM_NAME(status, NAME, name, title)                                              \
+    case PROTO_PROBLEM_##NAME:                                                                     \
         return #name;
         PROTO_PROBLEM_MAP(PROTO_PROBLEM_NAME)
 #undef PROTO_PROBLEM_NAME
@@ -42,8 +42,8 @@ static const char *title_of(enum proto_problem_code code)
     switch (code) {
     case PROTO_PROBLEM_NONE:
         break;
-#define PROTO_PROBLEM_TITLE(status, NAME, name, title)                                                                 \
-    case PROTO_PROBLEM_##NAME:                                                                                         \
+#define PROTO_PROBLEM_TITLE(status, NAME, name, title)                                             \
+    case PROTO_PROBLEM_##NAME:                                                                     \
         return title;
         PROTO_PROBLEM_MAP(PROTO_PROBLEM_TITLE)
 #undef PROTO_PROBLEM_TITLE
@@ -51,9 +51,10 @@ static const char *title_of(enum proto_problem_code code)
     return "No problem";
 }
 
-/* --- making one --------------------------------------------------------------------------------------------------- */
+/* --- making one ------------------------------------------------------------------------------- */
 
-static void start(struct proto_problem *problem, enum proto_problem_code code, const char *format, va_list arguments)
+static void start(struct proto_problem *problem, enum proto_problem_code code, const char *format,
+                  va_list arguments)
 {
     memset(problem, 0, sizeof *problem);
     problem->code = code;
@@ -61,7 +62,8 @@ static void start(struct proto_problem *problem, enum proto_problem_code code, c
     vsnprintf(problem->detail, sizeof problem->detail, format, arguments);
 }
 
-bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code, const char *format, ...)
+bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code,
+                       const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -115,7 +117,7 @@ bool proto_problem_limit(struct proto_problem *problem, uint64_t limit)
     return false;
 }
 
-/* --- from the engine ---------------------------------------------------------------------------------------------- */
+/* --- from the engine -------------------------------------------------------------------------- */
 
 static enum proto_problem_code code_of(enum gd_status status)
 {
@@ -167,12 +169,14 @@ static bool set_internal(struct proto_problem *problem, enum gd_status status)
         problem, PROTO_PROBLEM_INTERNAL,
         status == GD_RUNAWAY
             ? "%s; please report it with the request"
-            : "%s and the answer was withheld: the mesh may have faces that are smaller or thinner than "
+            : "%s and the answer was withheld: the mesh may have faces that are smaller or thinner "
+              "than "
               "rounding; upload it with ?weld=TOLERANCE to join them, or report the request",
         gd_status_sentence(status));
 }
 
-bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status, const struct gd_detail *detail)
+bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status,
+                               const struct gd_detail *detail)
 {
     enum proto_problem_code code = code_of(status);
     if (code == PROTO_PROBLEM_INTERNAL) return set_internal(problem, status);
@@ -188,7 +192,7 @@ bool proto_problem_from_status(struct proto_problem *problem, enum gd_status sta
     return false;
 }
 
-/* --- telling it --------------------------------------------------------------------------------------------------- */
+/* --- telling it ------------------------------------------------------------------------------- */
 
 static const char *element_name(enum gd_element element)
 {
@@ -209,7 +213,8 @@ static const char *element_name(enum gd_element element)
     return "element";
 }
 
-static void encode_element(struct proto_writer *writer, enum gd_element element, const uint64_t id[2])
+static void encode_element(struct proto_writer *writer, enum gd_element element,
+                           const uint64_t id[2])
 {
     proto_write_object_begin(writer);
     proto_write_key(writer, element_name(element));

@@ -3,14 +3,15 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- the path ----------------------------------------------------------------------------------------------------- */
+/* --- the path --------------------------------------------------------------------------------- */
 
 struct split_path {
     uint32_t count;
     struct proto_capture segments[PROTO_ROUTE_SEGMENTS];
 };
 
-/* "/" has no segments, "/a/" has two, the second one empty. False: more segments than any route has, or no path at all.
+/* "/" has no segments, "/a/" has two, the second one empty. False: more segments than any route
+ * has, or no path at all.
  */
 static bool split(const char *path, struct split_path *out)
 {
@@ -28,7 +29,8 @@ static bool split(const char *path, struct split_path *out)
 
 static bool is_literal(struct proto_capture segment, const char *text)
 {
-    return *text == *segment.text && strncmp(text, segment.text, segment.length) == 0 && text[segment.length] == '\0';
+    return *text == *segment.text && strncmp(text, segment.text, segment.length) == 0 &&
+           text[segment.length] == '\0';
 }
 
 /* Most routes differ in the last segment. */
@@ -39,7 +41,8 @@ static bool may_match(const struct proto_route *route, const struct split_path *
     return !last || is_literal(path->segments[path->count - 1], last);
 }
 
-static bool match(const struct proto_route *route, const struct split_path *path, struct proto_route_match *out)
+static bool match(const struct proto_route *route, const struct split_path *path,
+                  struct proto_route_match *out)
 {
     if (!may_match(route, path)) return false;
     out->route = route;
@@ -57,7 +60,7 @@ static bool match(const struct proto_route *route, const struct split_path *path
     return true;
 }
 
-/* --- the method --------------------------------------------------------------------------------------------------- */
+/* --- the method ------------------------------------------------------------------------------- */
 
 /* As Allow lists them. */
 static const struct {
@@ -90,8 +93,9 @@ static bool refuse_method(struct proto_problem *problem, uint32_t allowed)
     return false;
 }
 
-bool proto_route_find(const struct proto_route *routes, size_t count, const char *method, const char *path,
-                      struct proto_route_match *out, struct proto_problem *problem)
+bool proto_route_find(const struct proto_route *routes, size_t count, const char *method,
+                      const char *path, struct proto_route_match *out,
+                      struct proto_problem *problem)
 {
     struct split_path segments;
     struct proto_route_match found;

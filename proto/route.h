@@ -1,9 +1,10 @@
-/* Route: the table of operations, generated from openapi.yaml (`generate.py routes`), and how a request finds its row.
+/* Route: the table of operations, generated from openapi.yaml (`generate.py routes`), and how a
+ * request finds its row.
  *
- * The generated source defines proto_routes and proto_route_count, and declares each row's handler as `void
- * server_handle_<name>(struct server_exchange *)`, where <name> is the operation's x-handler or else its operationId:
- * operations that are the GET and POST forms of one query share a handler. Rows with literal segments stand before rows
- * that capture in the same place. */
+ * The generated source defines proto_routes and proto_route_count, and declares each row's handler
+ * as `void server_handle_<name>(struct server_exchange *)`, where <name> is the operation's
+ * x-handler or else its operationId: operations that are the GET and POST forms of one query share
+ * a handler. Rows with literal segments stand before rows that capture in the same place. */
 #ifndef PROTO_ROUTE_H
 #define PROTO_ROUTE_H
 
@@ -26,12 +27,13 @@ enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO
 struct proto_route {
     enum proto_method method;
     enum proto_access access;
-    bool has_body;          /* the operation takes a request body */
-    bool is_async;          /* it takes the header Prefer: respond-async */
-    const char *operation;  /* operationId */
-    const char *path;       /* template, "/v1/meshes/{name}": a label for logs and metrics */
-    const char *query;      /* the query's name ("distance"), listed among the capabilities; NULL: no query */
-    uint32_t segment_count; /* "/" has none */
+    bool has_body;         /* the operation takes a request body */
+    bool is_async;         /* it takes the header Prefer: respond-async */
+    const char *operation; /* operationId */
+    const char *path;      /* template, "/v1/meshes/{name}": a label for logs and metrics */
+    /* the query's name ("distance"), listed among the capabilities; NULL: no query */
+    const char *query;
+    uint32_t segment_count;                     /* "/" has none */
     const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text, or NULL: captures */
     void (*handle)(struct server_exchange *exchange);
 };
@@ -48,10 +50,11 @@ struct proto_route_match {
     } captures[PROTO_ROUTE_CAPTURES]; /* in the order of the path */
 };
 
-/* Finds the row of a request. `method` as in the request line; HEAD finds the row of GET. `path`: without query string,
- * percent-decoded, borrowed by the captures. not_found; method_not_allowed with `allow` set. O(count) comparisons of
- * short strings; thread-safe. */
-bool proto_route_find(const struct proto_route *routes, size_t count, const char *method, const char *path,
-                      struct proto_route_match *out, struct proto_problem *problem);
+/* Finds the row of a request. `method` as in the request line; HEAD finds the row of GET. `path`:
+ * without query string, percent-decoded, borrowed by the captures. not_found; method_not_allowed
+ * with `allow` set. O(count) comparisons of short strings; thread-safe. */
+bool proto_route_find(const struct proto_route *routes, size_t count, const char *method,
+                      const char *path, struct proto_route_match *out,
+                      struct proto_problem *problem);
 
 #endif

@@ -32,7 +32,8 @@ static void encode_formats(struct proto_writer *writer)
     proto_write_array_end(writer);
 }
 
-static void encode_queries(struct proto_writer *writer, const struct proto_route *routes, size_t count)
+static void encode_queries(struct proto_writer *writer, const struct proto_route *routes,
+                           size_t count)
 {
     proto_write_key(writer, "queries");
     proto_write_array_begin(writer);

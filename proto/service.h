@@ -11,7 +11,8 @@
 struct proto_service {
     const char *version; /* of the program */
     struct {
-        uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, max_answer_bytes, workers;
+        uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, max_answer_bytes,
+            workers;
     } limits;
     const struct proto_route *routes; /* their queries are the capabilities */
     size_t route_count;
@@ -28,7 +29,8 @@ enum proto_health {
     PROTO_HEALTH_DEGRADED
 };
 
-/* Writes {"status": "ok"|"starting"|"draining"|"read_only"|"degraded", "reason"}; without a reason when that is NULL. */
+/* Writes {"status": "ok"|"starting"|"draining"|"read_only"|"degraded", "reason"}; without a reason
+ * when that is NULL. */
 void proto_health_encode(struct proto_writer *writer, enum proto_health health, const char *reason);
 
 #endif

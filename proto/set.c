@@ -13,26 +13,31 @@ static bool refuse_memory(struct proto_problem *problem)
                              "there is no memory for a set of so many members; try again later");
 }
 
-/* --- members ---------------------------------------------------------------------------------------------------- */
+/* --- members ---------------------------------------------------------------------------------- */
 
-static bool decode_offset(const json_t *value, const char *place, double *out, struct proto_problem *problem)
+static bool decode_offset(const json_t *value, const char *place, double *out,
+                          struct proto_problem *problem)
 {
     double offset = 0;
-    if (json_object_get(value, "offset") && !proto_decode_number(value, place, "offset", &offset, problem))
+    if (json_object_get(value, "offset") &&
+        !proto_decode_number(value, place, "offset", &offset, problem))
         return false;
     if (!(offset >= 0 && offset <= PROTO_SET_OFFSET)) {
-        proto_problem_refuse(problem, place, "an offset is added to distances: from 0 to %g", PROTO_SET_OFFSET);
+        proto_problem_refuse(problem, place, "an offset is added to distances: from 0 to %g",
+                             PROTO_SET_OFFSET);
         return proto_problem_descend(problem, "offset");
     }
     *out = offset + 0.0; /* no -0: it would be another set */
     return true;
 }
 
-static bool decode_label(const json_t *value, const char *place, const char **out, struct proto_problem *problem)
+static bool decode_label(const json_t *value, const char *place, const char **out,
+                         struct proto_problem *problem)
 {
     const json_t *label = json_object_get(value, "label");
     if (label && (!json_is_string(label) || json_string_length(label) > PROTO_SET_LABEL)) {
-        proto_problem_refuse(problem, place, "a label is a string of at most %d bytes", PROTO_SET_LABEL);
+        proto_problem_refuse(problem, place, "a label is a string of at most %d bytes",
+                             PROTO_SET_LABEL);
         return proto_problem_descend(problem, "label");
     }
     *out = json_string_value(label);
@@ -42,10 +47,12 @@ static bool decode_label(const json_t *value, const char *place, const char **ou
 /* What a member is, its offset and label aside; a new reference, NULL without memory. */
 static json_t *without_naming(const json_t *value)
 {
-    if (!json_object_get(value, "offset") && !json_object_get(value, "label")) return json_incref((json_t *)value);
+    if (!json_object_get(value, "offset") && !json_object_get(value, "label"))
+        return json_incref((json_t *)value);
     json_t *bare = json_copy((json_t *)value);
     if (!bare) return NULL;
-    if (json_object_size(bare) != json_object_size(value)) { /* json_copy leaves out what it has no memory for */
+    /* json_copy leaves out what it has no memory for */
+    if (json_object_size(bare) != json_object_size(value)) {
         json_decref(bare);
         return NULL;
     }
@@ -54,21 +61,27 @@ static json_t *without_naming(const json_t *value)
     return bare;
 }
 
-/* The kinds of members: an array each, of which every element is decoded to one more member of the set. */
+/* The kinds of members: an array each, of which every element is decoded to one more member of the
+ * set. */
 struct kind {
     const char *name;
     uint32_t most;
-    bool (*decode)(const json_t *value, const char *place, struct proto_set *set, struct proto_problem *problem);
+    bool (*decode)(const json_t *value, const char *place, struct proto_set *set,
+                   struct proto_problem *problem);
 };
 
-static bool decode_point(const json_t *value, const char *place, struct proto_set *set, struct proto_problem *problem)
+static bool decode_point(const json_t *value, const char *place, struct proto_set *set,
+                         struct proto_problem *problem)
 {
-    return proto_point_decode(value, place, &set->points[set->point_count], problem) && ++set->point_count;
+    return proto_point_decode(value, place, &set->points[set->point_count], problem) &&
+           ++set->point_count;
 }
 
-static bool decode_curve(const json_t *value, const char *place, struct proto_set *set, struct proto_problem *problem)
+static bool decode_curve(const json_t *value, const char *place, struct proto_set *set,
+                         struct proto_problem *problem)
 {
-    return proto_curve_decode(value, place, &set->curves[set->curve_count], problem) && ++set->curve_count;
+    return proto_curve_decode(value, place, &set->curves[set->curve_count], problem) &&
+           ++set->curve_count;
 }
 
 /* An index, or an object that says it. */
@@ -88,11 +101,12 @@ static const struct kind kinds[] = {{"points", PROTO_SET_MEMBERS, decode_point},
                                     {"boundaries", PROTO_SET_CURVES, decode_boundary}};
 enum { POINTS, CURVES, BOUNDARIES, KINDS };
 
-static bool decode_member(const struct kind *kind, const json_t *value, const char *place, struct proto_set *set,
-                          struct proto_problem *problem)
+static bool decode_member(const struct kind *kind, const json_t *value, const char *place,
+                          struct proto_set *set, struct proto_problem *problem)
 {
     struct proto_naming *naming = &set->namings[set->point_count + set->curve_count];
-    if (!decode_offset(value, place, &naming->offset, problem) || !decode_label(value, place, &naming->label, problem))
+    if (!decode_offset(value, place, &naming->offset, problem) ||
+        !decode_label(value, place, &naming->label, problem))
         return false;
     json_t *bare = without_naming(value);
     if (!bare) return refuse_memory(problem);
@@ -101,11 +115,13 @@ static bool decode_member(const struct kind *kind, const json_t *value, const ch
     return ok;
 }
 
-/* --- the set ---------------------------------------------------------------------------------------------------- */
+/* --- the set ---------------------------------------------------------------------------------- */
 
-static bool refuse_number(const struct kind *kind, const char *pointer, struct proto_problem *problem)
+static bool refuse_number(const struct kind *kind, const char *pointer,
+                          struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "a set may have %u %s at most", kind->most, kind->name);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "a set may have %u %s at most", kind->most,
+                      kind->name);
     proto_problem_at(problem, pointer);
     proto_problem_limit(problem, kind->most);
     return proto_problem_descend(problem, kind->name);
@@ -132,14 +148,18 @@ static bool find_arrays(const json_t *value, const char *pointer, const json_t *
                                  k == BOUNDARIES ? ", or \"all\"" : "");
             return proto_problem_descend(problem, kinds[k].name);
         }
-        if (json_array_size(arrays[k]) > kinds[k].most) return refuse_number(&kinds[k], pointer, problem);
+        if (json_array_size(arrays[k]) > kinds[k].most)
+            return refuse_number(&kinds[k], pointer, problem);
         count += all ? 1 : json_array_size(arrays[k]);
     }
-    return count || proto_problem_refuse(problem, pointer,
-                                         "name one member at least, among \"points\", \"curves\" and \"boundaries\"");
+    return count ||
+           proto_problem_refuse(
+               problem, pointer,
+               "name one member at least, among \"points\", \"curves\" and \"boundaries\"");
 }
 
-static bool make_room(struct proto_set *set, const json_t *const arrays[KINDS], struct proto_problem *problem)
+static bool make_room(struct proto_set *set, const json_t *const arrays[KINDS],
+                      struct proto_problem *problem)
 {
     size_t points = json_array_size(arrays[POINTS]),
            curves = json_array_size(arrays[CURVES]) + json_array_size(arrays[BOUNDARIES]);
@@ -149,8 +169,8 @@ static bool make_room(struct proto_set *set, const json_t *const arrays[KINDS], 
     return (set->points && set->curves && set->namings) || refuse_memory(problem);
 }
 
-static bool decode_kind(const struct kind *kind, const json_t *array, const char *pointer, struct proto_set *set,
-                        struct proto_problem *problem)
+static bool decode_kind(const struct kind *kind, const json_t *array, const char *pointer,
+                        struct proto_set *set, struct proto_problem *problem)
 {
     for (size_t i = 0; i < json_array_size(array); i++) {
         char place[PROTO_POINT_PLACE];
@@ -160,14 +180,16 @@ static bool decode_kind(const struct kind *kind, const json_t *array, const char
     return true;
 }
 
-bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out, struct proto_problem *problem)
+bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out,
+                      struct proto_problem *problem)
 {
     const json_t *arrays[KINDS];
     if (!find_arrays(value, pointer, arrays, problem)) return false;
     struct proto_set set = {.all_boundaries = is_all(json_object_get(value, "boundaries")),
                             .document = json_incref((json_t *)value)};
     bool ok = make_room(&set, arrays, problem);
-    for (int k = 0; k < KINDS && ok; k++) ok = decode_kind(&kinds[k], arrays[k], pointer, &set, problem);
+    for (int k = 0; k < KINDS && ok; k++)
+        ok = decode_kind(&kinds[k], arrays[k], pointer, &set, problem);
     if (ok)
         *out = set;
     else
@@ -195,7 +217,8 @@ bool proto_set_decode_curve(const json_t *object, const char *member, struct pro
     return ok;
 }
 
-bool proto_set_of_point(const struct proto_point *point, struct proto_set *out, struct proto_problem *problem)
+bool proto_set_of_point(const struct proto_point *point, struct proto_set *out,
+                        struct proto_problem *problem)
 {
     const json_t *arrays[KINDS] = {NULL};
     struct proto_set set = {0};

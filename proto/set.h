@@ -1,5 +1,5 @@
-/* Set: what distances are measured to. Members are points, curves and boundaries, numbered in this order, each with an offset that
- * is added to distances from it and a label to know it by. */
+/* Set: what distances are measured to. Members are points, curves and boundaries, numbered in this
+ * order, each with an offset that is added to distances from it and a label to know it by. */
 #ifndef PROTO_SET_H
 #define PROTO_SET_H
 
@@ -10,9 +10,10 @@
 #include "proto/point.h"
 
 #define PROTO_SET_MEMBERS 65536
-#define PROTO_SET_CURVES  4096  /* curves and boundaries that are named, and most boundaries of a mesh that are "all" */
-#define PROTO_SET_LABEL   128   /* bytes of UTF-8 */
-#define PROTO_SET_OFFSET  1e150 /* as coordinates: sums with distances stay finite */
+/* curves and boundaries that are named, and most boundaries of a mesh that are "all" */
+#define PROTO_SET_CURVES 4096
+#define PROTO_SET_LABEL  128   /* bytes of UTF-8 */
+#define PROTO_SET_OFFSET 1e150 /* as coordinates: sums with distances stay finite */
 
 /* What each member has of its own. */
 struct proto_naming {
@@ -30,17 +31,20 @@ struct proto_set {
     json_t *document;             /* retained: it has the labels */
 };
 
-/* From {"points": [point…], "curves": [curve…], "boundaries": "all" | [index | {"boundary": index}…]}, one member at least; all but the
- * bare index may have "offset" and "label". `pointer`: the JSON Pointer of `value`. invalid_request, too_large, insufficient_memory.
- * Freed by proto_set_free. */
-bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out, struct proto_problem *problem);
+/* From {"points": [point…], "curves": [curve…], "boundaries": "all" | [index | {"boundary":
+ * index}…]}, one member at least; all but the bare index may have "offset" and "label". `pointer`:
+ * the JSON Pointer of `value`. invalid_request, too_large, insufficient_memory. Freed by
+ * proto_set_free. */
+bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out,
+                      struct proto_problem *problem);
 
 /* From the curve that is a member of that name of an object, as the only member of the set. */
 bool proto_set_decode_curve(const json_t *object, const char *member, struct proto_set *out,
                             struct proto_problem *problem);
 
 /* A set of one point. insufficient_memory. */
-bool proto_set_of_point(const struct proto_point *point, struct proto_set *out, struct proto_problem *problem);
+bool proto_set_of_point(const struct proto_point *point, struct proto_set *out,
+                        struct proto_problem *problem);
 void proto_set_free(struct proto_set *set); /* a second time is harmless */
 
 /* Points only: to locate it takes no time. */
@@ -59,12 +63,16 @@ struct proto_located_set {
     size_t bytes;      /* of the whole */
 };
 
-/* Puts the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve, whose time and memory are for `control`
- * (NULL: none) to bound and `landmarks` (NULL: none) to narrow; `*out` is untouched on failure. The status is for who wants to know why: the
- * problem is filled in, too. Errors: GD_INVALID_ARGUMENT (a point's, or a curve's, problem), and those of gd_curve_resolve. */
+/* Puts the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve, whose
+ * time and memory are for `control` (NULL: none) to bound and `landmarks` (NULL: none) to narrow;
+ * `*out` is untouched on failure. The status is for who wants to know why: the problem is filled
+ * in, too. Errors: GD_INVALID_ARGUMENT (a point's, or a curve's, problem), and those of
+ * gd_curve_resolve. */
 GD_MUST_USE enum gd_status proto_set_locate(const struct gd_mesh *mesh, const struct proto_set *set,
-                                            const struct gd_landmarks *landmarks, const struct gd_control *control,
-                                            struct proto_located_set **out, struct proto_problem *problem);
+                                            const struct gd_landmarks *landmarks,
+                                            const struct gd_control *control,
+                                            struct proto_located_set **out,
+                                            struct proto_problem *problem);
 
 /* A member's label, or NULL. */
 const char *proto_located_set_label(const struct proto_located_set *set, uint32_t member);

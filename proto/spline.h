@@ -1,7 +1,8 @@
 /* Spline: a geodesic Hermite spline in a request, by itself or as a curve, and in an answer.
  *
  *     {"points", "closed"?, "alpha"?, "tension"?, "tangent_rule"?, "end_rule"?, "tangents"?,
- *      "samples"? | "tolerance"? | "spacing"?, "speed"?}         and in a request of its own also "at"? and "frames"?
+ *      "samples"? | "tolerance"? | "spacing"?, "speed"?}         and in a request of its own also
+ * "at"? and "frames"?
  *     -> {"path", "segments", "parameters", "joints", "frames"}
  *
  * Decoding needs no mesh; locating puts points and tangents on one. */
@@ -33,10 +34,10 @@ struct proto_spline {
     double *parameters; /* owned, those of the sampling */
 };
 
-/* `pointer`: the JSON Pointer of `value`. `as_curve`: without "at" and "frames". invalid_request, too_large (with the limit), insufficient_memory. Freed by
- * proto_spline_free. */
-bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve, struct proto_spline *out,
-                         struct proto_problem *problem);
+/* `pointer`: the JSON Pointer of `value`. `as_curve`: without "at" and "frames". invalid_request,
+ * too_large (with the limit), insufficient_memory. Freed by proto_spline_free. */
+bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,
+                         struct proto_spline *out, struct proto_problem *problem);
 void proto_spline_free(struct proto_spline *spline); /* a second time is harmless; NULL too */
 
 /* A spline on its mesh, all zero: none. */
@@ -48,12 +49,14 @@ struct proto_located_spline {
     bool *is_given;
 };
 
-/* The problems of proto_point_locate and proto_direction_locate, and insufficient_memory. The spline must live as long as the located one. */
+/* The problems of proto_point_locate and proto_direction_locate, and insufficient_memory. The
+ * spline must live as long as the located one. */
 bool proto_spline_locate(const struct gd_mesh *mesh, const struct proto_spline *spline,
                          struct proto_located_spline *out, struct proto_problem *problem);
 void proto_located_spline_free(struct proto_located_spline *located); /* leaves none */
 
-/* The problem that a failure of gd_spline_build or gd_spline_sample is, at the point that is at fault, or at `place`, the spline's. */
+/* The problem that a failure of gd_spline_build or gd_spline_sample is, at the point that is at
+ * fault, or at `place`, the spline's. */
 bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
                        struct proto_problem *problem);
 
@@ -67,8 +70,10 @@ enum proto_spline_field {
 };
 extern const char *const proto_spline_fields[]; /* NULL-terminated, for proto_options_parse */
 
-/* Writes {"path", "segments", "parameters", "joints"}, and with `frames` a frame for each place; of these the wanted ones. */
-void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_spline *spline,
-                         const struct gd_spline_line *line, bool frames, const struct proto_options *options);
+/* Writes {"path", "segments", "parameters", "joints"}, and with `frames` a frame for each place; of
+ * these the wanted ones. */
+void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_spline *spline, const struct gd_spline_line *line,
+                         bool frames, const struct proto_options *options);
 
 #endif

@@ -1,4 +1,5 @@
-/* Tessellation: {"mesh", "tolerance" | "resolution"}, a surface as a mesh; and where on the surface the mesh's vertices lie. */
+/* Tessellation: {"mesh", "tolerance" | "resolution"}, a surface as a mesh; and where on the surface
+ * the mesh's vertices lie. */
 #ifndef PROTO_TESSELLATION_H
 #define PROTO_TESSELLATION_H
 
@@ -15,8 +16,8 @@ struct proto_tessellation {
 };
 
 /* `max_faces` is what a mesh may have. invalid_request, too_large (with the limit). */
-bool proto_tessellation_decode(const json_t *document, uint32_t max_faces, struct proto_tessellation *out,
-                               struct proto_problem *problem);
+bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
+                               struct proto_tessellation *out, struct proto_problem *problem);
 
 /* Where the vertices of a mesh lie on the surface that it was made of; all borrowed. */
 struct proto_vertex_parameters {
@@ -31,10 +32,13 @@ enum proto_vertex_parameters_field {
     PROTO_VERTEX_PARAMETERS_FIELD_PERIODS = 1 << 1,
     PROTO_VERTEX_PARAMETERS_FIELD_UV = 1 << 2
 };
-extern const char *const proto_vertex_parameters_fields[]; /* NULL-terminated, for proto_options_parse */
+/* NULL-terminated, for proto_options_parse */
+extern const char *const proto_vertex_parameters_fields[];
 
-/* Writes {"nurbs": {"name", "etag"}, "periods": [u, v], "uv": [[u, v]…]}, of these the wanted ones; null for the period of a direction without one. */
-void proto_vertex_parameters_encode(struct proto_writer *writer, const struct proto_vertex_parameters *parameters,
+/* Writes {"nurbs": {"name", "etag"}, "periods": [u, v], "uv": [[u, v]…]}, of these the wanted ones;
+ * null for the period of a direction without one. */
+void proto_vertex_parameters_encode(struct proto_writer *writer,
+                                    const struct proto_vertex_parameters *parameters,
                                     uint32_t fields);
 
 #endif

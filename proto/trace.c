@@ -16,19 +16,21 @@ void proto_trace_free(struct proto_trace *trace)
     *trace = (struct proto_trace){0};
 }
 
-/* --- directions --------------------------------------------------------------------------------------------------- */
+/* --- directions ------------------------------------------------------------------------------- */
 
 static bool check_count(double count, const char *place, struct proto_problem *problem)
 {
     if (count < 1) return proto_problem_refuse(problem, place, "ask for at least one direction");
     if (count <= PROTO_TRACE_DIRECTIONS) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d directions are traced at once; ask for fewer",
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "at most %d directions are traced at once; ask for fewer",
                       PROTO_TRACE_DIRECTIONS);
     proto_problem_at(problem, place);
     return proto_problem_limit(problem, PROTO_TRACE_DIRECTIONS);
 }
 
-static bool decode_directions(const json_t *value, struct proto_trace *trace, struct proto_problem *problem)
+static bool decode_directions(const json_t *value, struct proto_trace *trace,
+                              struct proto_problem *problem)
 {
     if (!json_is_array(value))
         return proto_problem_refuse(problem, "/directions", "expected an array of directions here");
@@ -39,30 +41,36 @@ static bool decode_directions(const json_t *value, struct proto_trace *trace, st
     for (uint32_t i = 0; i < trace->count; i++) {
         char place[PROTO_DIRECTION_PLACE];
         snprintf(place, sizeof place, "/directions/%u", i);
-        if (!proto_direction_decode(json_array_get(value, i), place, &trace->directions[i], problem)) return false;
+        if (!proto_direction_decode(json_array_get(value, i), place, &trace->directions[i],
+                                    problem))
+            return false;
     }
     return true;
 }
 
-static bool decode_fan(const json_t *document, struct proto_trace *trace, struct proto_problem *problem)
+static bool decode_fan(const json_t *document, struct proto_trace *trace,
+                       struct proto_problem *problem)
 {
     return proto_decode_index(document, "", "fan", &trace->count, problem) &&
            check_count(trace->count, "/fan", problem);
 }
 
-bool proto_trace_ways_decode(const json_t *document, struct proto_trace *trace, struct proto_problem *problem)
+bool proto_trace_ways_decode(const json_t *document, struct proto_trace *trace,
+                             struct proto_problem *problem)
 {
     const json_t *directions = json_object_get(document, "directions");
     if (!directions == !json_object_get(document, "fan"))
-        return proto_problem_refuse(problem, "", "say either directions or fan, the number of directions all around");
-    return directions ? decode_directions(directions, trace, problem) : decode_fan(document, trace, problem);
+        return proto_problem_refuse(
+            problem, "", "say either directions or fan, the number of directions all around");
+    return directions ? decode_directions(directions, trace, problem)
+                      : decode_fan(document, trace, problem);
 }
 
-/* --- rules -------------------------------------------------------------------------------------------------------- */
+/* --- rules ------------------------------------------------------------------------------------ */
 
 /* One of two words: 0 for the first, which is the default. */
-static bool decode_word(const json_t *document, const char *member, const char *const words[2], int *out,
-                        struct proto_problem *problem)
+static bool decode_word(const json_t *document, const char *member, const char *const words[2],
+                        int *out, struct proto_problem *problem)
 {
     const json_t *value = json_object_get(document, member);
     *out = 0;
@@ -75,8 +83,8 @@ static bool decode_word(const json_t *document, const char *member, const char *
     return proto_problem_descend(problem, member);
 }
 
-bool proto_trace_vertex_rule_decode(const json_t *document, enum gd_vertex_rule usual, enum gd_vertex_rule *out,
-                                    struct proto_problem *problem)
+bool proto_trace_vertex_rule_decode(const json_t *document, enum gd_vertex_rule usual,
+                                    enum gd_vertex_rule *out, struct proto_problem *problem)
 {
     static const char *const rules[2] = {"bisect", "limit_normal"};
     int rule;
@@ -89,42 +97,55 @@ bool proto_trace_vertex_rule_decode(const json_t *document, enum gd_vertex_rule 
 static bool decode_limit(const json_t *document, uint64_t *out, struct proto_problem *problem)
 {
     uint32_t limit = PROTO_TRACE_STEPS;
-    if (json_object_get(document, "step_limit") && !proto_decode_index(document, "", "step_limit", &limit, problem))
+    if (json_object_get(document, "step_limit") &&
+        !proto_decode_index(document, "", "step_limit", &limit, problem))
         return false;
     *out = limit;
     if (limit >= 1 && limit <= GD_TRACE_STEPS) return true;
-    return proto_problem_refuse(problem, "/step_limit", "step_limit is a number of points from 1 to %d",
-                                GD_TRACE_STEPS);
+    return proto_problem_refuse(problem, "/step_limit",
+                                "step_limit is a number of points from 1 to %d", GD_TRACE_STEPS);
 }
 
-static bool decode_rules(const json_t *document, struct gd_trace_options *out, struct proto_problem *problem)
+static bool decode_rules(const json_t *document, struct gd_trace_options *out,
+                         struct proto_problem *problem)
 {
     static const char *const boundary_rules[2] = {"stop", "slide"};
     int boundary_rule;
-    if (!proto_trace_vertex_rule_decode(document, GD_VERTEX_RULE_BISECT, &out->vertex_rule, problem) ||
+    if (!proto_trace_vertex_rule_decode(document, GD_VERTEX_RULE_BISECT, &out->vertex_rule,
+                                        problem) ||
         !decode_word(document, "boundary_rule", boundary_rules, &boundary_rule, problem))
         return false;
     out->boundary_rule = boundary_rule ? GD_BOUNDARY_RULE_SLIDE : GD_BOUNDARY_RULE_STOP;
-    return proto_decode_flag(document, "", "stop_at_self_intersection", &out->stop_at_self_intersection, problem) &&
+    return proto_decode_flag(document, "", "stop_at_self_intersection",
+                             &out->stop_at_self_intersection, problem) &&
            decode_limit(document, &out->step_limit, problem);
 }
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool decode(const json_t *document, struct proto_trace *trace, struct proto_problem *problem)
 {
     const json_t *start = proto_decode_member(document, "", "start", problem);
     if (!start || !proto_point_decode(start, "/start", &trace->start, problem)) return false;
     if (!proto_decode_number(document, "", "length", &trace->length, problem)) return false;
-    if (!(trace->length >= 0)) return proto_problem_refuse(problem, "/length", "a length is 0 or more");
-    return decode_rules(document, &trace->options, problem) && proto_trace_ways_decode(document, trace, problem);
+    if (!(trace->length >= 0))
+        return proto_problem_refuse(problem, "/length", "a length is 0 or more");
+    return decode_rules(document, &trace->options, problem) &&
+           proto_trace_ways_decode(document, trace, problem);
 }
 
-bool proto_trace_decode(const json_t *document, struct proto_trace *out, struct proto_problem *problem)
+bool proto_trace_decode(const json_t *document, struct proto_trace *out,
+                        struct proto_problem *problem)
 {
-    static const char *const members[] = {
-        "start",      "directions", "fan", "length", "vertex_rule", "boundary_rule", "stop_at_self_intersection",
-        "step_limit", NULL};
+    static const char *const members[] = {"start",
+                                          "directions",
+                                          "fan",
+                                          "length",
+                                          "vertex_rule",
+                                          "boundary_rule",
+                                          "stop_at_self_intersection",
+                                          "step_limit",
+                                          NULL};
     struct proto_trace trace = {0};
     if (!proto_decode_object(document, "", members, problem)) return false;
     if (decode(document, &trace, problem)) {
@@ -135,7 +156,7 @@ bool proto_trace_decode(const json_t *document, struct proto_trace *out, struct 
     return false;
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 const char *proto_trace_end_name(enum gd_trace_end end)
 {
@@ -152,8 +173,8 @@ const char *proto_trace_end_name(enum gd_trace_end end)
     return "length";
 }
 
-void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_trace *trace,
-                        enum proto_geometry geometry)
+void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_trace *trace, enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
     proto_member_number(writer, "length", trace->path.length);

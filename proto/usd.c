@@ -14,7 +14,7 @@ bool proto_usd_is(const void *bytes, size_t size)
     return size && memmem(bytes, size, name, sizeof name - 1) != NULL;
 }
 
-/* --- arrays of numbers -------------------------------------------------------------------------------------------- */
+/* --- arrays of numbers ------------------------------------------------------------------------ */
 
 struct indices { /* all zero is an empty list */
     uint32_t *items;
@@ -26,9 +26,10 @@ struct reals {
     uint32_t count;
 };
 
-/* Room for a member's numbers, of `size` bytes each, and one more; *items is NULL where the member is not there. */
-static bool make_room(const json_t *document, const char *member, size_t size, void **items, uint32_t *count,
-                      struct proto_problem *problem)
+/* Room for a member's numbers, of `size` bytes each, and one more; *items is NULL where the member
+ * is not there. */
+static bool make_room(const json_t *document, const char *member, size_t size, void **items,
+                      uint32_t *count, struct proto_problem *problem)
 {
     const json_t *array = json_object_get(document, member);
     *items = NULL;
@@ -43,25 +44,30 @@ static bool make_room(const json_t *document, const char *member, size_t size, v
 }
 
 /* What has been read of it is the caller's, who frees it, also where something is wrong. */
-static bool read_indices(const json_t *document, const char *member, struct indices *out, struct proto_problem *problem)
+static bool read_indices(const json_t *document, const char *member, struct indices *out,
+                         struct proto_problem *problem)
 {
     void *items;
-    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem)) return false;
+    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem))
+        return false;
     out->items = items;
     return !items || proto_decode_indices(document, "", member, out->count, out->items, problem);
 }
 
-static bool read_reals(const json_t *document, const char *member, struct reals *out, struct proto_problem *problem)
+static bool read_reals(const json_t *document, const char *member, struct reals *out,
+                       struct proto_problem *problem)
 {
     void *items;
-    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem)) return false;
+    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem))
+        return false;
     out->items = items;
     return !items || proto_decode_numbers(document, "", member, out->count, out->items, problem);
 }
 
-/* --- polygons ----------------------------------------------------------------------------------------------------- */
+/* --- polygons --------------------------------------------------------------------------------- */
 
-static bool refuse_flaw(enum gd_status status, const char *place, const char *sentence, struct proto_problem *problem)
+static bool refuse_flaw(enum gd_status status, const char *place, const char *sentence,
+                        struct proto_problem *problem)
 {
     struct gd_detail detail = {0};
     (void)gd_fail(&detail, status, "%s", sentence);
@@ -69,10 +75,12 @@ static bool refuse_flaw(enum gd_status status, const char *place, const char *se
     return proto_problem_at(problem, place);
 }
 
-static bool check_limit(uint64_t count, uint32_t most, const char *place, struct proto_problem *problem)
+static bool check_limit(uint64_t count, uint32_t most, const char *place,
+                        struct proto_problem *problem)
 {
     if (most == 0 || count <= most) return true;
-    refuse_flaw(GD_TOO_LARGE, place, "the control mesh has more elements than the configured maximum", problem);
+    refuse_flaw(GD_TOO_LARGE, place,
+                "the control mesh has more elements than the configured maximum", problem);
     return proto_problem_limit(problem, most);
 }
 
@@ -86,14 +94,16 @@ static bool read_point(const json_t *value, double out[3])
     return true;
 }
 
-static bool read_points(const json_t *document, const struct gd_read_limits *limits, struct gd_polygons *out,
-                        struct proto_problem *problem)
+static bool read_points(const json_t *document, const struct gd_read_limits *limits,
+                        struct gd_polygons *out, struct proto_problem *problem)
 {
     const json_t *array = proto_decode_member(document, "", "points", problem);
     if (!array) return false;
-    if (!json_is_array(array)) return proto_problem_refuse(problem, "/points", "expected an array of [x, y, z]");
+    if (!json_is_array(array))
+        return proto_problem_refuse(problem, "/points", "expected an array of [x, y, z]");
     size_t count = json_array_size(array);
-    if (!check_limit(count, limits && limits->max_vertices ? limits->max_vertices : MOST_INDICES, "/points", problem))
+    if (!check_limit(count, limits && limits->max_vertices ? limits->max_vertices : MOST_INDICES,
+                     "/points", problem))
         return false;
     out->positions = malloc((count + 1) * sizeof *out->positions);
     if (!out->positions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
@@ -127,7 +137,8 @@ static bool sum_counts(const struct indices *counts, uint32_t corner_count, stru
     return true;
 }
 
-static bool check_corners(const struct gd_polygons *polygons, uint32_t corner_count, struct proto_problem *problem)
+static bool check_corners(const struct gd_polygons *polygons, uint32_t corner_count,
+                          struct proto_problem *problem)
 {
     char place[48];
     for (uint32_t i = 0; i < corner_count; i++) {
@@ -138,8 +149,8 @@ static bool check_corners(const struct gd_polygons *polygons, uint32_t corner_co
     return true;
 }
 
-static bool read_faces(const json_t *document, const struct gd_read_limits *limits, struct gd_polygons *out,
-                       struct proto_problem *problem)
+static bool read_faces(const json_t *document, const struct gd_read_limits *limits,
+                       struct gd_polygons *out, struct proto_problem *problem)
 {
     struct indices counts = {0}, corners = {0};
     if (!proto_decode_member(document, "", "faceVertexCounts", problem) ||
@@ -148,15 +159,18 @@ static bool read_faces(const json_t *document, const struct gd_read_limits *limi
     bool ok = read_indices(document, "faceVertexCounts", &counts, problem) &&
               read_indices(document, "faceVertexIndices", &corners, problem);
     out->corners = corners.items;
-    ok = ok && sum_counts(&counts, corners.count, out, problem) && check_corners(out, corners.count, problem);
-    uint64_t triangles = corners.count > 2 * (uint64_t)counts.count ? corners.count - 2 * (uint64_t)counts.count : 0;
+    ok = ok && sum_counts(&counts, corners.count, out, problem) &&
+         check_corners(out, corners.count, problem);
+    uint64_t triangles =
+        corners.count > 2 * (uint64_t)counts.count ? corners.count - 2 * (uint64_t)counts.count : 0;
     free(counts.items);
     if (!ok) return false;
-    if (out->polygon_count == 0) return refuse_flaw(GD_EMPTY, "/faceVertexCounts", "the input has no faces", problem);
+    if (out->polygon_count == 0)
+        return refuse_flaw(GD_EMPTY, "/faceVertexCounts", "the input has no faces", problem);
     return check_limit(triangles, limits ? limits->max_faces : 0, "/faceVertexCounts", problem);
 }
 
-/* --- tags --------------------------------------------------------------------------------------------------------- */
+/* --- tags ------------------------------------------------------------------------------------- */
 
 struct chains {
     struct indices vertices, lengths;
@@ -171,7 +185,8 @@ static void chains_free(struct chains *chains)
 }
 
 /* Adds up lengths and edges. */
-static bool check_chains(const struct chains *chains, uint32_t *edges, struct proto_problem *problem)
+static bool check_chains(const struct chains *chains, uint32_t *edges,
+                         struct proto_problem *problem)
 {
     uint64_t sum = 0;
     char place[40];
@@ -182,16 +197,20 @@ static bool check_chains(const struct chains *chains, uint32_t *edges, struct pr
         return proto_problem_refuse(problem, place, "a crease has at least two vertices");
     }
     if (sum != chains->vertices.count)
-        return proto_problem_refuse(problem, "/creaseLengths", "they add up to %llu, and creaseIndices has %u members",
+        return proto_problem_refuse(problem, "/creaseLengths",
+                                    "they add up to %llu, and creaseIndices has %u members",
                                     (unsigned long long)sum, chains->vertices.count);
     *edges = chains->vertices.count - chains->lengths.count;
-    if (chains->sharpnesses.count == chains->lengths.count || chains->sharpnesses.count == *edges) return true;
-    return proto_problem_refuse(problem, "/creaseSharpnesses",
-                                "expected a sharpness for each of the %u creases, or for each of their %u edges",
-                                chains->lengths.count, *edges);
+    if (chains->sharpnesses.count == chains->lengths.count || chains->sharpnesses.count == *edges)
+        return true;
+    return proto_problem_refuse(
+        problem, "/creaseSharpnesses",
+        "expected a sharpness for each of the %u creases, or for each of their %u edges",
+        chains->lengths.count, *edges);
 }
 
-static bool make_creases(const struct chains *chains, struct gd_control_mesh *out, struct proto_problem *problem)
+static bool make_creases(const struct chains *chains, struct gd_control_mesh *out,
+                         struct proto_problem *problem)
 {
     uint32_t edges = 0;
     if (!check_chains(chains, &edges, problem)) return false;
@@ -202,13 +221,15 @@ static bool make_creases(const struct chains *chains, struct gd_control_mesh *ou
     for (uint32_t chain = 0; chain < chains->lengths.count; chain++, vertex++) {
         for (uint32_t k = 1; k < chains->lengths.items[chain]; k++, vertex++) {
             uint32_t i = out->crease_count++;
-            out->creases[i] = (struct gd_crease){{vertex[0], vertex[1]}, chains->sharpnesses.items[each ? i : chain]};
+            out->creases[i] = (struct gd_crease){{vertex[0], vertex[1]},
+                                                 chains->sharpnesses.items[each ? i : chain]};
         }
     }
     return true;
 }
 
-static bool read_creases(const json_t *document, struct gd_control_mesh *out, struct proto_problem *problem)
+static bool read_creases(const json_t *document, struct gd_control_mesh *out,
+                         struct proto_problem *problem)
 {
     struct chains chains = {0};
     bool ok = read_indices(document, "creaseIndices", &chains.vertices, problem) &&
@@ -219,15 +240,17 @@ static bool read_creases(const json_t *document, struct gd_control_mesh *out, st
     return ok;
 }
 
-static bool read_corners(const json_t *document, struct gd_control_mesh *out, struct proto_problem *problem)
+static bool read_corners(const json_t *document, struct gd_control_mesh *out,
+                         struct proto_problem *problem)
 {
     struct indices vertices = {0};
     struct reals sharpnesses = {0};
     bool ok = read_indices(document, "cornerIndices", &vertices, problem) &&
               read_reals(document, "cornerSharpnesses", &sharpnesses, problem);
     if (ok && vertices.count != sharpnesses.count)
-        ok = proto_problem_refuse(problem, "/cornerSharpnesses", "expected a sharpness for each of the %u corners",
-                                  vertices.count);
+        ok =
+            proto_problem_refuse(problem, "/cornerSharpnesses",
+                                 "expected a sharpness for each of the %u corners", vertices.count);
     if (ok) out->corners = malloc((vertices.count + (size_t)1) * sizeof *out->corners);
     if (ok && !out->corners) ok = proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; ok && i < vertices.count; i++)
@@ -238,11 +261,11 @@ static bool read_corners(const json_t *document, struct gd_control_mesh *out, st
     return ok;
 }
 
-/* --- words -------------------------------------------------------------------------------------------------------- */
+/* --- words ------------------------------------------------------------------------------------ */
 
 /* The number of one of the words; untouched when the member is not there. */
-static bool read_word(const json_t *document, const char *member, const char *const *words, unsigned *out,
-                      struct proto_problem *problem)
+static bool read_word(const json_t *document, const char *member, const char *const *words,
+                      unsigned *out, struct proto_problem *problem)
 {
     const json_t *value = json_object_get(document, member);
     if (!value) return true;
@@ -251,7 +274,8 @@ static bool read_word(const json_t *document, const char *member, const char *co
         *out = i;
         return true;
     }
-    proto_problem_refuse(problem, "", "expected one of: %s %s %s", words[0], words[1], words[2] ? words[2] : "");
+    proto_problem_refuse(problem, "", "expected one of: %s %s %s", words[0], words[1],
+                         words[2] ? words[2] : "");
     return proto_problem_descend(problem, member);
 }
 
@@ -261,7 +285,8 @@ static bool read_words(const json_t *document, struct proto_usd *out, struct pro
                                              [GD_INTERPOLATE_EDGE_ONLY] = "edgeOnly",
                                              [GD_INTERPOLATE_NONE] = "none",
                                              NULL};
-    static const char *const schemes[] = {[GD_SCHEME_CATMULL_CLARK] = "catmullClark", [GD_SCHEME_LOOP] = "loop", NULL};
+    static const char *const schemes[] = {
+        [GD_SCHEME_CATMULL_CLARK] = "catmullClark", [GD_SCHEME_LOOP] = "loop", NULL};
     unsigned boundary = GD_INTERPOLATE_EDGE_AND_CORNER, scheme = GD_SCHEME_CATMULL_CLARK;
     if (!read_word(document, "interpolateBoundary", boundaries, &boundary, problem) ||
         !read_word(document, "subdivisionScheme", schemes, &scheme, problem))
@@ -272,10 +297,10 @@ static bool read_words(const json_t *document, struct proto_usd *out, struct pro
     return true;
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
-static bool read_document(const json_t *document, const struct gd_read_limits *limits, struct proto_usd *out,
-                          struct proto_problem *problem)
+static bool read_document(const json_t *document, const struct gd_read_limits *limits,
+                          struct proto_usd *out, struct proto_problem *problem)
 {
     static const char *const members[] = {"points",
                                           "faceVertexCounts",
@@ -289,17 +314,19 @@ static bool read_document(const json_t *document, const struct gd_read_limits *l
                                           "subdivisionScheme",
                                           NULL};
     struct gd_control_mesh *mesh = &out->control_mesh;
-    return proto_decode_object(document, "", members, problem) && read_words(document, out, problem) &&
+    return proto_decode_object(document, "", members, problem) &&
+           read_words(document, out, problem) &&
            read_points(document, limits, &mesh->polygons, problem) &&
-           read_faces(document, limits, &mesh->polygons, problem) && read_creases(document, mesh, problem) &&
-           read_corners(document, mesh, problem);
+           read_faces(document, limits, &mesh->polygons, problem) &&
+           read_creases(document, mesh, problem) && read_corners(document, mesh, problem);
 }
 
-bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_limits *limits, struct proto_usd *out,
-                    struct proto_problem *problem)
+bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_limits *limits,
+                    struct proto_usd *out, struct proto_problem *problem)
 {
     struct proto_usd usd = {0};
-    json_t *document = proto_decode_document_within(bytes, size, limits ? limits->control : NULL, problem);
+    json_t *document =
+        proto_decode_document_within(bytes, size, limits ? limits->control : NULL, problem);
     if (!document) return false;
     bool ok = read_document(document, limits, &usd, problem);
     json_decref(document);

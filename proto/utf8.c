@@ -9,7 +9,8 @@ static int is_continuation(char byte)
 
 size_t proto_utf8_length(const char *text, size_t size)
 {
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000}; /* shorter forms of a smaller one exist: overlong */
+    /* shorter forms of a smaller one exist: overlong */
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     unsigned char first = (unsigned char)text[0];
     if (first < 0x80) return 1;
     size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;

@@ -4,8 +4,9 @@
 
 #include <stddef.h>
 
-/* Length of the well-formed character at the start of `text`, which has `size` > 0 bytes; 0: none stands there (a stray
- * or missing continuation byte, an overlong form, a surrogate, beyond U+10FFFF). */
+/* Length of the well-formed character at the start of `text`, which has `size` > 0 bytes; 0: none
+ * stands there (a stray or missing continuation byte, an overlong form, a surrogate, beyond
+ * U+10FFFF). */
 size_t proto_utf8_length(const char *text, size_t size);
 
 #endif

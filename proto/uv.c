@@ -29,8 +29,8 @@ bool proto_uv_decode(const json_t *object, const char *place, const char *member
 }
 
 /* The member, an array of 1 to `most` elements; else NULL. */
-static const json_t *find_list(const json_t *object, const char *place, const char *member, uint32_t most,
-                               struct proto_problem *problem)
+static const json_t *find_list(const json_t *object, const char *place, const char *member,
+                               uint32_t most, struct proto_problem *problem)
 {
     const json_t *list = proto_decode_member(object, place, member, problem);
     size_t size = json_array_size(list); /* 0 when it is no array */
@@ -38,7 +38,8 @@ static const json_t *find_list(const json_t *object, const char *place, const ch
     if (size == 0) {
         proto_problem_refuse(problem, place, "expected an array of at least one element");
     } else {
-        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %u elements are taken here; send fewer", most);
+        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                          "at most %u elements are taken here; send fewer", most);
         proto_problem_at(problem, place);
         proto_problem_limit(problem, most);
     }
@@ -46,8 +47,8 @@ static const json_t *find_list(const json_t *object, const char *place, const ch
     return NULL;
 }
 
-static bool refuse_element(const char *place, const char *member, size_t index, const char *expected,
-                           struct proto_problem *problem)
+static bool refuse_element(const char *place, const char *member, size_t index,
+                           const char *expected, struct proto_problem *problem)
 {
     char list[PROTO_UV_PLACE], element[PROTO_UV_PLACE];
     proto_place_of_member(list, place, member);
@@ -61,8 +62,8 @@ static bool is_pair(const json_t *value)
            json_is_number(json_array_get(value, 1));
 }
 
-bool proto_uvs_decode(const json_t *object, const char *place, const char *member, uint32_t most, struct proto_uvs *out,
-                      struct proto_problem *problem)
+bool proto_uvs_decode(const json_t *object, const char *place, const char *member, uint32_t most,
+                      struct proto_uvs *out, struct proto_problem *problem)
 {
     const json_t *list = find_list(object, place, member, most, problem);
     if (!list) return false;
@@ -75,14 +76,16 @@ bool proto_uvs_decode(const json_t *object, const char *place, const char *membe
             proto_uvs_free(&uvs);
             return refuse_element(place, member, i, "an array of 2 numbers", problem);
         }
-        for (int k = 0; k < 2; k++) uvs.items[i][k] = json_number_value(json_array_get(pair, (size_t)k));
+        for (int k = 0; k < 2; k++)
+            uvs.items[i][k] = json_number_value(json_array_get(pair, (size_t)k));
     }
     *out = uvs;
     return true;
 }
 
-bool proto_numbers_decode(const json_t *object, const char *place, const char *member, uint32_t most, double **out,
-                          uint32_t *count, struct proto_problem *problem)
+bool proto_numbers_decode(const json_t *object, const char *place, const char *member,
+                          uint32_t most, double **out, uint32_t *count,
+                          struct proto_problem *problem)
 {
     const json_t *list = find_list(object, place, member, most, problem);
     if (!list) return false;
@@ -103,9 +106,10 @@ bool proto_uv_check(const struct gd_parametric *surface, const double uv[2], con
 {
     if (gd_parametric_contains(surface, uv[0], uv[1])) return true;
     const struct gd_axis *u = gd_parametric_axis_u(surface), *v = gd_parametric_axis_v(surface);
-    proto_problem_set(problem, PROTO_PROBLEM_POINT_NOT_ON_SURFACE,
-                      "(%.17g, %.17g) lies outside the surface's domain, [%.17g, %.17g]%s x [%.17g, %.17g]%s", uv[0],
-                      uv[1], u->low, u->high, u->closed ? " (periodic)" : "", v->low, v->high,
-                      v->closed ? " (periodic)" : "");
+    proto_problem_set(
+        problem, PROTO_PROBLEM_POINT_NOT_ON_SURFACE,
+        "(%.17g, %.17g) lies outside the surface's domain, [%.17g, %.17g]%s x [%.17g, %.17g]%s",
+        uv[0], uv[1], u->low, u->high, u->closed ? " (periodic)" : "", v->low, v->high,
+        v->closed ? " (periodic)" : "");
     return proto_problem_at(problem, place);
 }

@@ -22,9 +22,10 @@ void proto_vectors_free(struct proto_vectors *vectors)
     *vectors = (struct proto_vectors){0};
 }
 
-/* --- segments ----------------------------------------------------------------------------------------------------- */
+/* --- segments --------------------------------------------------------------------------------- */
 
-static bool decode_length(const json_t *value, const char *place, double *out, struct proto_problem *problem)
+static bool decode_length(const json_t *value, const char *place, double *out,
+                          struct proto_problem *problem)
 {
     if (!proto_decode_number(value, place, "length", out, problem)) return false;
     if (*out >= 0 && *out <= PROTO_VECTOR_LENGTH) return true;
@@ -40,7 +41,8 @@ bool proto_segment_decode(const json_t *value, const char *place, struct proto_s
     if (!direction) return false;
     snprintf(where, sizeof where, "%s/direction", place);
     out->has_direction = !json_is_null(direction);
-    if (out->has_direction && !proto_direction_decode(direction, where, &out->direction, problem)) return false;
+    if (out->has_direction && !proto_direction_decode(direction, where, &out->direction, problem))
+        return false;
     if (!decode_length(value, place, &out->length, problem)) return false;
     return out->has_direction || out->length == 0 ||
            proto_problem_refuse(problem, where, "only a vector of length 0 has no direction");
@@ -56,23 +58,26 @@ static bool decode_segments(const json_t *array, const char *place, struct proto
         snprintf(where, sizeof where, "%s/segments/%zu", place, i);
         if (!proto_decode_object(value, where, members, problem)) return false;
         if (!proto_segment_decode(value, where, &out[i], problem)) return false;
-        if (!out[i].has_direction) return proto_problem_refuse(problem, where, "a segment has a direction");
+        if (!out[i].has_direction)
+            return proto_problem_refuse(problem, where, "a segment has a direction");
     }
     return true;
 }
 
-/* --- vectors ------------------------------------------------------------------------------------------------------ */
+/* --- vectors ---------------------------------------------------------------------------------- */
 
 static bool refuse_number(const char *place, struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d are taken here; send fewer", PROTO_VECTORS);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d are taken here; send fewer",
+                      PROTO_VECTORS);
     proto_problem_at(problem, place);
     return proto_problem_limit(problem, PROTO_VECTORS);
 }
 
 bool proto_vector_check(const json_t *value, const char *place, struct proto_problem *problem)
 {
-    static const char *const members[] = {"direction", "length", "reason", "segments", "cut_locus", NULL};
+    static const char *const members[] = {"direction", "length",    "reason",
+                                          "segments",  "cut_locus", NULL};
     bool is_cut;
     if (!proto_decode_object(value, place, members, problem)) return false;
     const json_t *reason = json_object_get(value, "reason");
@@ -83,17 +88,20 @@ bool proto_vector_check(const json_t *value, const char *place, struct proto_pro
     return proto_decode_flag(value, place, "cut_locus", &is_cut, problem);
 }
 
-/* log answers null for a vertex without faces, and null for direction and length where no path leads. */
+/* log answers null for a vertex without faces, and null for direction and length where no path
+ * leads. */
 static bool exists(const json_t *value)
 {
-    const json_t *direction = json_object_get(value, "direction"), *length = json_object_get(value, "length");
+    const json_t *direction = json_object_get(value, "direction"),
+                 *length = json_object_get(value, "length");
     return !json_is_null(value) && !(json_is_null(direction) && json_is_null(length));
 }
 
 /* The segments that count, or NULL: the vector's own direction and length do. */
 static const json_t *segments_of(const json_t *value, bool is_straight)
 {
-    return is_straight && json_object_get(value, "direction") ? NULL : json_object_get(value, "segments");
+    return is_straight && json_object_get(value, "direction") ? NULL
+                                                              : json_object_get(value, "segments");
 }
 
 static bool count_segments(const json_t *value, const char *place, bool is_straight, size_t *out,
@@ -104,7 +112,8 @@ static bool count_segments(const json_t *value, const char *place, bool is_strai
     if (!exists(value)) return true;
     const json_t *segments = segments_of(value, is_straight);
     *out = segments ? json_array_size(segments) : 1;
-    return *out || proto_problem_refuse(problem, place, "segments is an array of at least one direction and length");
+    return *out || proto_problem_refuse(
+                       problem, place, "segments is an array of at least one direction and length");
 }
 
 static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
@@ -113,14 +122,16 @@ static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
 }
 
 /* Counts the segments of all into `first`. */
-static bool measure(const json_t *array, bool is_straight, struct proto_vectors *vectors, struct proto_problem *problem)
+static bool measure(const json_t *array, bool is_straight, struct proto_vectors *vectors,
+                    struct proto_problem *problem)
 {
     size_t total = 0;
     for (uint32_t i = 0; i < vectors->count; i++) {
         char place[PROTO_DIRECTION_PLACE];
         size_t segments;
         place_of(place, i);
-        if (!count_segments(json_array_get(array, i), place, is_straight, &segments, problem)) return false;
+        if (!count_segments(json_array_get(array, i), place, is_straight, &segments, problem))
+            return false;
         vectors->first[i] = (uint32_t)total;
         total += segments;
         if (total > PROTO_VECTORS) return refuse_number("/vectors", problem);
@@ -129,7 +140,8 @@ static bool measure(const json_t *array, bool is_straight, struct proto_vectors 
     return true;
 }
 
-static bool fill(const json_t *array, bool is_straight, struct proto_vectors *vectors, struct proto_problem *problem)
+static bool fill(const json_t *array, bool is_straight, struct proto_vectors *vectors,
+                 struct proto_problem *problem)
 {
     for (uint32_t i = 0; i < vectors->count; i++) {
         char place[PROTO_DIRECTION_PLACE];
@@ -154,7 +166,8 @@ static bool decode_list(const json_t *document, bool is_straight, struct proto_v
 {
     const json_t *array = proto_decode_member(document, "", "vectors", problem);
     if (!array) return false;
-    if (!json_array_size(array)) return proto_problem_refuse(problem, "/vectors", "name at least one vector");
+    if (!json_array_size(array))
+        return proto_problem_refuse(problem, "/vectors", "name at least one vector");
     if (json_array_size(array) > PROTO_VECTORS) return refuse_number("/vectors", problem);
     vectors->count = (uint32_t)json_array_size(array);
     vectors->first = malloc((vectors->count + 1) * sizeof *vectors->first);
@@ -164,7 +177,8 @@ static bool decode_list(const json_t *document, bool is_straight, struct proto_v
     return vectors->segments ? fill(array, is_straight, vectors, problem) : refuse_memory(problem);
 }
 
-static bool decode_factors(const json_t *document, struct proto_vectors *vectors, struct proto_problem *problem)
+static bool decode_factors(const json_t *document, struct proto_vectors *vectors,
+                           struct proto_problem *problem)
 {
     if (!json_object_get(document, "combine")) return true;
     vectors->factors = malloc(vectors->count * sizeof *vectors->factors);
@@ -180,9 +194,10 @@ static bool check_combination(const struct proto_vectors *vectors, struct proto_
         if (segments == 1) continue;
         char place[PROTO_DIRECTION_PLACE];
         place_of(place, i);
-        return proto_problem_refuse(problem, place, "%s",
-                                    segments ? "segments alone can't be combined; send direction and length as well"
-                                             : "no path leads there, so there is no vector to combine; leave it out");
+        return proto_problem_refuse(
+            problem, place, "%s",
+            segments ? "segments alone can't be combined; send direction and length as well"
+                     : "no path leads there, so there is no vector to combine; leave it out");
     }
     return true;
 }
@@ -192,8 +207,8 @@ static bool decode_vectors(const json_t *document, bool is_straight, struct prot
                            struct proto_problem *problem)
 {
     struct proto_vectors vectors = {0};
-    if (decode_list(document, is_straight, &vectors, problem) && decode_factors(document, &vectors, problem) &&
-        check_combination(&vectors, problem)) {
+    if (decode_list(document, is_straight, &vectors, problem) &&
+        decode_factors(document, &vectors, problem) && check_combination(&vectors, problem)) {
         *out = vectors;
         return true;
     }
@@ -201,7 +216,7 @@ static bool decode_vectors(const json_t *document, bool is_straight, struct prot
     return false;
 }
 
-/* --- the requests ------------------------------------------------------------------------------------------------- */
+/* --- the requests ----------------------------------------------------------------------------- */
 
 bool proto_exp_decode(const json_t *document, struct proto_exp *out, struct proto_problem *problem)
 {
@@ -216,13 +231,15 @@ bool proto_exp_decode(const json_t *document, struct proto_exp *out, struct prot
     return true;
 }
 
-static bool decode_targets(const json_t *document, struct proto_points *out, struct proto_problem *problem)
+static bool decode_targets(const json_t *document, struct proto_points *out,
+                           struct proto_problem *problem)
 {
     const json_t *to = proto_decode_member(document, "", "to", problem);
     if (!to) return false;
     if (json_is_string(to) && strcmp(json_string_value(to), "all") == 0) return true;
     if (!json_array_size(to))
-        return proto_problem_refuse(problem, "/to", "to is an array of at least one point, or \"all\"");
+        return proto_problem_refuse(problem, "/to",
+                                    "to is an array of at least one point, or \"all\"");
     if (proto_points_decode(out, to, "/to", PROTO_VECTORS, problem)) return true;
     proto_points_free(out);
     return false;
@@ -235,7 +252,8 @@ bool proto_log_decode(const json_t *document, struct proto_log *out, struct prot
     if (!proto_decode_object(document, "", members, problem)) return false;
     const json_t *from = proto_decode_member(document, "", "from", problem);
     if (!from || !proto_point_decode(from, "/from", &log.from, problem)) return false;
-    if (!proto_decode_flag(document, "", "first_vector_only", &log.first_vector_only, problem)) return false;
+    if (!proto_decode_flag(document, "", "first_vector_only", &log.first_vector_only, problem))
+        return false;
     if (!decode_targets(document, &log.to, problem)) return false;
     *out = log;
     return true;
@@ -249,7 +267,8 @@ static bool decode_end(const json_t *document, const char *pointer, struct proto
     return end && proto_point_decode(value, pointer, end, problem);
 }
 
-bool proto_transport_decode(const json_t *document, struct proto_transport *out, struct proto_problem *problem)
+bool proto_transport_decode(const json_t *document, struct proto_transport *out,
+                            struct proto_problem *problem)
 {
     static const char *const members[] = {"from", "to", "vectors", "combine", NULL};
     struct proto_transport transport = {0};
@@ -264,17 +283,19 @@ bool proto_transport_decode(const json_t *document, struct proto_transport *out,
     return false;
 }
 
-bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *point, const struct proto_segment *segment,
-                          struct gd_vector *out, struct proto_problem *problem)
+bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *point,
+                          const struct proto_segment *segment, struct gd_vector *out,
+                          struct proto_problem *problem)
 {
     *out = (struct gd_vector){.length = segment->length};
     if (!segment->has_direction) return true;
     return proto_direction_locate(mesh, point, &segment->direction, &out->direction, problem);
 }
 
-/* --- the answers -------------------------------------------------------------------------------------------------- */
+/* --- the answers ------------------------------------------------------------------------------ */
 
-static void encode_members(struct proto_writer *writer, const struct gd_direction *direction, double length)
+static void encode_members(struct proto_writer *writer, const struct gd_direction *direction,
+                           double length)
 {
     proto_write_key(writer, "direction");
     if (direction)
@@ -286,7 +307,8 @@ static void encode_members(struct proto_writer *writer, const struct gd_directio
     proto_member_string(writer, "reason", "no_path");
 }
 
-void proto_vector_encode(struct proto_writer *writer, const struct gd_direction *direction, double length)
+void proto_vector_encode(struct proto_writer *writer, const struct gd_direction *direction,
+                         double length)
 {
     proto_write_object_begin(writer);
     encode_members(writer, direction, length);

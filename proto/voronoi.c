@@ -5,7 +5,7 @@
 
 const char *const proto_voronoi_fields[] = {"labels", "bisectors", NULL};
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool decode_tolerance(const json_t *document, double *out, struct proto_problem *problem)
 {
@@ -13,13 +13,15 @@ static bool decode_tolerance(const json_t *document, double *out, struct proto_p
     if (json_object_get(document, "tolerance")) {
         if (!proto_decode_number(document, "", "tolerance", &tolerance, problem)) return false;
         if (!(tolerance > 0))
-            return proto_problem_refuse(problem, "/tolerance", "the tolerance is a length of more than 0");
+            return proto_problem_refuse(problem, "/tolerance",
+                                        "the tolerance is a length of more than 0");
     }
     *out = tolerance;
     return true;
 }
 
-bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out, struct proto_problem *problem)
+bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out,
+                          struct proto_problem *problem)
 {
     static const char *const members[] = {"set", "tolerance", NULL};
     struct proto_voronoi voronoi;
@@ -31,7 +33,7 @@ bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out, str
     return true;
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 void proto_voronoi_begin(struct proto_writer *writer)
 {

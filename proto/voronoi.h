@@ -1,10 +1,11 @@
-/* Voronoi: which member of a set each part of a surface is nearest to. The request is {"set", "tolerance"?}; the answer {"labels": [member per
- * vertex index], "bisectors": [{"members", "closed", "length", "points"}]}, written as it is found:
+/* Voronoi: which member of a set each part of a surface is nearest to. The request is {"set",
+ * "tolerance"?}; the answer {"labels": [member per vertex index], "bisectors": [{"members",
+ * "closed", "length", "points"}]}, written as it is found:
  *
  *     proto_voronoi_begin(&writer);
- *     proto_voronoi_labels_begin(&writer); proto_voronoi_label(&writer, label) for each vertex index; proto_voronoi_list_end(&writer);
- *     proto_voronoi_bisectors_begin(&writer);
- *     for each bisector: proto_bisector_begin(&writer, &bisector), its points, proto_bisector_end(&writer);
+ *     proto_voronoi_labels_begin(&writer); proto_voronoi_label(&writer, label) for each vertex
+ * index; proto_voronoi_list_end(&writer); proto_voronoi_bisectors_begin(&writer); for each
+ * bisector: proto_bisector_begin(&writer, &bisector), its points, proto_bisector_end(&writer);
  *     proto_voronoi_list_end(&writer);
  *     proto_voronoi_end(&writer); */
 #ifndef PROTO_VORONOI_H
@@ -22,11 +23,16 @@ struct proto_voronoi {
 };
 
 /* Fields of the answer, as bits of proto_options.fields. */
-enum proto_voronoi_field { PROTO_VORONOI_FIELD_LABELS = 1 << 0, PROTO_VORONOI_FIELD_BISECTORS = 1 << 1 };
+enum proto_voronoi_field {
+    PROTO_VORONOI_FIELD_LABELS = 1 << 0,
+    PROTO_VORONOI_FIELD_BISECTORS = 1 << 1
+};
 extern const char *const proto_voronoi_fields[]; /* NULL-terminated, for proto_options_parse */
 
-/* invalid_request, too_large, insufficient_memory. The set is freed by proto_set_free before the document is. */
-bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out, struct proto_problem *problem);
+/* invalid_request, too_large, insufficient_memory. The set is freed by proto_set_free before the
+ * document is. */
+bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out,
+                          struct proto_problem *problem);
 
 void proto_voronoi_begin(struct proto_writer *writer);
 void proto_voronoi_end(struct proto_writer *writer);
@@ -35,7 +41,8 @@ void proto_voronoi_label(struct proto_writer *writer, uint32_t label); /* UINT32
 void proto_voronoi_bisectors_begin(struct proto_writer *writer);
 void proto_voronoi_list_end(struct proto_writer *writer);
 
-/* "members", "closed" and "length"; then "points" if they are wanted: begin, proto_path_point_encode of each, end. */
+/* "members", "closed" and "length"; then "points" if they are wanted: begin,
+ * proto_path_point_encode of each, end. */
 void proto_bisector_begin(struct proto_writer *writer, const struct gd_bisector *bisector);
 void proto_bisector_points_begin(struct proto_writer *writer);
 void proto_bisector_end(struct proto_writer *writer);

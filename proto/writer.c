@@ -13,9 +13,10 @@
 #include "proto/utf8.h"
 
 #define FIRST_CAPACITY 1024
-#define GROWN_SLOWLY   ((size_t)1 << 20) /* bytes: larger buffers grow by a quarter, others are doubled */
+/* bytes: larger buffers grow by a quarter, others are doubled */
+#define GROWN_SLOWLY ((size_t)1 << 20)
 
-/* --- the buffer --------------------------------------------------------------------------------------------------- */
+/* --- the buffer ------------------------------------------------------------------------------- */
 
 void proto_writer_init(struct proto_writer *writer, size_t maximum)
 {
@@ -46,7 +47,8 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
                                  "there is no memory for the answer; try again later");
     case PROTO_WRITER_NO_ROOM:
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "other answers, which their clients have not read to the end, hold the memory that this one "
+                          "other answers, which their clients have not read to the end, hold the "
+                          "memory that this one "
                           "needs; try again in a moment");
         problem->retry_after = 1;
         return false;
@@ -54,7 +56,8 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
         break;
     }
     proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                      "the answer is larger than the %zu bytes that one may have; ask for less of it, with fields, "
+                      "the answer is larger than the %zu bytes that one may have; ask for less of "
+                      "it, with fields, "
                       "geometry or fewer points, or have the operator raise --max-answer",
                       writer->maximum);
     return proto_problem_limit(problem, writer->maximum);
@@ -65,7 +68,8 @@ static void cut(struct proto_writer *writer)
 {
     size_t counted = proto_writer_counted(writer->size);
     char *data = realloc(writer->data, writer->size);
-    if (data) writer->data = data; /* else it is as large as it was: no allocator refuses to shrink */
+    /* else it is as large as it was: no allocator refuses to shrink */
+    if (data) writer->data = data;
     writer->account->give(writer->account->user, writer->counted - counted);
 }
 
@@ -91,7 +95,8 @@ static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
 static size_t next_capacity(const struct proto_writer *writer, size_t more)
 {
     size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;
-    size_t capacity = writer->capacity > writer->maximum - step ? writer->maximum : writer->capacity + step;
+    size_t capacity =
+        writer->capacity > writer->maximum - step ? writer->maximum : writer->capacity + step;
     if (capacity < FIRST_CAPACITY) capacity = FIRST_CAPACITY;
     if (capacity < writer->size + more) capacity = writer->size + more;
     return capacity < writer->maximum ? capacity : writer->maximum;
@@ -102,8 +107,10 @@ static bool grow(struct proto_writer *writer, size_t more)
     const struct proto_writer_account *account = writer->account;
     if (writer->failure != PROTO_WRITER_FINE) return false;
     if (more > writer->maximum - writer->size) return fail(writer, PROTO_WRITER_TOO_LARGE);
-    size_t capacity = next_capacity(writer, more), counted = account ? proto_writer_counted(capacity) : 0;
-    if (counted && !account->take(account->user, counted - writer->counted)) return fail(writer, PROTO_WRITER_NO_ROOM);
+    size_t capacity = next_capacity(writer, more),
+           counted = account ? proto_writer_counted(capacity) : 0;
+    if (counted && !account->take(account->user, counted - writer->counted))
+        return fail(writer, PROTO_WRITER_NO_ROOM);
     char *data = realloc(writer->data, capacity);
     if (!data) {
         if (counted) account->give(account->user, counted - writer->counted);
@@ -118,7 +125,8 @@ static bool grow(struct proto_writer *writer, size_t more)
 /* Room for `more` bytes at the end, or false for ever after. */
 static inline bool reserve(struct proto_writer *writer, size_t more)
 {
-    if (writer->failure == PROTO_WRITER_FINE && more <= writer->capacity - writer->size) return true;
+    if (writer->failure == PROTO_WRITER_FINE && more <= writer->capacity - writer->size)
+        return true;
     return grow(writer, more);
 }
 
@@ -148,7 +156,7 @@ void proto_append_format(struct proto_writer *writer, const char *format, ...)
     va_end(again);
 }
 
-/* --- JSON --------------------------------------------------------------------------------------------------------- */
+/* --- JSON ------------------------------------------------------------------------------------- */
 
 static void append_char(struct proto_writer *writer, char character)
 {
@@ -225,11 +233,12 @@ void proto_write_bool(struct proto_writer *writer, bool value)
     proto_write_raw(writer, value ? "true" : "false", value ? 4 : 5);
 }
 
-/* --- strings ------------------------------------------------------------------------------------------------------ */
+/* --- strings ---------------------------------------------------------------------------------- */
 
 static void append_escape(struct proto_writer *writer, char character)
 {
-    static const char short_forms[] = "\"\"\\\\\bb\ff\nn\rr\tt"; /* the character, then its letter */
+    /* the character, then its letter */
+    static const char short_forms[] = "\"\"\\\\\bb\ff\nn\rr\tt";
     for (const char *form = short_forms; *form; form += 2) {
         if (*form != character) continue;
         proto_append(writer, (const char[]){'\\', form[1]}, 2);
@@ -279,7 +288,7 @@ void proto_write_string(struct proto_writer *writer, const char *text)
     append_char(writer, '"');
 }
 
-/* --- numbers ------------------------------------------------------------------------------------------------------ */
+/* --- numbers ---------------------------------------------------------------------------------- */
 
 /* Writes the number or null where there is room for the longest; returns its end. */
 static inline char *put_number(char *at, double value)
@@ -304,19 +313,22 @@ void proto_write_number(struct proto_writer *writer, double value)
 static void append_numbers(struct proto_writer *writer, const double *values, size_t count)
 {
     if (!reserve(writer, GD_NUMBERS_SIZE(count))) return;
-    writer->size = (size_t)(gd_numbers_format(writer->data + writer->size, values, count) - writer->data);
+    writer->size =
+        (size_t)(gd_numbers_format(writer->data + writer->size, values, count) - writer->data);
 }
 
 static void append_triples(struct proto_writer *writer, const double (*values)[3], size_t count)
 {
     if (!reserve(writer, GD_TRIPLES_SIZE(count))) return;
-    writer->size = (size_t)(gd_triples_format(writer->data + writer->size, values, count) - writer->data);
+    writer->size =
+        (size_t)(gd_triples_format(writer->data + writer->size, values, count) - writer->data);
 }
 
 void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count)
 {
     proto_write_array_begin(writer);
-    for (size_t i = 0; i < count; i += RUN) append_numbers(writer, values + i, count - i < RUN ? count - i : RUN);
+    for (size_t i = 0; i < count; i += RUN)
+        append_numbers(writer, values + i, count - i < RUN ? count - i : RUN);
     if (count && writer->failure == PROTO_WRITER_FINE) writer->size--; /* the last comma */
     proto_write_array_end(writer);
 }
@@ -325,7 +337,8 @@ void proto_write_triples(struct proto_writer *writer, const double (*values)[3],
 {
     if (!count) return;
     separate(writer);
-    for (size_t i = 0; i < count; i += RUN) append_triples(writer, values + i, count - i < RUN ? count - i : RUN);
+    for (size_t i = 0; i < count; i += RUN)
+        append_triples(writer, values + i, count - i < RUN ? count - i : RUN);
     if (writer->failure == PROTO_WRITER_FINE) writer->size--; /* the last comma */
 }
 
@@ -339,7 +352,8 @@ void proto_write_int(struct proto_writer *writer, int64_t value)
 {
     char text[PROTO_INTEGER_SIZE + 1] = "-";
     bool negative = value < 0;
-    size_t length = proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
+    size_t length =
+        proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
     proto_write_raw(writer, text, length + negative);
 }
 

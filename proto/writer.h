@@ -9,9 +9,9 @@
  *     if (!proto_writer_check(&writer, problem)) …
  *     proto_writer_free(&writer);
  *
- * Commas are the writer's business, matching begins with ends and keys with values the caller's. Failure is sticky:
- * after the first one nothing more is written, so that it is checked once, at the end. One writer belongs to one thread
- * at a time.
+ * Commas are the writer's business, matching begins with ends and keys with values the caller's.
+ * Failure is sticky: after the first one nothing more is written, so that it is checked once, at
+ * the end. One writer belongs to one thread at a time.
  *
  * A writer with an account takes the bytes of its buffer from it before the buffer grows, and gives
  * them back when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
@@ -62,9 +62,9 @@ void proto_writer_expect(struct proto_writer *writer, size_t more);
  * set), or over the maximum, which is the problem's limit then. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
-/* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL if the writer failed
- * or is empty. Of a writer with an account the buffer is cut to the text, and the caller gives back
- * proto_writer_counted(*size) bytes when it frees it. */
+/* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL
+ * if the writer failed or is empty. Of a writer with an account the buffer is cut to the text, and
+ * the caller gives back proto_writer_counted(*size) bytes when it frees it. */
 char *proto_writer_take(struct proto_writer *writer, size_t *size);
 
 /* Bytes that an account counts for a buffer of that capacity. */
@@ -83,7 +83,8 @@ void proto_write_string(struct proto_writer *writer, const char *text);
 
 /* Shortest text that reads back as the same double; NaN and infinities: null. */
 void proto_write_number(struct proto_writer *writer, double value);
-void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count); /* an array of them */
+/* an array of them */
+void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count);
 void proto_write_triples(struct proto_writer *writer, const double (*values)[3],
                          size_t count); /* an array of each three */
 void proto_write_uint(struct proto_writer *writer, uint64_t value);
@@ -99,6 +100,7 @@ void proto_write_raw(struct proto_writer *writer, const char *json, size_t size)
 
 /* Text of any kind (metrics, newlines between records): no commas, no escapes. */
 void proto_append(struct proto_writer *writer, const char *text, size_t size);
-void proto_append_format(struct proto_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void proto_append_format(struct proto_writer *writer, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -19,8 +19,8 @@
 
 #define EXIT_USAGE 2
 
-/* Blocks the signals that end the daemon, or have it read keys and certificates again, before any thread is started: they
- * are waited for, not handled. */
+/* Blocks the signals that end the daemon, or have it read keys and certificates again, before any
+ * thread is started: they are waited for, not handled. */
 static void block_signals(sigset_t *awaited)
 {
     sigemptyset(awaited);
@@ -29,7 +29,8 @@ static void block_signals(sigset_t *awaited)
     sigaddset(awaited, SIGINT);
     pthread_sigmask(SIG_BLOCK, awaited, NULL);
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* a limit on the size of files (RLIMIT_FSIZE) is a write that fails */
+    /* a limit on the size of files (RLIMIT_FSIZE) is a write that fails */
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 /* Descriptors that are closed at the start become /dev/null: else the first file that is opened
@@ -68,14 +69,15 @@ static void log_address(const struct server_config *config)
 static void warn_of_clear_keys(const struct server_config *config)
 {
     if (!*config->keys || *config->tls_cert || server_address_is_local(&config->listen)) return;
-    server_log_message(
-        SERVER_LOG_WARN, "keys_in_clear",
-        "keys come unencrypted: give --tls-cert and --tls-key, or listen behind a proxy that speaks TLS");
+    server_log_message(SERVER_LOG_WARN, "keys_in_clear",
+                       "keys come unencrypted: give --tls-cert and --tls-key, or listen behind a "
+                       "proxy that speaks TLS");
 }
 
 static bool check_store(const struct server_config *config)
 {
-    if (config->store == SERVER_STORE_KIND_POSTGRES) return server_store_check_postgres(config->store_url, stdout);
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        return server_store_check_postgres(config->store_url, stdout);
     return server_store_check(config->data_dir, stdout);
 }
 
@@ -111,13 +113,16 @@ int main(int argc, char *argv[])
     case SERVER_CONFIG_RUN:
         break;
     }
-    config.listen.mode = 0777 & ~umask(077); /* files of the data folder, and copies of it, are private */
+    /* files of the data folder, and copies of it, are private */
+    config.listen.mode = 0777 & ~umask(077);
     server_log_set_level(config.log_level);
     if (config.check_store) return check_store(&config) ? EXIT_SUCCESS : EXIT_FAILURE;
     if (*config.backup)
-        return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
+        return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS
+                                                                           : EXIT_FAILURE;
     if (*config.restore)
-        return server_store_restore(config.data_dir, config.restore, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
+        return server_store_restore(config.data_dir, config.restore, stdout) ? EXIT_SUCCESS
+                                                                             : EXIT_FAILURE;
     block_signals(&awaited);
     struct server *server = start(&config, error, sizeof error);
     if (!server) {

@@ -1,7 +1,7 @@
 /* Metrics: counters of requests, and the text that Prometheus reads.
  *
- * Counters are sharded: a thread counts in a shard of its own (up to SHARDS threads) with relaxed atomics, so that
- * HTTP threads don't share cache lines; reading adds the shards up. */
+ * Counters are sharded: a thread counts in a shard of its own (up to SHARDS threads) with relaxed
+ * atomics, so that HTTP threads don't share cache lines; reading adds the shards up. */
 #ifndef SERVER_METRICS_H
 #define SERVER_METRICS_H
 
@@ -20,13 +20,14 @@ struct server_metrics *server_metrics_create(const struct proto_route *routes, s
 void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless */
 
 /* Counts an answered request. `route`: a row of the table, or NULL when none was found. */
-void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route, unsigned status,
-                          uint64_t nanoseconds);
+void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
+                          unsigned status, uint64_t nanoseconds);
 
 /* Counts a problem that was replied; PROTO_PROBLEM_NONE: none was. */
 void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code);
 
-/* Counts what the engine answered, if that is a failed self-check, or work that ran away; true: it is. */
+/* Counts what the engine answered, if that is a failed self-check, or work that ran away; true: it
+ * is. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
 /* Counts the windows that a field took to build. */
@@ -36,9 +37,11 @@ void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windo
 void server_metrics_count_search(struct server_metrics *metrics);
 
 /* Appends the whole text (version 0.0.4), the gauges of the server's parts included. */
-void server_metrics_write(const struct server_metrics *metrics, struct server *server, struct proto_writer *writer);
+void server_metrics_write(const struct server_metrics *metrics, struct server *server,
+                          struct proto_writer *writer);
 
 /* The same of what is a tenant's own: its keys and jobs. */
-void server_metrics_write_tenant(struct server *server, const char *tenant, struct proto_writer *writer);
+void server_metrics_write_tenant(struct server *server, const char *tenant,
+                                 struct proto_writer *writer);
 
 #endif

@@ -12,13 +12,15 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-#define QUERY_BODY_LIMIT  (UINT64_C(1) << 20) /* bytes of a query's JSON */
-#define BATCH_BODY_LIMIT  (UINT64_C(4) << 20) /* of what begins a batch */
-#define INLINE_BODY_LIMIT 8192                /* larger JSON takes longer to parse than the HTTP thread may be kept */
+#define QUERY_BODY_LIMIT (UINT64_C(1) << 20) /* bytes of a query's JSON */
+#define BATCH_BODY_LIMIT (UINT64_C(4) << 20) /* of what begins a batch */
+/* larger JSON takes longer to parse than the HTTP thread may be kept */
+#define INLINE_BODY_LIMIT 8192
 #define CORS_SECONDS      600
 #define SERIALS           4096 /* of requests, that a thread takes at a time */
-#define CORS_HEADERS                                                                                                   \
-    "Authorization, Content-Encoding, Content-Type, If-Match, If-None-Match, Prefer, X-Request-Id, traceparent"
+#define CORS_HEADERS                                                                               \
+    "Authorization, Content-Encoding, Content-Type, If-Match, If-None-Match, Prefer, "             \
+    "X-Request-Id, traceparent"
 #define REQUEST_ID_CHARACTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
 
 /* Writes the hexadecimal digits of the value; returns their end. */
@@ -26,16 +28,19 @@ static char *print_hex(uint64_t value, char *at)
 {
     int digits = 1;
     while (digits < 16 && value >> 4 * digits) digits++;
-    for (int digit = digits - 1; digit >= 0; digit--) *at++ = "0123456789abcdef"[value >> 4 * digit & 15];
+    for (int digit = digits - 1; digit >= 0; digit--)
+        *at++ = "0123456789abcdef"[value >> 4 * digit & 15];
     return at;
 }
 
-/* The next of the numbers that the thread has taken for itself, many at a time: so threads don't wait for each other's. */
+/* The next of the numbers that the thread has taken for itself, many at a time: so threads don't
+ * wait for each other's. */
 static uint64_t next_serial(void)
 {
     static atomic_uint_least64_t taken;
     static _Thread_local uint64_t next;
-    if (next % SERIALS == 0) next = atomic_fetch_add_explicit(&taken, SERIALS, memory_order_relaxed);
+    if (next % SERIALS == 0)
+        next = atomic_fetch_add_explicit(&taken, SERIALS, memory_order_relaxed);
     return next++;
 }
 
@@ -67,19 +72,25 @@ static bool admit(struct server_exchange *exchange, struct proto_problem *proble
     return true;
 }
 
-/* A page of a listed origin asks first what it may send. What it may see of answers, reply.c says. */
+/* A page of a listed origin asks first what it may send. What it may see of answers, reply.c says.
+ */
 static void allow_page(struct server_exchange *exchange, const struct proto_problem *problem)
 {
-    if (!exchange->cors_origin || !server_exchange_header(exchange, "Access-Control-Request-Method")) return;
+    if (!exchange->cors_origin ||
+        !server_exchange_header(exchange, "Access-Control-Request-Method"))
+        return;
     server_reply_header(exchange, "Access-Control-Allow-Methods", "%s", problem->allow);
     server_reply_header(exchange, "Access-Control-Allow-Headers", "%s", CORS_HEADERS);
     server_reply_header(exchange, "Access-Control-Max-Age", "%d", CORS_SECONDS);
 }
 
-/* OPTIONS tells what the resource allows, as a 405 would. It needs no key: browsers send none with it. */
+/* OPTIONS tells what the resource allows, as a 405 would. It needs no key: browsers send none with
+ * it. */
 static bool answer_options(struct server_exchange *exchange, const struct proto_problem *problem)
 {
-    if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED || !server_exchange_is(exchange, "OPTIONS")) return false;
+    if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED ||
+        !server_exchange_is(exchange, "OPTIONS"))
+        return false;
     server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
     allow_page(exchange, problem);
     server_reply_empty(exchange, 204);
@@ -91,7 +102,8 @@ static bool answer_asset(struct server_exchange *exchange, const struct proto_pr
 {
     if (problem->code != PROTO_PROBLEM_NOT_FOUND) return false;
     if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return false;
-    const struct proto_asset *asset = proto_asset_find(proto_assets, proto_asset_count, exchange->path);
+    const struct proto_asset *asset =
+        proto_asset_find(proto_assets, proto_asset_count, exchange->path);
     if (!asset) return false;
     server_reply_asset(exchange, asset);
     return true;
@@ -106,7 +118,8 @@ static bool authorize(struct server_exchange *exchange, struct proto_problem *pr
         .authorization_count = server_exchange_count_headers(exchange, "Authorization"),
         .needed = route ? route->access : PROTO_ACCESS_READ,
     };
-    if (!server_access_admit(exchange->server->access, &request, &exchange->grant, problem)) return false;
+    if (!server_access_admit(exchange->server->access, &request, &exchange->grant, problem))
+        return false;
     exchange->tenant = server_grant_tenant(&exchange->grant);
     return true;
 }
@@ -119,8 +132,9 @@ static bool prepare_coding(struct server_exchange *exchange, struct proto_proble
     if (server_exchange_count_headers(exchange, "Content-Encoding") == 1 &&
         (strcasecmp(coding, "gzip") == 0 || strcasecmp(coding, "x-gzip") == 0))
         return server_body_unpack(&exchange->body, &exchange->server->budget, problem);
-    return proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
-                             "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
+    return proto_problem_set(
+        problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+        "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
 }
 
 static bool prepare_body(struct server_exchange *exchange, const struct server_framing *framing,
@@ -129,14 +143,17 @@ static bool prepare_body(struct server_exchange *exchange, const struct server_f
     const struct proto_route *route = exchange->match.route;
     uint64_t limit = exchange->server->config.max_body;
     if (!route->has_body)
-        return framing->declared == 0 || proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                                                           "this operation takes no request body; send none");
+        return framing->declared == 0 ||
+               proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                                 "this operation takes no request body; send none");
     if (!framing->has_body)
         return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
                                  "send the request body with a Content-Length, or chunked");
     if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
-    if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT) limit = BATCH_BODY_LIMIT;
-    return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit, problem) &&
+    if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
+        limit = BATCH_BODY_LIMIT;
+    return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit,
+                               problem) &&
            prepare_coding(exchange, problem);
 }
 
@@ -144,11 +161,14 @@ static bool begin(struct server_exchange *exchange, struct proto_problem *proble
 {
     struct server_framing framing;
     exchange->response.close = true; /* until it is known where the body ends */
-    if (exchange->fault) return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
+    if (exchange->fault)
+        return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
     if (!server_framing_read(exchange, &framing, problem)) return false;
-    exchange->response.close = framing.declared != 0; /* until it is known that the body will be read */
+    /* until it is known that the body will be read */
+    exchange->response.close = framing.declared != 0;
     if (!admit(exchange, problem)) return false;
-    if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path, &exchange->match, problem))
+    if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
+                         &exchange->match, problem))
         return authorize(exchange, problem) && prepare_body(exchange, &framing, problem);
     if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
     struct proto_problem unauthorized;
@@ -174,7 +194,8 @@ static bool run_handler(struct server_exchange *exchange)
 void server_router_dispatch(struct server_exchange *exchange)
 {
     const struct proto_route *route = exchange->match.route;
-    uint64_t now_ns = exchange->body.size ? gd_now_ns() : exchange->started_ns; /* the time begins when all is there */
+    /* the time begins when all is there */
+    uint64_t now_ns = exchange->body.size ? gd_now_ns() : exchange->started_ns;
     exchange->job.deadline_ns = now_ns + exchange->server->config.timeout_ms * 1000000;
     if (server_request_follows_first(exchange)) return;
     if (route->query && exchange->body.size > INLINE_BODY_LIMIT)

@@ -22,14 +22,17 @@
 #include "server/work/deadlines.h"
 #include "server/http/tls.h"
 
-/* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound with the arrays' size, and keep what meshes and fields
- * leave behind: half of the budget again, after some hundred uploads. */
+/* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound
+ * with the arrays' size, and keep what meshes and fields leave behind: half of the budget again,
+ * after some hundred uploads. */
 #define LARGE_BYTES (256 << 10)
 
-#define PERSIST_NS      UINT64_C(10000000000) /* for writing fields, which can be computed again */
-#define SPARE_PART      16 /* of the memory budget: what is set aside for the memory of released fields */
-#define SPARE_MOST      ((size_t)256 << 20)
-#define LAST_ANSWERS_NS UINT64_C(2000000000) /* for the answers to leave, once there is nothing left to compute */
+#define PERSIST_NS UINT64_C(10000000000) /* for writing fields, which can be computed again */
+/* of the memory budget: what is set aside for the memory of released fields */
+#define SPARE_PART 16
+#define SPARE_MOST ((size_t)256 << 20)
+/* for the answers to leave, once there is nothing left to compute */
+#define LAST_ANSWERS_NS UINT64_C(2000000000)
 
 /* Frees what there is of a server whose HTTP side does not run. */
 static void destroy(struct server *server)
@@ -56,7 +59,8 @@ static void destroy(struct server *server)
     free(server);
 }
 
-static struct server_store *open_store(const struct server_config *config, char *error, size_t error_size)
+static struct server_store *open_store(const struct server_config *config, char *error,
+                                       size_t error_size)
 {
     if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
     if (config->store == SERVER_STORE_KIND_POSTGRES)
@@ -69,12 +73,14 @@ static bool open_fields(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
     if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
-    if (config->store == SERVER_STORE_KIND_POSTGRES) (void)server_disk_make_folder(config->data_dir);
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        (void)server_disk_make_folder(config->data_dir);
     server->fields = server_field_store_open(config->data_dir, &server->budget);
     if (server->fields)
         server_field_store_follow(server->fields, server->registry);
     else
-        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s", config->data_dir);
+        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s",
+                 config->data_dir);
     return server->fields != NULL;
 }
 
@@ -91,12 +97,14 @@ static bool select_cpu(const struct server_config *config, char *error, size_t e
 {
     const char *name = server_config_cpus[config->cpu];
     if (gd_cpu_select(name) == GD_OK) return true;
-    snprintf(error, error_size, "this machine lacks the instructions that --cpu %s asks for; write auto or baseline",
+    snprintf(error, error_size,
+             "this machine lacks the instructions that --cpu %s asks for; write auto or baseline",
              name);
     return false;
 }
 
-/* The memory of released fields counts whether it is there or not: so that it may come and go without being asked for. */
+/* The memory of released fields counts whether it is there or not: so that it may come and go
+ * without being asked for. */
 static bool set_spare_aside(struct server *server)
 {
     size_t part = server->budget.limit / SPARE_PART, bytes = part < SPARE_MOST ? part : SPARE_MOST;
@@ -109,7 +117,8 @@ static bool open_access(struct server *server, char *error, size_t error_size)
     const struct server_config *config = &server->config;
     if (*config->keys) server->access = server_access_create(config->keys, error, error_size);
     if (*config->keys && !server->access) return false;
-    if (*config->tls_cert) server->tls = server_tls_open(config->tls_cert, config->tls_key, error, error_size);
+    if (*config->tls_cert)
+        server->tls = server_tls_open(config->tls_cert, config->tls_key, error, error_size);
     return !*config->tls_cert || server->tls;
 }
 
@@ -118,11 +127,14 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     const struct server_config *config = &server->config;
     server->guard.config = config;
     server_budget_init(&server->budget, config->memory_budget);
-    if (config->max_answer < server->budget.largest_answer) server->budget.largest_answer = config->max_answer;
+    if (config->max_answer < server->budget.largest_answer)
+        server->budget.largest_answer = config->max_answer;
     if (!set_spare_aside(server)) return false;
     server->workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
-    server->workers = server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
-    if (server->workers && !server_workers_add_spare(server->workers, (uint32_t)config->workers)) return false;
+    server->workers =
+        server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
+    if (server->workers && !server_workers_add_spare(server->workers, (uint32_t)config->workers))
+        return false;
     if (server->workers && server->access) server_workers_share(server->workers);
     if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
     if (server->workers) server->loads = server_loads_create(server->workers);
@@ -142,17 +154,20 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (scrubs) server->scrub = server_scrub_create(server);
     server->batches = server_batches_create(server, error, error_size);
     server->connections = server_connections_create();
-    return server->timekeeper && server->keeper && server->batches && server->connections && (!scrubs || server->scrub);
+    return server->timekeeper && server->keeper && server->batches && server->connections &&
+           (!scrubs || server->scrub);
 }
 
 static bool serve(struct server *server, int listening, char *error, size_t error_size)
 {
     if (!server_address_listen(listening, &server->config.listen, error, error_size)) return false;
-    server->http = server_http_start(server, listening, (uint32_t)server->config.http_threads, error, error_size);
+    server->http = server_http_start(server, listening, (uint32_t)server->config.http_threads,
+                                     error, error_size);
     return server->http != NULL;
 }
 
-struct server *server_start(const struct server_config *config, int listening, char *error, size_t error_size)
+struct server *server_start(const struct server_config *config, int listening, char *error,
+                            size_t error_size)
 {
     snprintf(error, error_size, "out of memory or threads");
     mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
@@ -172,24 +187,27 @@ void server_deferred_begin(struct server *server)
     if (atomic_fetch_add(&server->deferred, 1) == 0) server_timekeeper_wake(server->timekeeper);
 }
 
-/* --- anew --------------------------------------------------------------------------------------------------------- */
+/* --- anew ------------------------------------------------------------------------------------- */
 
 static void log_reload(const char *what, bool is_read, const char *error)
 {
     if (is_read)
         server_log_message(SERVER_LOG_INFO, "reloaded", "%s", what);
     else
-        server_log_message(SERVER_LOG_ERROR, "reload_failed", "%s stay as they were: %s", what, error);
+        server_log_message(SERVER_LOG_ERROR, "reload_failed", "%s stay as they were: %s", what,
+                           error);
 }
 
 void server_reload(struct server *server)
 {
     char error[512] = "out of memory";
-    if (server->access) log_reload("keys", server_access_reload(server->access, error, sizeof error), error);
-    if (server->tls) log_reload("certificates", server_tls_reload(server->tls, error, sizeof error), error);
+    if (server->access)
+        log_reload("keys", server_access_reload(server->access, error, sizeof error), error);
+    if (server->tls)
+        log_reload("certificates", server_tls_reload(server->tls, error, sizeof error), error);
 }
 
-/* --- the end ------------------------------------------------------------------------------------------------------ */
+/* --- the end ---------------------------------------------------------------------------------- */
 
 static void pause_briefly(void)
 {
@@ -200,23 +218,28 @@ static void pause_briefly(void)
 /* Requests under way, and jobs, which no request waits for. */
 static void wait_until_idle(struct server *server, uint64_t until_ns)
 {
-    while ((server_http_active(server->http) || atomic_load(&server->deferred)) && gd_now_ns() < until_ns)
+    while ((server_http_active(server->http) || atomic_load(&server->deferred)) &&
+           gd_now_ns() < until_ns)
         pause_briefly();
 }
 
-/* Whoever asks /readyz turns elsewhere meanwhile; requests that come all the same are answered, and their connections closed. */
+/* Whoever asks /readyz turns elsewhere meanwhile; requests that come all the same are answered, and
+ * their connections closed. */
 static void stand_aside(struct server *server)
 {
     uint64_t ms = server->config.drain_delay_ms;
     struct timespec rest = {(time_t)(ms / 1000), (long)(ms % 1000) * 1000000};
     atomic_store(&server->draining, true);
-    if (ms) server_log_message(SERVER_LOG_INFO, "standing_aside", "for %llu ms", (unsigned long long)ms);
+    if (ms)
+        server_log_message(SERVER_LOG_INFO, "standing_aside", "for %llu ms",
+                           (unsigned long long)ms);
     while (nanosleep(&rest, &rest) != 0) continue;
 }
 
 static void remove_socket(const struct server_address *address)
 {
-    if (address->socket.ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
+    if (address->socket.ss_family == AF_UNIX)
+        unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
 }
 
 /* Nothing else runs but the keeper and the scrub, which are ending. */
@@ -234,7 +257,8 @@ static void persist(struct server *server)
 void server_stop(struct server *server)
 {
     stand_aside(server);
-    server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way", server_http_active(server->http));
+    server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way",
+                       server_http_active(server->http));
     remove_socket(&server->config.listen);
     server_http_quiesce(server->http);
     server_jobs_drain(server->jobs);
@@ -242,7 +266,8 @@ void server_stop(struct server *server)
     server_events_end(server->events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->workers);
-    while (atomic_load(&server->deferred) || server_workers_load(server->workers).background) pause_briefly();
+    while (atomic_load(&server->deferred) || server_workers_load(server->workers).background)
+        pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     server_http_stop(server->http);
     persist(server);

@@ -8,9 +8,10 @@
  * the registry two; the only ones held together are the registry's writer lock, its slots' lock and
  * the cache's, in that order, and the landmarks' and the workers'. Budget and metrics are atomic.
  *
- * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections, all else goes on) -> draining (no
- * new connections) -> at the drain deadline workers are cancelled -> every deferred exchange and the background have finished -> HTTP
- * stops -> uses and fields are persisted, within ten seconds -> the parts are destroyed. */
+ * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections,
+ * all else goes on) -> draining (no new connections) -> at the drain deadline workers are cancelled
+ * -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are
+ * persisted, within ten seconds -> the parts are destroyed. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
@@ -69,14 +70,17 @@ struct server {
     atomic_bool draining;
 };
 
-/* Starts everything, and listens last on the socket (server_address_bind), which becomes the server's own. NULL with a
- * sentence in `error`. */
-struct server *server_start(const struct server_config *config, int listening, char *error, size_t error_size);
+/* Starts everything, and listens last on the socket (server_address_bind), which becomes the
+ * server's own. NULL with a sentence in `error`. */
+struct server *server_start(const struct server_config *config, int listening, char *error,
+                            size_t error_size);
 
-/* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By one thread at a time. */
+/* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By
+ * one thread at a time. */
 void server_reload(struct server *server);
 
-/* Drains, stops, frees. Returns within drain_delay_ms, drain_ms and the few seconds that the last answers need to leave. */
+/* Drains, stops, frees. Returns within drain_delay_ms, drain_ms and the few seconds that the last
+ * answers need to leave. */
 void server_stop(struct server *server);
 
 /* Counts an exchange as deferred, before it is submitted. */

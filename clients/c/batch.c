@@ -6,10 +6,12 @@
 
 #define PATH_MOST 256
 
-static enum gdc_status ask(struct gdc_client *client, const char *path, json_t **json, struct gdc_problem *problem)
+static enum gdc_status ask(struct gdc_client *client, const char *path, json_t **json,
+                           struct gdc_problem *problem)
 {
     struct gdc_answer answer;
-    enum gdc_status status = gdc_call(client, &(struct gdc_request){.method = "GET", .path = path}, &answer, problem);
+    enum gdc_status status =
+        gdc_call(client, &(struct gdc_request){.method = "GET", .path = path}, &answer, problem);
     return status ? status : gdc__read_json(&answer, json, problem);
 }
 
@@ -18,32 +20,39 @@ enum gdc_status gdc_batch_create(struct gdc_client *client, const json_t *reques
 {
     char *text = json_dumps(request, JSON_COMPACT);
     struct gdc_answer answer;
-    if (!text) return gdc__fail(problem, GDC_NO_MEMORY, "the request is no JSON, or the system is out of memory");
-    enum gdc_status status =
-        gdc_call(client,
-                 &(struct gdc_request){
-                     .method = "POST", .path = "/v1/batches", .body = text, .body_size = strlen(text), .once = 1},
-                 &answer, problem);
+    if (!text)
+        return gdc__fail(problem, GDC_NO_MEMORY,
+                         "the request is no JSON, or the system is out of memory");
+    enum gdc_status status = gdc_call(client,
+                                      &(struct gdc_request){.method = "POST",
+                                                            .path = "/v1/batches",
+                                                            .body = text,
+                                                            .body_size = strlen(text),
+                                                            .once = 1},
+                                      &answer, problem);
     free(text);
     return status ? status : gdc__read_json(&answer, batch, problem);
 }
 
-enum gdc_status gdc_batch_look(struct gdc_client *client, const char *id, json_t **batch, struct gdc_problem *problem)
+enum gdc_status gdc_batch_look(struct gdc_client *client, const char *id, json_t **batch,
+                               struct gdc_problem *problem)
 {
     char path[PATH_MOST];
     snprintf(path, sizeof path, "/v1/batches/%s", id);
     return ask(client, path, batch, problem);
 }
 
-enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, const char *after, json_t **page,
-                                  struct gdc_problem *problem)
+enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, const char *after,
+                                  json_t **page, struct gdc_problem *problem)
 {
     char path[PATH_MOST];
-    snprintf(path, sizeof path, "/v1/batches/%s/results%s%s", id, after ? "?after=" : "", after ? after : "");
+    snprintf(path, sizeof path, "/v1/batches/%s/results%s%s", id, after ? "?after=" : "",
+             after ? after : "");
     return ask(client, path, page, problem);
 }
 
-enum gdc_status gdc_batch_delete(struct gdc_client *client, const char *id, struct gdc_problem *problem)
+enum gdc_status gdc_batch_delete(struct gdc_client *client, const char *id,
+                                 struct gdc_problem *problem)
 {
     char path[PATH_MOST];
     struct gdc_answer answer;

@@ -13,7 +13,7 @@
 #define BACKOFF_MS   100 /* before the first retry; twice as long before each next one */
 #define BACKOFF_MOST 10000
 
-/* --- life --------------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static char *join(const char *a, const char *b, const char *c)
 {
@@ -76,9 +76,10 @@ void gdc_client_set_progress(struct gdc_client *client, gdc_progress progress, v
     client->user = user;
 }
 
-/* --- problems ----------------------------------------------------------------------------------------------------------- */
+/* --- problems --------------------------------------------------------------------------------- */
 
-enum gdc_status gdc__fail(struct gdc_problem *problem, enum gdc_status status, const char *format, ...)
+enum gdc_status gdc__fail(struct gdc_problem *problem, enum gdc_status status, const char *format,
+                          ...)
 {
     if (!problem) return status;
     va_list arguments;
@@ -110,9 +111,10 @@ static enum gdc_status read_problem(const struct gdc_answer *answer, struct gdc_
     return GDC_PROBLEM;
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------ */
+/* --- answers ---------------------------------------------------------------------------------- */
 
-enum gdc_status gdc__read_json(struct gdc_answer *answer, json_t **json, struct gdc_problem *problem)
+enum gdc_status gdc__read_json(struct gdc_answer *answer, json_t **json,
+                               struct gdc_problem *problem)
 {
     json_t *read = json_loadb(answer->body, answer->size, JSON_DECODE_ANY, NULL);
     free(answer->body);
@@ -121,7 +123,7 @@ enum gdc_status gdc__read_json(struct gdc_answer *answer, json_t **json, struct 
     return GDC_OK;
 }
 
-/* --- one exchange ------------------------------------------------------------------------------------------------------- */
+/* --- one exchange ----------------------------------------------------------------------------- */
 
 /* As libcurl wants it; 0 ends the transfer. */
 static size_t take(char *bytes, size_t one, size_t count, void *user)
@@ -146,19 +148,22 @@ static struct curl_slist *with(struct curl_slist *list, char *line)
     return longer;
 }
 
-static struct curl_slist *headers_of(const struct gdc_client *client, const struct gdc_request *request, int is_job)
+static struct curl_slist *headers_of(const struct gdc_client *client,
+                                     const struct gdc_request *request, int is_job)
 {
     const char *json = "application/json";
-    struct curl_slist *list = with(NULL, join("Accept: ", request->accept ? request->accept : json, ""));
+    struct curl_slist *list =
+        with(NULL, join("Accept: ", request->accept ? request->accept : json, ""));
     if (list) list = with(list, join("Expect:", "", "")); /* no 100-continue: one round trip less */
     if (list && request->body)
-        list = with(list, join("Content-Type: ", request->content_type ? request->content_type : json, ""));
+        list = with(
+            list, join("Content-Type: ", request->content_type ? request->content_type : json, ""));
     if (list && client->authorization) list = with(list, join(client->authorization, "", ""));
     return list && is_job ? with(list, join("Prefer: ", "respond-async", "")) : list;
 }
 
-static void set_options(struct gdc_client *client, const struct gdc_request *request, const char *url,
-                        struct curl_slist *headers, struct gdc_answer *answer)
+static void set_options(struct gdc_client *client, const struct gdc_request *request,
+                        const char *url, struct curl_slist *headers, struct gdc_answer *answer)
 {
     CURL *curl = client->curl;
     curl_easy_reset(curl); /* but the connection */
@@ -175,8 +180,8 @@ static void set_options(struct gdc_client *client, const struct gdc_request *req
         curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)request->body_size);
         curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request->body);
     }
-    if (request->once)
-        curl_easy_setopt(curl, CURLOPT_FRESH_CONNECT, 1L); /* on one that was kept, libcurl tries again */
+    if (request->once) /* on one that was kept, libcurl tries again */
+        curl_easy_setopt(curl, CURLOPT_FRESH_CONNECT, 1L);
     if (strcmp(request->method, "HEAD") == 0) curl_easy_setopt(curl, CURLOPT_NOBODY, 1L);
     curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
 }
@@ -200,19 +205,21 @@ static CURLcode send_once(struct gdc_client *client, const struct gdc_request *r
     return code;
 }
 
-/* --- with retries ------------------------------------------------------------------------------------------------------- */
+/* --- with retries ----------------------------------------------------------------------------- */
 
 static void wait_before(struct gdc_client *client, unsigned attempt, int is_answer)
 {
     curl_off_t told_s = 0;
     long ms = attempt < 7 ? BACKOFF_MS << attempt : BACKOFF_MOST;
     ms = ms / 2 + rand() % ms; /* not all clients at once */
-    if (is_answer && curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &told_s) == CURLE_OK && told_s > 0)
+    if (is_answer && curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &told_s) == CURLE_OK &&
+        told_s > 0)
         ms = 1000 * (long)told_s;
     nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
 }
 
-static int is_worth_another(const struct gdc_request *request, CURLcode code, const struct gdc_answer *answer)
+static int is_worth_another(const struct gdc_request *request, CURLcode code,
+                            const struct gdc_answer *answer)
 {
     if (code == CURLE_OK) return answer->status == 429 || answer->status == 503;
     if (request->once) return code == CURLE_COULDNT_CONNECT;
@@ -220,8 +227,8 @@ static int is_worth_another(const struct gdc_request *request, CURLcode code, co
            code == CURLE_RECV_ERROR || code == CURLE_PARTIAL_FILE;
 }
 
-static enum gdc_status judge(const struct gdc_client *client, CURLcode code, struct gdc_answer *answer,
-                             struct gdc_problem *problem)
+static enum gdc_status judge(const struct gdc_client *client, CURLcode code,
+                             struct gdc_answer *answer, struct gdc_problem *problem)
 {
     if (code == CURLE_OK && answer->status < 400) return GDC_OK;
     enum gdc_status status = GDC_PROBLEM;
@@ -229,19 +236,21 @@ static enum gdc_status judge(const struct gdc_client *client, CURLcode code, str
         status = gdc__fail(problem, GDC_NO_MEMORY, "the system is out of memory");
     else if (code != CURLE_OK)
         status = gdc__fail(problem, GDC_NO_CONNECTION, "no answer from %s: %s",
-                           client->socket_path ? client->socket_path : client->url, curl_easy_strerror(code));
+                           client->socket_path ? client->socket_path : client->url,
+                           curl_easy_strerror(code));
     else
         read_problem(answer, problem);
     free(answer->body);
     return status;
 }
 
-enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_request *request, int is_job,
-                              struct gdc_answer *answer, struct gdc_problem *problem)
+enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_request *request,
+                              int is_job, struct gdc_answer *answer, struct gdc_problem *problem)
 {
     struct gdc_answer received;
     CURLcode code = send_once(client, request, is_job, &received);
-    for (unsigned attempt = 0; attempt < client->retries && is_worth_another(request, code, &received); attempt++) {
+    for (unsigned attempt = 0;
+         attempt < client->retries && is_worth_another(request, code, &received); attempt++) {
         wait_before(client, attempt, code == CURLE_OK);
         free(received.body);
         code = send_once(client, request, is_job, &received);
@@ -251,10 +260,11 @@ enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_reques
     return status;
 }
 
-enum gdc_status gdc_call(struct gdc_client *client, const struct gdc_request *request, struct gdc_answer *answer,
-                         struct gdc_problem *problem)
+enum gdc_status gdc_call(struct gdc_client *client, const struct gdc_request *request,
+                         struct gdc_answer *answer, struct gdc_problem *problem)
 {
-    int is_job = client->progress && (strcmp(request->method, "POST") == 0 || strcmp(request->method, "PUT") == 0);
+    int is_job = client->progress &&
+                 (strcmp(request->method, "POST") == 0 || strcmp(request->method, "PUT") == 0);
     struct gdc_answer accepted;
     enum gdc_status status = gdc__exchange(client, request, is_job, &accepted, problem);
     if (status) return status;

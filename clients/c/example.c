@@ -1,4 +1,5 @@
-/* Uploads a mesh, asks for a distance and a path, and for the vertex that is farthest away: example MESH.obj */
+/* Uploads a mesh, asks for a distance and a path, and for the vertex that is farthest away: example
+ * MESH.obj */
 #include <stdio.h>
 #include <stdlib.h>
 

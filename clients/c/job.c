@@ -16,7 +16,8 @@ struct job {
     double progress;
 };
 
-static enum gdc_status hear(struct job *job, const struct gdc_answer *answer, struct gdc_problem *problem)
+static enum gdc_status hear(struct job *job, const struct gdc_answer *answer,
+                            struct gdc_problem *problem)
 {
     json_t *json = json_loadb(answer->body, answer->size, 0, NULL);
     const char *id = json_string_value(json_object_get(json, "id")),
@@ -30,13 +31,17 @@ static enum gdc_status hear(struct job *job, const struct gdc_answer *answer, st
                                                                                   : STATE_ACTIVE;
     }
     json_decref(json);
-    return is_job ? GDC_OK : gdc__fail(problem, GDC_BAD_ANSWER, "the daemon does not say which job it has made");
+    return is_job ? GDC_OK
+                  : gdc__fail(problem, GDC_BAD_ANSWER,
+                              "the daemon does not say which job it has made");
 }
 
-static enum gdc_status cancel(struct gdc_client *client, const struct job *job, struct gdc_problem *problem)
+static enum gdc_status cancel(struct gdc_client *client, const struct job *job,
+                              struct gdc_problem *problem)
 {
     struct gdc_answer answer;
-    if (gdc__exchange(client, &(struct gdc_request){.method = "DELETE", .path = job->path}, 0, &answer, NULL) == GDC_OK)
+    if (gdc__exchange(client, &(struct gdc_request){.method = "DELETE", .path = job->path}, 0,
+                      &answer, NULL) == GDC_OK)
         free(answer.body);
     return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
 }
@@ -52,8 +57,8 @@ static enum gdc_status look(struct gdc_client *client, struct job *job, struct g
     return status;
 }
 
-enum gdc_status gdc__await_job(struct gdc_client *client, struct gdc_answer *accepted, struct gdc_answer *answer,
-                               struct gdc_problem *problem)
+enum gdc_status gdc__await_job(struct gdc_client *client, struct gdc_answer *accepted,
+                               struct gdc_answer *answer, struct gdc_problem *problem)
 {
     struct job job;
     enum gdc_status status = hear(&job, accepted, problem);
@@ -65,8 +70,10 @@ enum gdc_status gdc__await_job(struct gdc_client *client, struct gdc_answer *acc
         status = look(client, &job, problem);
     }
     if (status) return status;
-    if (job.state == STATE_CANCELLED) return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
+    if (job.state == STATE_CANCELLED)
+        return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
     char path[sizeof job.path + 8];
     snprintf(path, sizeof path, "%s/result", job.path);
-    return gdc__exchange(client, &(struct gdc_request){.method = "GET", .path = path}, 0, answer, problem);
+    return gdc__exchange(client, &(struct gdc_request){.method = "GET", .path = path}, 0, answer,
+                         problem);
 }

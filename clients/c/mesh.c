@@ -9,7 +9,7 @@
 
 #define BYTES "application/octet-stream"
 
-/* --- points ------------------------------------------------------------------------------------------------------------- */
+/* --- points ----------------------------------------------------------------------------------- */
 
 struct gdc_point gdc_vertex(unsigned vertex)
 {
@@ -39,17 +39,18 @@ json_t *gdc_point_json(const struct gdc_point *point)
     case GDC_VERTEX:
         return json_pack("{s:I}", "vertex", (json_int_t)element[0]);
     case GDC_EDGE:
-        return json_pack("{s:[II],s:f}", "edge", (json_int_t)element[0], (json_int_t)element[1], "t", number[0]);
+        return json_pack("{s:[II],s:f}", "edge", (json_int_t)element[0], (json_int_t)element[1],
+                         "t", number[0]);
     case GDC_FACE:
-        return json_pack("{s:I,s:[fff]}", "face", (json_int_t)element[0], "barycentric", number[0], number[1],
-                         number[2]);
+        return json_pack("{s:I,s:[fff]}", "face", (json_int_t)element[0], "barycentric", number[0],
+                         number[1], number[2]);
     case GDC_NEAR:
         return json_pack("{s:[fff]}", "xyz", number[0], number[1], number[2]);
     }
     return NULL;
 }
 
-/* --- queries ------------------------------------------------------------------------------------------------------------ */
+/* --- queries ---------------------------------------------------------------------------------- */
 
 char *gdc__mesh_path(struct gdc_client *client, const char *mesh, const char *rest)
 {
@@ -62,8 +63,9 @@ char *gdc__mesh_path(struct gdc_client *client, const char *mesh, const char *re
 }
 
 /* A request below a mesh. `body` may be NULL. */
-static enum gdc_status ask(struct gdc_client *client, const char *mesh, const char *rest, struct gdc_request request,
-                           struct gdc_answer *answer, struct gdc_problem *problem)
+static enum gdc_status ask(struct gdc_client *client, const char *mesh, const char *rest,
+                           struct gdc_request request, struct gdc_answer *answer,
+                           struct gdc_problem *problem)
 {
     char *path = gdc__mesh_path(client, mesh, rest);
     if (!path) return gdc__fail(problem, GDC_NO_MEMORY, "the system is out of memory");
@@ -73,31 +75,34 @@ static enum gdc_status ask(struct gdc_client *client, const char *mesh, const ch
     return status;
 }
 
-enum gdc_status gdc_query(struct gdc_client *client, const char *mesh, const char *query, const json_t *body,
-                          json_t **answer, struct gdc_problem *problem)
+enum gdc_status gdc_query(struct gdc_client *client, const char *mesh, const char *query,
+                          const json_t *body, json_t **answer, struct gdc_problem *problem)
 {
     char *text = body ? json_dumps(body, JSON_COMPACT) : NULL, rest[256];
     if (!text)
-        return gdc__fail(problem, GDC_NO_MEMORY, "the body is no JSON: out of memory, or a number that is not finite");
+        return gdc__fail(problem, GDC_NO_MEMORY,
+                         "the body is no JSON: out of memory, or a number that is not finite");
     struct gdc_answer received;
     snprintf(rest, sizeof rest, "/%s", query);
     enum gdc_status status =
-        ask(client, mesh, rest, (struct gdc_request){.method = "POST", .body = text, .body_size = strlen(text)},
+        ask(client, mesh, rest,
+            (struct gdc_request){.method = "POST", .body = text, .body_size = strlen(text)},
             &received, problem);
     free(text);
     return status ? status : gdc__read_json(&received, answer, problem);
 }
 
-/* --- meshes ------------------------------------------------------------------------------------------------------------- */
+/* --- meshes ----------------------------------------------------------------------------------- */
 
-enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes, size_t size,
-                           struct gdc_problem *problem)
+enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes,
+                           size_t size, struct gdc_problem *problem)
 {
     struct gdc_answer answer;
     enum gdc_status status =
         ask(client, mesh, "",
-            (struct gdc_request){.method = "PUT", .body = bytes, .body_size = size, .content_type = BYTES}, &answer,
-            problem);
+            (struct gdc_request){
+                .method = "PUT", .body = bytes, .body_size = size, .content_type = BYTES},
+            &answer, problem);
     if (!status) free(answer.body);
     return status;
 }
@@ -128,7 +133,9 @@ enum gdc_status gdc_upload_file(struct gdc_client *client, const char *mesh, con
     char *bytes = file ? read_all(file, &size) : NULL;
     int error = errno;
     if (file) fclose(file);
-    if (!bytes) return gdc__fail(problem, GDC_FILE, "%s can't be read: %s", path, strerror(error ? error : ENOMEM));
+    if (!bytes)
+        return gdc__fail(problem, GDC_FILE, "%s can't be read: %s", path,
+                         strerror(error ? error : ENOMEM));
     enum gdc_status status = gdc_upload(client, mesh, bytes, size, problem);
     free(bytes);
     return status;
@@ -137,15 +144,17 @@ enum gdc_status gdc_upload_file(struct gdc_client *client, const char *mesh, con
 enum gdc_status gdc_delete(struct gdc_client *client, const char *mesh, struct gdc_problem *problem)
 {
     struct gdc_answer answer;
-    enum gdc_status status = ask(client, mesh, "", (struct gdc_request){.method = "DELETE"}, &answer, problem);
+    enum gdc_status status =
+        ask(client, mesh, "", (struct gdc_request){.method = "DELETE"}, &answer, problem);
     if (!status) free(answer.body);
     return status;
 }
 
-/* --- distances and paths ------------------------------------------------------------------------------------------------ */
+/* --- distances and paths ---------------------------------------------------------------------- */
 
-static enum gdc_status ask_pair(struct gdc_client *client, const char *mesh, const char *query, struct gdc_point from,
-                                struct gdc_point to, json_t **answer, struct gdc_problem *problem)
+static enum gdc_status ask_pair(struct gdc_client *client, const char *mesh, const char *query,
+                                struct gdc_point from, struct gdc_point to, json_t **answer,
+                                struct gdc_problem *problem)
 {
     json_t *body = json_pack("{s:o,s:o}", "from", gdc_point_json(&from), "to", gdc_point_json(&to));
     enum gdc_status status = gdc_query(client, mesh, query, body, answer, problem);
@@ -153,16 +162,18 @@ static enum gdc_status ask_pair(struct gdc_client *client, const char *mesh, con
     return status;
 }
 
-enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct gdc_point from, struct gdc_point to,
-                             double *distance, struct gdc_problem *problem)
+enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct gdc_point from,
+                             struct gdc_point to, double *distance, struct gdc_problem *problem)
 {
     json_t *answer;
-    enum gdc_status status = ask_pair(client, mesh, "distance?fields=distance", from, to, &answer, problem);
+    enum gdc_status status =
+        ask_pair(client, mesh, "distance?fields=distance", from, to, &answer, problem);
     if (status) return status;
     const json_t *value = json_object_get(answer, "distance");
     double found = json_number_value(value);
     if (json_is_null(value))
-        status = gdc__fail(problem, GDC_NO_PATH, "no path joins the points: they are of different components");
+        status = gdc__fail(problem, GDC_NO_PATH,
+                           "no path joins the points: they are of different components");
     else if (!json_is_number(value))
         status = gdc__fail(problem, GDC_BAD_ANSWER, "the answer has no distance");
     json_decref(answer);
@@ -181,25 +192,29 @@ static double *read_corners(const json_t *points, size_t *count)
     return xyz;
 }
 
-enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh, struct gdc_point from,
-                                  struct gdc_point to, struct gdc_path *path, struct gdc_problem *problem)
+enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
+                                  struct gdc_point from, struct gdc_point to, struct gdc_path *path,
+                                  struct gdc_problem *problem)
 {
     json_t *answer;
-    enum gdc_status status = ask_pair(client, mesh, "path?fields=path&geometry=xyz", from, to, &answer, problem);
+    enum gdc_status status =
+        ask_pair(client, mesh, "path?fields=path&geometry=xyz", from, to, &answer, problem);
     if (status) return status;
     const json_t *json = json_object_get(answer, "path");
     struct gdc_path found = {.length = json_number_value(json_object_get(json, "length"))};
     found.xyz = read_corners(json_object_get(json, "points"), &found.count);
     if (!json_is_object(json))
-        status = gdc__fail(problem, GDC_NO_PATH, "no path joins the points: they are of different components");
+        status = gdc__fail(problem, GDC_NO_PATH,
+                           "no path joins the points: they are of different components");
     else if (!found.xyz)
-        status = gdc__fail(problem, GDC_BAD_ANSWER, "the answer has no path, or there is no memory for it");
+        status = gdc__fail(problem, GDC_BAD_ANSWER,
+                           "the answer has no path, or there is no memory for it");
     json_decref(answer);
     if (!status) *path = found;
     return status;
 }
 
-/* --- fields ------------------------------------------------------------------------------------------------------------- */
+/* --- fields ----------------------------------------------------------------------------------- */
 
 /* Of little-endian float64, in their place. */
 static void to_host_order(unsigned char *bytes, size_t count)
@@ -211,14 +226,15 @@ static void to_host_order(unsigned char *bytes, size_t count)
     }
 }
 
-static enum gdc_status get_values(struct gdc_client *client, const char *mesh, const char *id, double **values,
-                                  size_t *count, struct gdc_problem *problem)
+static enum gdc_status get_values(struct gdc_client *client, const char *mesh, const char *id,
+                                  double **values, size_t *count, struct gdc_problem *problem)
 {
     char rest[128];
     struct gdc_answer answer;
     snprintf(rest, sizeof rest, "/fields/%s/values", id);
     enum gdc_status status =
-        ask(client, mesh, rest, (struct gdc_request){.method = "GET", .accept = BYTES}, &answer, problem);
+        ask(client, mesh, rest, (struct gdc_request){.method = "GET", .accept = BYTES}, &answer,
+            problem);
     if (status) return status;
     to_host_order((unsigned char *)answer.body, answer.size / 8);
     *values = (double *)answer.body; /* from malloc: aligned */
@@ -226,12 +242,14 @@ static enum gdc_status get_values(struct gdc_client *client, const char *mesh, c
     return GDC_OK;
 }
 
-enum gdc_status gdc_field(struct gdc_client *client, const char *mesh, const struct gdc_point *sources, size_t count,
-                          double **values, size_t *value_count, struct gdc_problem *problem)
+enum gdc_status gdc_field(struct gdc_client *client, const char *mesh,
+                          const struct gdc_point *sources, size_t count, double **values,
+                          size_t *value_count, struct gdc_problem *problem)
 {
     json_t *points = json_array(), *answer;
     for (size_t i = 0; i < count; i++) json_array_append_new(points, gdc_point_json(&sources[i]));
-    json_t *body = json_array_size(points) == count ? json_pack("{s:{s:O}}", "set", "points", points) : NULL;
+    json_t *body =
+        json_array_size(points) == count ? json_pack("{s:{s:O}}", "set", "points", points) : NULL;
     enum gdc_status status = gdc_query(client, mesh, "fields", body, &answer, problem);
     json_decref(points);
     json_decref(body);

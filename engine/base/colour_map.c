@@ -23,7 +23,8 @@ double gd_colour_encode(double linear)
 /* By the matrices of its definition. */
 static struct gd_colour from_oklab(double lightness, double a, double b)
 {
-    double l = lightness + 0.3963377774 * a + 0.2158037573 * b, m = lightness - 0.1055613458 * a - 0.0638541728 * b,
+    double l = lightness + 0.3963377774 * a + 0.2158037573 * b,
+           m = lightness - 0.1055613458 * a - 0.0638541728 * b,
            s = lightness - 0.0894841775 * a - 1.2914855480 * b;
     l = l * l * l;
     m = m * m * m;
@@ -36,5 +37,6 @@ static struct gd_colour from_oklab(double lightness, double a, double b)
 struct gd_colour gd_colour_map(double part)
 {
     double t = cut(part), hue = HUE_FIRST + t * (HUE_LAST - HUE_FIRST);
-    return from_oklab(LIGHTNESS_FIRST + t * (LIGHTNESS_LAST - LIGHTNESS_FIRST), CHROMA * cos(hue), CHROMA * sin(hue));
+    return from_oklab(LIGHTNESS_FIRST + t * (LIGHTNESS_LAST - LIGHTNESS_FIRST), CHROMA * cos(hue),
+                      CHROMA * sin(hue));
 }

@@ -130,7 +130,8 @@ static inline void load_scales(lanes index, lanes *high, lanes *low)
 static inline void put_every_second(lanes digits, struct gd__decimals *out, uint32_t at)
 {
     lanes text = _mm256_add_epi8(digits, _mm256_set1_epi8('0'));
-    uint32_t counting = (uint32_t)_mm256_movemask_epi8(_mm256_cmpgt_epi8(digits, _mm256_setzero_si256()));
+    uint32_t counting =
+        (uint32_t)_mm256_movemask_epi8(_mm256_cmpgt_epi8(digits, _mm256_setzero_si256()));
     _mm_storeu_si128((__m128i *)out->digits[at], _mm256_castsi256_si128(text));
     _mm_storeu_si128((__m128i *)out->digits[at + 2], _mm256_extracti128_si256(text, 1));
     out->counting[at] = (uint16_t)counting;

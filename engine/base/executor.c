@@ -2,8 +2,8 @@
 
 #include <stddef.h>
 
-void gd_executor_run(const struct gd_executor *executor, void (*task)(void *context, uint32_t index), void *context,
-                     uint32_t count)
+void gd_executor_run(const struct gd_executor *executor,
+                     void (*task)(void *context, uint32_t index), void *context, uint32_t count)
 {
     if (executor && executor->width > 1 && count > 1) {
         executor->run(executor->user, task, context, count);

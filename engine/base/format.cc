@@ -11,7 +11,8 @@
 gd__decimals_kernel *gd__decimals_kernel_here(void)
 {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl"))
         return gd__decimals_avx512;
     if (__builtin_cpu_supports("avx2")) return gd__decimals_avx2;
 #endif
@@ -23,11 +24,14 @@ namespace
 
 constexpr int POINTS = 23; /* places for it: five zeros behind it, to behind the last digit */
 
-/* Where a number's digits go. All of them are written at `digits`, and once more, from `tail` on, behind the point. */
+/* Where a number's digits go. All of them are written at `digits`, and once more, from `tail` on,
+ * behind the point. */
 struct layout {
     unsigned char digits, point, tail;
     bool
-        is_pointed_within; /* the point stands behind some digits; else all is there already, and it goes where nobody looks */
+        /* the point stands behind some digits; else all is there already, and it goes where nobody
+           looks */
+        is_pointed_within;
 };
 
 constexpr std::array<layout, POINTS> make_layouts()
@@ -43,13 +47,15 @@ constexpr std::array<layout, POINTS> make_layouts()
 
 constexpr std::array<layout, POINTS> layouts = make_layouts();
 
-/* Writes one that was found; up to SLACK bytes more than it is long. Without branches: what they would depend on is as good as random. */
+/* Writes one that was found; up to SLACK bytes more than it is long. Without branches: what they
+ * would depend on is as good as random. */
 inline char *put(char *at, const gd__decimals &decimals, std::size_t i)
 {
     const std::uint64_t head = decimals.head[i];
     const layout &layout = layouts[head >> 16];
     const char *const digits = decimals.digits[i];
-    const unsigned count = 32 - unsigned(__builtin_clz(2u * decimals.counting[i] + 1)); /* that count */
+    /* that count */
+    const unsigned count = 32 - unsigned(__builtin_clz(2u * decimals.counting[i] + 1));
     char tail[16];
     *at = '-';
     at += head >> 8 & 1;
@@ -100,7 +106,8 @@ struct run {
 /* A number of the run and a comma. */
 inline char *put_item(char *at, const run &run, const double *values, std::size_t i)
 {
-    at = __builtin_expect(run.left_out >> i & 1, 0) ? put_left_out(at, values[i]) : put(at, run.decimals, i);
+    at = __builtin_expect(run.left_out >> i & 1, 0) ? put_left_out(at, values[i])
+                                                    : put(at, run.decimals, i);
     *at++ = ',';
     return at;
 }
@@ -123,7 +130,8 @@ char *gd_numbers_format(char *at, const double *values, std::size_t count)
     gd__decimals_kernel *const kernel = gd__decimals_kernel_here();
     run run;
     for (std::size_t begin = 0; begin < count; begin += GD__DECIMALS) {
-        const std::size_t part = count - begin < GD__DECIMALS ? count - begin : std::size_t(GD__DECIMALS);
+        const std::size_t part =
+            count - begin < GD__DECIMALS ? count - begin : std::size_t(GD__DECIMALS);
         run.left_out = kernel(values + begin, std::uint32_t(part), &run.decimals);
         for (std::size_t i = 0; i < part; i++) at = put_item(at, run, values + begin, i);
     }

@@ -1,5 +1,5 @@
-/* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> reads, five times as fast as strtod; what it writes
- * takes three times as long as what format.cc does. */
+/* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> reads, five times
+ * as fast as strtod; what it writes takes three times as long as what format.cc does. */
 #include "gd/number.h"
 
 #include <charconv>
@@ -21,8 +21,8 @@ static int64_t saturated_integer(const char *at, const char *end)
     return negative ? -value : value;
 }
 
-/* Whether the well-formed number in [at, end), known to be nearer to zero than any double or larger than all, is the former: its leading
- * digit's decimal exponent tells. */
+/* Whether the well-formed number in [at, end), known to be nearer to zero than any double or larger
+ * than all, is the former: its leading digit's decimal exponent tells. */
 static bool is_tiny(const char *at, const char *end)
 {
     int64_t exponent = 0;
@@ -41,11 +41,12 @@ static bool is_tiny(const char *at, const char *end)
     return exponent < 0;
 }
 
-#define EXACT_DIGITS                                                                                                   \
-    15 /* whole numbers and powers of ten of so many are doubles, and one division of the two rounds correctly */
+#define EXACT_DIGITS                                                                               \
+    15 /* whole numbers and powers of ten of so many are doubles, and one division of the two      \
+          rounds correctly */
 
-/* Reads "-0.25" and the like: digits, a point, digits, not many of them, and nothing behind them that might belong to the number. NULL: it is
- * something else. */
+/* Reads "-0.25" and the like: digits, a point, digits, not many of them, and nothing behind them
+ * that might belong to the number. NULL: it is something else. */
 static const char *parse_short(const char *at, const char *end, double *out)
 {
     static const double tens[EXACT_DIGITS + 1] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -53,10 +54,12 @@ static const char *parse_short(const char *at, const char *end, double *out)
     const bool is_negative = at < end && *at == '-';
     const char *const first = at + is_negative;
     int64_t digits = 0;
-    for (at = first; at < end && is_digit(*at) && at - first < EXACT_DIGITS; at++) digits = 10 * digits + (*at - '0');
+    for (at = first; at < end && is_digit(*at) && at - first < EXACT_DIGITS; at++)
+        digits = 10 * digits + (*at - '0');
     if (at == first || end - at < 2 || *at != '.') return nullptr;
     const char *const point = at++;
-    for (; at < end && is_digit(*at) && at - first <= EXACT_DIGITS; at++) digits = 10 * digits + (*at - '0');
+    for (; at < end && is_digit(*at) && at - first <= EXACT_DIGITS; at++)
+        digits = 10 * digits + (*at - '0');
     if (at == point + 1 || (at < end && (is_digit(*at) || (*at | 0x20) == 'e'))) return nullptr;
     *out = (double)(is_negative ? -digits : digits) / tens[at - point - 1];
     if (is_negative && !digits) *out = -0.0;
@@ -70,7 +73,8 @@ const char *gd_number_parse(const char *at, const char *end, double *out)
     const std::from_chars_result result = std::from_chars(at, end, *out);
     if (result.ec == std::errc::invalid_argument) return nullptr;
     if (result.ec == std::errc::result_out_of_range) {
-        const double magnitude = is_tiny(at, result.ptr) ? 0 : std::numeric_limits<double>::infinity();
+        const double magnitude =
+            is_tiny(at, result.ptr) ? 0 : std::numeric_limits<double>::infinity();
         *out = *at == '-' ? -magnitude : magnitude;
     }
     return result.ptr;

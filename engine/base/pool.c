@@ -79,7 +79,8 @@ static bool is_small_beside_budget(const struct gd__purse *purse, size_t bytes)
     return !budget || bytes <= budget / BUDGET_PART;
 }
 
-/* Each chunk is as large as all before it together, within bounds; the first one as all of the last time. */
+/* Each chunk is as large as all before it together, within bounds; the first one as all of the last
+ * time. */
 static enum gd_status grow(struct gd__pool *pool, size_t need)
 {
     bool again = !pool->bytes && is_small_beside_budget(pool->purse, pool->before);

@@ -1,6 +1,8 @@
-/* Pool: blocks of so many items from few large chunks, each size with its own free list; everything is given back at once.
+/* Pool: blocks of so many items from few large chunks, each size with its own free list; everything
+ * is given back at once.
  *
- * One owner, one thread. Blocks are never moved. A block may be released and is then reused for the same size; destroying the pool frees all. */
+ * One owner, one thread. Blocks are never moved. A block may be released and is then reused for the
+ * same size; destroying the pool frees all. */
 #ifndef GD_BASE_POOL_H
 #define GD_BASE_POOL_H
 
@@ -27,8 +29,9 @@ struct gd__pool {
 void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the chunk if it is the only one, or one of the largest; the purse is charged
- * with it unasked. After several the next one is as large as all of them were, so that who does the same for the third time has one chunk,
+/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the chunk if it is the
+ * only one, or one of the largest; the purse is charged with it unasked. After several the next one
+ * is as large as all of them were, so that who does the same for the third time has one chunk,
  * without page faults. An all-zero pool will do. */
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
 
@@ -47,7 +50,8 @@ static inline uint32_t gd__pool_class(uint32_t count)
 /* A block of a new chunk: see gd__pool_take. */
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class);
 
-/* A block of gd__pool_items(size_class) items, uninitialised; NULL when out of memory or budget (pool->status says which). */
+/* A block of gd__pool_items(size_class) items, uninitialised; NULL when out of memory or budget
+ * (pool->status says which). */
 static inline void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
 {
     void *block = pool->free_blocks[size_class];

@@ -16,7 +16,7 @@ static size_t up(size_t size, size_t unit)
     return (size + unit - 1) & ~(unit - 1);
 }
 
-/* --- memory of released regions ------------------------------------------------------------------------------------------ */
+/* --- memory of released regions --------------------------------------------------------------- */
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static struct gd__kept spare[SPARES];
@@ -86,14 +86,15 @@ static struct gd__kept take_spare(size_t reserved)
     return found;
 }
 
-/* --- regions ------------------------------------------------------------------------------------------------------------- */
+/* --- regions ---------------------------------------------------------------------------------- */
 
-/* Address space from a huge page's border on, LEAST or more: only what is touched becomes memory. The first huge page's worth and the rest are two
- * mappings for ever: Linux before 6.17 moves no range that spans several. */
+/* Address space from a huge page's border on, LEAST or more: only what is touched becomes memory.
+ * The first huge page's worth and the rest are two mappings for ever: Linux before 6.17 moves no
+ * range that spans several. */
 static char *reserve(size_t size)
 {
-    char *pages =
-        mmap(NULL, size + HUGE_PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    char *pages = mmap(NULL, size + HUGE_PAGE, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (pages == MAP_FAILED) return NULL;
     char *base = (char *)up((uintptr_t)pages, HUGE_PAGE);
     if (base > pages) munmap(pages, (size_t)(base - pages));
@@ -104,9 +105,11 @@ static char *reserve(size_t size)
 
 enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd__purse *purse)
 {
-    struct gd__kept have = {.base = region->base, .bytes = region->touched, .reserved = region->reserved};
+    struct gd__kept have = {
+        .base = region->base, .bytes = region->touched, .reserved = region->reserved};
     if (!have.base) have = take_spare(up(most, HUGE_PAGE));
-    *region = (struct gd__region){.base = have.base, .touched = have.bytes, .reserved = have.reserved, .purse = purse};
+    *region = (struct gd__region){
+        .base = have.base, .touched = have.bytes, .reserved = have.reserved, .purse = purse};
     for (size_t size = up(most < LEAST ? LEAST : most, HUGE_PAGE); !region->base; size /= 2) {
         if (size < LEAST) return GD_NO_MEMORY;
         region->reserved = size & ~(HUGE_PAGE - 1);
@@ -115,8 +118,9 @@ enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd
     return GD_OK;
 }
 
-/* Twice the address space, at another place. The second mapping's pages move along, and it grows on the way, so that it stays one; what is in the
- * first is copied. Where moving fails the kernel may have unmapped the new place already: what lies there now need not be ours. */
+/* Twice the address space, at another place. The second mapping's pages move along, and it grows on
+ * the way, so that it stays one; what is in the first is copied. Where moving fails the kernel may
+ * have unmapped the new place already: what lies there now need not be ours. */
 static enum gd_status extend(struct gd__region *region, size_t need)
 {
     size_t size = region->reserved;
@@ -125,8 +129,8 @@ static enum gd_status extend(struct gd__region *region, size_t need)
     if (size > GD__REGION_MOST) size = GD__REGION_MOST;
     char *base = reserve(size);
     if (!base) return GD_NO_MEMORY;
-    if (mremap(region->base + HUGE_PAGE, region->reserved - HUGE_PAGE, size - HUGE_PAGE, MREMAP_MAYMOVE | MREMAP_FIXED,
-               base + HUGE_PAGE) == MAP_FAILED) {
+    if (mremap(region->base + HUGE_PAGE, region->reserved - HUGE_PAGE, size - HUGE_PAGE,
+               MREMAP_MAYMOVE | MREMAP_FIXED, base + HUGE_PAGE) == MAP_FAILED) {
         munmap(base, HUGE_PAGE);
         return GD_NO_MEMORY;
     }

@@ -9,7 +9,8 @@ static bool report(void *user, double fraction)
 struct gd_control gd__share_control(struct gd__share *share, size_t held)
 {
     struct gd_control own = share->control ? *share->control : (struct gd_control){0};
-    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1; /* 0: no limit */
+    /* 0: no limit */
+    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
     own.progress = own.progress ? report : NULL;
     own.user = share;
     return own;

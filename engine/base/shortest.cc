@@ -1,11 +1,13 @@
 /* See shortest.h.
  *
- * Dragonbox: J. Jeon, "Dragonbox: a new floating-point binary-to-decimal conversion algorithm" (2022), a descendant of R. Giulietti's
- * Schubfach (2021). A double c 2^q is what all reals of an interval about it are rounded to. Scaled by a power of ten, so that it is
- * 100 to 1000 units long, the interval may hold a multiple of 1000 units: that is the shortest decimal then, else the multiple of 100
- * units that is nearest to the double is. The whole part of the interval's scaled upper end, which takes one product with a power of
- * 128 bits, tells both, unless a remainder is just that of the other end, or of the middle: then the parity of their whole
- * parts decides, for there are but two candidates.
+ * Dragonbox: J. Jeon, "Dragonbox: a new floating-point binary-to-decimal conversion algorithm"
+ * (2022), a descendant of R. Giulietti's Schubfach (2021). A double c 2^q is what all reals of an
+ * interval about it are rounded to. Scaled by a power of ten, so that it is 100 to 1000 units long,
+ * the interval may hold a multiple of 1000 units: that is the shortest decimal then, else the
+ * multiple of 100 units that is nearest to the double is. The whole part of the interval's scaled
+ * upper end, which takes one product with a power of 128 bits, tells both, unless a remainder is
+ * just that of the other end, or of the middle: then the parity of their whole parts decides, for
+ * there are but two candidates.
  *
  * The powers are computed exactly when this is compiled. */
 #include "base/shortest.h"
@@ -26,7 +28,7 @@ struct power { /* high 2^64 + low: 10^k scaled to 128 bits, rounded up */
 
 constexpr int LEAST = -292, MOST = 326; /* exponents of ten that doubles need */
 
-/* --- powers of ten ------------------------------------------------------------------------------------------------ */
+/* --- powers of ten ---------------------------------------------------------------------------- */
 
 constexpr int WORDS = 14; /* 896 bits: 5^326 takes 757, and 128 are left of 2^895 / 5^292 */
 
@@ -99,7 +101,7 @@ constexpr std::array<power, MOST - LEAST + 1> make_powers()
 
 constexpr std::array<power, MOST - LEAST + 1> powers = make_powers();
 
-/* --- scaling ------------------------------------------------------------------------------------------------------ */
+/* --- scaling ---------------------------------------------------------------------------------- */
 
 /* floor(log10(2^q)), or of 3/4 2^q; floor(log2(10^k)). Right for all exponents of doubles. */
 constexpr int log10_of_2(int q, bool is_less)
@@ -135,7 +137,7 @@ inline parity find_parity(const power &power, std::uint64_t x, int shift)
     return {bool(high >> (64 - shift) & 1), (high << shift | low >> (64 - shift)) == 0};
 }
 
-/* --- the search --------------------------------------------------------------------------------------------------- */
+/* --- the search ------------------------------------------------------------------------------- */
 
 constexpr std::uint64_t E15 = 1000000000000000, E16 = 10 * E15;
 
@@ -148,7 +150,8 @@ inline std::uint64_t select(bool condition, std::uint64_t yes, std::uint64_t no)
 /* Makes 17 digits of fewer. */
 inline gd::decimal with_zeros(std::uint64_t digits, int exponent)
 {
-    while (digits < E15) digits *= 10, exponent--; /* of the smallest doubles, and of powers of two */
+    /* of the smallest doubles, and of powers of two */
+    while (digits < E15) digits *= 10, exponent--;
     const bool has_16 = digits < E16;
     return {select(has_16, 10 * digits, digits), exponent - has_16 + 17};
 }
@@ -181,7 +184,8 @@ inline gd::decimal search(std::uint64_t c, int q)
     }
     const std::uint32_t distance = rest - length / 2 + 50, hundreds = distance / 100;
     std::uint64_t nearest = 10 * thousands + hundreds;
-    if (is_rare(hundreds * 100 == distance && !is_thousands)) { /* just above the middle of two, in it, or just below */
+    /* just above the middle of two, in it, or just below */
+    if (is_rare(hundreds * 100 == distance && !is_thousands)) {
         const parity middle = find_parity(power, 2 * c, shift);
         const bool is_below = middle.is_odd != bool((distance ^ 50) & 1);
         nearest -= is_below || (middle.is_whole && (nearest & 1));
@@ -195,7 +199,8 @@ inline gd::decimal search_close(int q)
     const int k = log10_of_2(q, true), shift = q + log2_of_10(-k);
     const power &power = powers[-k - LEAST];
     const bool has_whole_end = q == 2 || q == 3, is_tie = q == -77;
-    const std::uint64_t least = ((power.high - (power.high >> 54)) >> (11 - shift)) + !has_whole_end;
+    const std::uint64_t least =
+        ((power.high - (power.high >> 54)) >> (11 - shift)) + !has_whole_end;
     const std::uint64_t most = (power.high + (power.high >> 53)) >> (11 - shift);
     const std::uint64_t nearest = ((power.high >> (10 - shift)) + 1) / 2, tens = most / 10 * 10;
     if (tens >= least) return with_zeros(tens, k);
@@ -212,16 +217,18 @@ gd::decimal gd::shortest(double value)
     const std::uint64_t fraction = bits & ((std::uint64_t(1) << 52) - 1);
     const int biased = int(bits >> 52);
     if (is_rare(!biased)) return search(fraction, -1074);
-    return is_rare(!fraction && biased > 1) ? search_close(biased - 1075)
-                                            : search(fraction | std::uint64_t(1) << 52, biased - 1075);
+    return is_rare(!fraction && biased > 1)
+               ? search_close(biased - 1075)
+               : search(fraction | std::uint64_t(1) << 52, biased - 1075);
 }
 
-/* --- scales for lanes --------------------------------------------------------------------------------------------- */
+/* --- scales for lanes ------------------------------------------------------------------------- */
 
 namespace
 {
 
-/* Of the unit 10^k, the least power of ten above 2^q: 2^(q + 119) / 10^k, which is a power shifted. */
+/* Of the unit 10^k, the least power of ten above 2^q: 2^(q + 119) / 10^k, which is a power shifted.
+ */
 constexpr gd__decimal_scale make_scale(int q)
 {
     const int k = log10_of_2(q, false) + 1;
@@ -234,7 +241,8 @@ constexpr struct gd__decimal_scales make_scales()
 {
     struct gd__decimal_scales made {
     };
-    for (int i = 0; i < GD__DECIMAL_SCALES; i++) made.of[i] = make_scale(GD__DECIMAL_EXPONENT + i - 1075);
+    for (int i = 0; i < GD__DECIMAL_SCALES; i++)
+        made.of[i] = make_scale(GD__DECIMAL_EXPONENT + i - 1075);
     return made;
 }
 

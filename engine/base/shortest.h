@@ -1,5 +1,5 @@
-/* Shortest: the shortest decimal that reads back as the same double; of several as short, the nearest to it; of two as near, the one
- * whose last digit is even. */
+/* Shortest: the shortest decimal that reads back as the same double; of several as short, the
+ * nearest to it; of two as near, the one whose last digit is even. */
 #ifndef GD_BASE_SHORTEST_H
 #define GD_BASE_SHORTEST_H
 
@@ -10,7 +10,8 @@ namespace gd
 
 /* 0.DIGITS x 10^point. */
 struct decimal {
-    std::uint64_t digits; /* 17 of them, the first one not 0; zeros behind the last one that counts */
+    /* 17 of them, the first one not 0; zeros behind the last one that counts */
+    std::uint64_t digits;
     int point;
 };
 

@@ -6,8 +6,8 @@
 const char *gd_status_name(enum gd_status status)
 {
     switch (status) {
-#define GD_STATUS_NAME(number, NAME, name, sentence)                                                                   \
-    case GD_##NAME:                                                                                                    \
+#define GD_STATUS_NAME(number, NAME, name, sentence)                                               \
+    case GD_##NAME:                                                                                \
         return #name;
         GD_STATUS_MAP(GD_STATUS_NAME)
 #undef GD_STATUS_NAME
@@ -18,8 +18,8 @@ const char *gd_status_name(enum gd_status status)
 const char *gd_status_sentence(enum gd_status status)
 {
     switch (status) {
-#define GD_STATUS_SENTENCE(number, NAME, name, sentence)                                                               \
-    case GD_##NAME:                                                                                                    \
+#define GD_STATUS_SENTENCE(number, NAME, name, sentence)                                           \
+    case GD_##NAME:                                                                                \
         return sentence;
         GD_STATUS_MAP(GD_STATUS_SENTENCE)
 #undef GD_STATUS_SENTENCE

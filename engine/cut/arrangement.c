@@ -20,7 +20,8 @@ void gd__arrangement_free(struct gd__arrangement *arrangement)
 }
 
 /* Makes room for one more item of `size` bytes. */
-static enum gd_status reserve(struct gd__purse *purse, void **items, uint32_t count, uint32_t *capacity, size_t size)
+static enum gd_status reserve(struct gd__purse *purse, void **items, uint32_t count,
+                              uint32_t *capacity, size_t size)
 {
     if (count < *capacity) return GD_OK;
     uint32_t more = *capacity ? 2 * *capacity : FIRST_CAPACITY;
@@ -33,9 +34,10 @@ static enum gd_status reserve(struct gd__purse *purse, void **items, uint32_t co
     return GD_OK;
 }
 
-/* --- the stack of those that wait --------------------------------------------------------------------------------- */
+/* --- the stack of those that wait ------------------------------------------------------------- */
 
-static enum gd_status push(struct gd__arrangement *arrangement, uint32_t face, uint32_t a, uint32_t b)
+static enum gd_status push(struct gd__arrangement *arrangement, uint32_t face, uint32_t a,
+                           uint32_t b)
 {
     if (a == b) return GD_OK;
     void *items = arrangement->segments;
@@ -43,12 +45,14 @@ static enum gd_status push(struct gd__arrangement *arrangement, uint32_t face, u
                                     &arrangement->segment_capacity, sizeof *arrangement->segments);
     arrangement->segments = items;
     if (status) return status;
-    arrangement->segments[arrangement->segment_count] = (struct gd__segment){a, b, face, arrangement->waiting};
+    arrangement->segments[arrangement->segment_count] =
+        (struct gd__segment){a, b, face, arrangement->waiting};
     arrangement->waiting = arrangement->segment_count++;
     return GD_OK;
 }
 
-static enum gd_status push_through(struct gd__arrangement *arrangement, struct gd__segment segment, uint32_t node)
+static enum gd_status push_through(struct gd__arrangement *arrangement, struct gd__segment segment,
+                                   uint32_t node)
 {
     enum gd_status status = push(arrangement, segment.face, segment.a, node);
     return status ? status : push(arrangement, segment.face, node, segment.b);
@@ -62,7 +66,7 @@ static struct gd__segment take(struct gd__arrangement *arrangement, uint32_t *li
     return segment;
 }
 
-/* --- passing closely ---------------------------------------------------------------------------------------------- */
+/* --- passing closely -------------------------------------------------------------------------- */
 
 /* How far a place is from the inside of the segment a-b; INFINITY: it lies beyond its ends. */
 static double distance_from(struct gd__local a, struct gd__local b, struct gd__local p)
@@ -73,18 +77,20 @@ static double distance_from(struct gd__local a, struct gd__local b, struct gd__l
     return fabs(dx * py - dy * px) / sqrt(squared);
 }
 
-static double distance_of_node(const struct gd__arrangement *arrangement, const struct gd__segment *segment,
-                               uint32_t node)
+static double distance_of_node(const struct gd__arrangement *arrangement,
+                               const struct gd__segment *segment, uint32_t node)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     struct gd__local place[3];
     const uint32_t list[3] = {segment->a, segment->b, node};
     for (int i = 0; i < 3; i++)
-        place[i] = gd__site_local(nodes->mesh, segment->face, gd__node_site(nodes, segment->face, list[i]));
+        place[i] = gd__site_local(nodes->mesh, segment->face,
+                                  gd__node_site(nodes, segment->face, list[i]));
     return distance_from(place[0], place[1], place[2]);
 }
 
-/* The node that the segment passes most closely, by less than half a reach; GD_NONE: it passes none. */
+/* The node that the segment passes most closely, by less than half a reach; GD_NONE: it passes
+ * none. */
 static uint32_t find_passed(struct gd__arrangement *arrangement, const struct gd__segment *segment)
 {
     struct gd__nodes *nodes = &arrangement->nodes;
@@ -103,7 +109,8 @@ static uint32_t find_passed(struct gd__arrangement *arrangement, const struct gd
 }
 
 /* Sends back the kept segments of a face that a new node lies close to. */
-static enum gd_status revisit_face(struct gd__arrangement *arrangement, uint32_t face, uint32_t node)
+static enum gd_status revisit_face(struct gd__arrangement *arrangement, uint32_t face,
+                                   uint32_t node)
 {
     double reach = gd__nodes_reach(&arrangement->nodes, face) / 2;
     enum gd_status status = GD_OK;
@@ -132,30 +139,37 @@ static enum gd_status revisit(struct gd__arrangement *arrangement, uint32_t node
     return status;
 }
 
-/* --- crossings ---------------------------------------------------------------------------------------------------- */
+/* --- crossings -------------------------------------------------------------------------------- */
 
 /* What points at the kept segment that `segment` crosses; NULL: it crosses none. */
-static uint32_t *find_crossed(struct gd__arrangement *arrangement, const struct gd__segment *segment)
+static uint32_t *find_crossed(struct gd__arrangement *arrangement,
+                              const struct gd__segment *segment)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     uint32_t face = segment->face;
-    struct gd__site a = gd__node_site(nodes, face, segment->a), b = gd__node_site(nodes, face, segment->b);
-    for (uint32_t *link = &arrangement->of_face[face]; *link != GD_NONE; link = &arrangement->segments[*link].next) {
+    struct gd__site a = gd__node_site(nodes, face, segment->a),
+                    b = gd__node_site(nodes, face, segment->b);
+    for (uint32_t *link = &arrangement->of_face[face]; *link != GD_NONE;
+         link = &arrangement->segments[*link].next) {
         const struct gd__segment *kept = &arrangement->segments[*link];
-        if (gd__sites_cross(a, b, gd__node_site(nodes, face, kept->a), gd__node_site(nodes, face, kept->b)))
+        if (gd__sites_cross(a, b, gd__node_site(nodes, face, kept->a),
+                            gd__node_site(nodes, face, kept->b)))
             return link;
     }
     return NULL;
 }
 
 /* The node where two segments that cross do so. */
-static enum gd_status node_of_crossing(struct gd__arrangement *arrangement, const struct gd__segment *segment,
+static enum gd_status node_of_crossing(struct gd__arrangement *arrangement,
+                                       const struct gd__segment *segment,
                                        const struct gd__segment *other, uint32_t *out)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     uint32_t face = segment->face;
-    struct gd__site a = gd__node_site(nodes, face, segment->a), b = gd__node_site(nodes, face, segment->b),
-                    c = gd__node_site(nodes, face, other->a), d = gd__node_site(nodes, face, other->b);
+    struct gd__site a = gd__node_site(nodes, face, segment->a),
+                    b = gd__node_site(nodes, face, segment->b),
+                    c = gd__node_site(nodes, face, other->a),
+                    d = gd__node_site(nodes, face, other->b);
     double before = (double)gd__site_area(c, d, a), behind = (double)gd__site_area(c, d, b);
     double t = before / (before - behind);
     double u = gd__from_lattice(a.u) + t * gd__from_lattice(b.u - a.u),
@@ -165,7 +179,8 @@ static enum gd_status node_of_crossing(struct gd__arrangement *arrangement, cons
     return status || nodes->count == known ? status : revisit(arrangement, *out);
 }
 
-static enum gd_status split(struct gd__arrangement *arrangement, struct gd__segment segment, uint32_t *link)
+static enum gd_status split(struct gd__arrangement *arrangement, struct gd__segment segment,
+                            uint32_t *link)
 {
     struct gd__segment other = take(arrangement, link);
     uint32_t node = GD_NONE;
@@ -174,9 +189,10 @@ static enum gd_status split(struct gd__arrangement *arrangement, struct gd__segm
     return status ? status : push_through(arrangement, segment, node);
 }
 
-/* --- settling ----------------------------------------------------------------------------------------------------- */
+/* --- settling --------------------------------------------------------------------------------- */
 
-static enum gd_status add_run(struct gd__arrangement *arrangement, const struct gd__segment *segment, uint32_t sides)
+static enum gd_status add_run(struct gd__arrangement *arrangement,
+                              const struct gd__segment *segment, uint32_t sides)
 {
     uint32_t k = sides & 1 ? 0 : sides & 2 ? 1 : 2;
     void *items = arrangement->runs;
@@ -191,9 +207,11 @@ static enum gd_status add_run(struct gd__arrangement *arrangement, const struct 
 
 static bool is_kept(const struct gd__arrangement *arrangement, const struct gd__segment *segment)
 {
-    for (uint32_t i = arrangement->of_face[segment->face]; i != GD_NONE; i = arrangement->segments[i].next) {
+    for (uint32_t i = arrangement->of_face[segment->face]; i != GD_NONE;
+         i = arrangement->segments[i].next) {
         const struct gd__segment *kept = &arrangement->segments[i];
-        if ((kept->a == segment->a && kept->b == segment->b) || (kept->a == segment->b && kept->b == segment->a))
+        if ((kept->a == segment->a && kept->b == segment->b) ||
+            (kept->a == segment->b && kept->b == segment->a))
             return true;
     }
     return false;
@@ -206,7 +224,8 @@ static enum gd_status settle(struct gd__arrangement *arrangement)
     uint32_t top = arrangement->waiting;
     struct gd__segment segment = arrangement->segments[top];
     arrangement->waiting = segment.next;
-    uint32_t sides = gd__node_sides(nodes, segment.face, segment.a) & gd__node_sides(nodes, segment.face, segment.b);
+    uint32_t sides = gd__node_sides(nodes, segment.face, segment.a) &
+                     gd__node_sides(nodes, segment.face, segment.b);
     if (sides) return add_run(arrangement, &segment, sides);
     if (is_kept(arrangement, &segment)) return GD_OK;
     uint32_t passed = find_passed(arrangement, &segment);
@@ -230,23 +249,25 @@ static enum gd_status settle_all(struct gd__arrangement *arrangement, uint32_t p
     return status;
 }
 
-/* --- from the curve ----------------------------------------------------------------------------------------------- */
+/* --- from the curve --------------------------------------------------------------------------- */
 
-static enum gd_status push_segment(struct gd__arrangement *arrangement, const struct gd_curve *curve, uint32_t i,
+static enum gd_status push_segment(struct gd__arrangement *arrangement,
+                                   const struct gd_curve *curve, uint32_t i,
                                    struct gd_detail *detail)
 {
     uint32_t j = (i + 1) % curve->count, a = GD_NONE, b = GD_NONE;
     const struct gd_point *p = &curve->points[i], *q = &curve->points[j];
     uint32_t face = gd__common_face(arrangement->nodes.mesh, p, q);
     if (face == GD_NONE)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "points %u and %u of the curve do not lie within one face", i, j);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "points %u and %u of the curve do not lie within one face", i, j);
     enum gd_status status = gd__node_of_point(&arrangement->nodes, p, &a);
     if (!status) status = gd__node_of_point(&arrangement->nodes, q, &b);
     return status ? status : push(arrangement, face, a, b);
 }
 
-static enum gd_status prepare(struct gd__arrangement *arrangement, const struct gd_mesh *mesh, double snap,
-                              struct gd__purse *purse)
+static enum gd_status prepare(struct gd__arrangement *arrangement, const struct gd_mesh *mesh,
+                              double snap, struct gd__purse *purse)
 {
     enum gd_status status = gd__nodes_init(&arrangement->nodes, mesh, snap, purse);
     if (!status) status = gd__purse_take(purse, mesh->face_count * sizeof *arrangement->of_face);
@@ -259,12 +280,14 @@ static enum gd_status prepare(struct gd__arrangement *arrangement, const struct 
 }
 
 enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve, double snap,
-                           struct gd__purse *purse, struct gd__arrangement *out, struct gd_detail *detail)
+                           struct gd__purse *purse, struct gd__arrangement *out,
+                           struct gd_detail *detail)
 {
     struct gd__arrangement arrangement = {0};
     enum gd_status status = prepare(&arrangement, mesh, snap, purse);
     uint32_t segments = curve->closed ? curve->count : curve->count - 1;
-    for (uint32_t i = 0; i < segments && !status; i++) status = push_segment(&arrangement, curve, i, detail);
+    for (uint32_t i = 0; i < segments && !status; i++)
+        status = push_segment(&arrangement, curve, i, detail);
     if (!status) status = settle_all(&arrangement, curve->count);
     if (status)
         gd__arrangement_free(&arrangement);

@@ -1,14 +1,13 @@
 /* Arrangement: the curve's segments, split until they meet in nodes only.
  *
- * DESIGN. A segment joins two nodes of one face. Two nodes on one side of it make a run along the edge instead. Each
- * segment that waits is
- *     rerouted   through a node that it passes by less than half a reach (nodes.h): so none is passed closely;
- *     split      at its crossing with a segment that was kept before, which is split too and waits again;
- *     kept       otherwise.
- * A new node sends the kept segments that pass it closely back to wait. Nodes keep a reach from each other: a
- * rerouted segment's parts are shorter than it by a share that is bounded, so that this ends. In faces narrower than
- * the reach it need not: the work is counted and stops. In the end kept segments that share no node are half a reach
- * apart, far more than the rounding of crossings to the lattice. */
+ * DESIGN. A segment joins two nodes of one face. Two nodes on one side of it make a run along the
+ * edge instead. Each segment that waits is rerouted   through a node that it passes by less than
+ * half a reach (nodes.h): so none is passed closely; split      at its crossing with a segment that
+ * was kept before, which is split too and waits again; kept       otherwise. A new node sends the
+ * kept segments that pass it closely back to wait. Nodes keep a reach from each other: a rerouted
+ * segment's parts are shorter than it by a share that is bounded, so that this ends. In faces
+ * narrower than the reach it need not: the work is counted and stops. In the end kept segments that
+ * share no node are half a reach apart, far more than the rounding of crossings to the lattice. */
 #ifndef GD_CUT_ARRANGEMENT_H
 #define GD_CUT_ARRANGEMENT_H
 
@@ -36,12 +35,14 @@ struct gd__arrangement { /* all zero: none */
     uint64_t work;     /* segments that were taken up */
 };
 
-/* The arrangement of a curve. GD_INVALID_ARGUMENT (consecutive points without a common face), GD_RUNAWAY (it did not
- * end: a larger snap may help), GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. On failure nothing
- * is held. */
-GD_MUST_USE enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve, double snap,
-                                       struct gd__purse *purse, struct gd__arrangement *out, struct gd_detail *detail);
-void gd__arrangement_free(struct gd__arrangement *arrangement); /* of one that is all zero: harmless */
+/* The arrangement of a curve. GD_INVALID_ARGUMENT (consecutive points without a common face),
+ * GD_RUNAWAY (it did not end: a larger snap may help), GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. On failure nothing is held. */
+GD_MUST_USE enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                       double snap, struct gd__purse *purse,
+                                       struct gd__arrangement *out, struct gd_detail *detail);
+/* of one that is all zero: harmless */
+void gd__arrangement_free(struct gd__arrangement *arrangement);
 
 /* Has the face nodes or segments of its own, or nodes on its sides? */
 bool gd__is_crossed(const struct gd__arrangement *arrangement, uint32_t face);

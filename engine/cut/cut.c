@@ -24,29 +24,32 @@ static struct gd_control control_of(struct reporting *reporting)
     return own;
 }
 
-/* --- the curve ---------------------------------------------------------------------------------------------------- */
+/* --- the curve -------------------------------------------------------------------------------- */
 
 static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    if (point->kind == GD_POINT_VERTEX) return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
-    return point->kind == GD_POINT_EDGE &&
-           (gd__side_is_boundary(mesh, 2 * point->element) || gd__side_is_boundary(mesh, 2 * point->element + 1));
+    if (point->kind == GD_POINT_VERTEX)
+        return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
+    return point->kind == GD_POINT_EDGE && (gd__side_is_boundary(mesh, 2 * point->element) ||
+                                            gd__side_is_boundary(mesh, 2 * point->element + 1));
 }
 
 /* An open curve ends on the boundary, unless it ends where it begins. */
-static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_curve *curve, struct gd_detail *detail)
+static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                 struct gd_detail *detail)
 {
     const struct gd_point *first = &curve->points[0], *last = &curve->points[curve->count - 1];
     if (curve->closed || (curve->count > 1 && gd_point_equal(first, last))) return GD_OK;
     bool is_first = !is_on_boundary(mesh, first);
     if (!is_first && is_on_boundary(mesh, last)) return GD_OK;
     return gd_fail(detail, GD_INVALID_ARGUMENT,
-                   "an open curve cuts only from boundary to boundary, and its %s point lies on none; close the curve, "
+                   "an open curve cuts only from boundary to boundary, and its %s point lies on "
+                   "none; close the curve, "
                    "or end it on boundary edges",
                    is_first ? "first" : "last");
 }
 
-/* --- attempts ----------------------------------------------------------------------------------------------------- */
+/* --- attempts --------------------------------------------------------------------------------- */
 
 /* From a curve to a refined mesh, by one snap. What refined borrows is in the arrangement. */
 struct attempt {
@@ -64,8 +67,9 @@ static void clear(struct attempt *attempt)
     attempt->flat_face = GD_NONE;
 }
 
-static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh, const struct gd_curve *curve,
-                          double snap, struct gd__purse *purse, struct gd_detail *detail)
+static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
+                          const struct gd_curve *curve, double snap, struct gd__purse *purse,
+                          struct gd_detail *detail)
 {
     clear(attempt);
     purse->held = 0;
@@ -74,27 +78,34 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh, c
     if (!status && attempt->seam.cuts == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the curve cuts nothing: it encloses no area, or runs along the boundary");
-    return status ? status : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->refined, &attempt->flat_face);
+    return status ? status
+                  : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->refined,
+                               &attempt->flat_face);
 }
 
 /* With a larger snap each time, until one does. */
-static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *mesh, const struct gd_curve *curve,
-                                struct gd__purse *purse, struct gd_detail *detail)
+static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *mesh,
+                                const struct gd_curve *curve, struct gd__purse *purse,
+                                struct gd_detail *detail)
 {
     enum gd_status status = GD_RUNAWAY;
-    for (double snap = GD_TOL_SEAM; snap < GD_TOL_SEAM_MOST && status == GD_RUNAWAY; snap *= GD_TOL_SEAM_STEP)
+    for (double snap = GD_TOL_SEAM; snap < GD_TOL_SEAM_MOST && status == GD_RUNAWAY;
+         snap *= GD_TOL_SEAM_STEP)
         status = try(attempt, mesh, curve, snap, purse, detail);
     if (status != GD_RUNAWAY) return status;
     if (attempt->flat_face == GD_NONE)
-        return gd_fail(detail, GD_TOO_LARGE, "the curve crosses itself too often; cut along simpler ones in turn");
+        return gd_fail(detail, GD_TOO_LARGE,
+                       "the curve crosses itself too often; cut along simpler ones in turn");
     return gd_fail(detail, GD_INVALID_ARGUMENT,
-                   "the curve cuts face %u, which is nearly flat, into pieces that are too flat to measure on; lead it "
+                   "the curve cuts face %u, which is nearly flat, into pieces that are too flat to "
+                   "measure on; lead it "
                    "around that face, or upload the mesh with repair=split",
                    mesh->index_of_face[attempt->flat_face]);
 }
 
 enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_request *request,
-                            const struct gd_control *control, struct gd_cut *out, struct gd_detail *detail)
+                            const struct gd_control *control, struct gd_cut *out,
+                            struct gd_detail *detail)
 {
     struct reporting reporting = {.control = control};
     const struct gd_control own = control_of(&reporting);

@@ -1,9 +1,10 @@
-/* Lattice: places in a face as whole numbers, so that every question of orientation has an exact answer.
+/* Lattice: places in a face as whole numbers, so that every question of orientation has an exact
+ * answer.
  *
- * A site holds the barycentric coordinates of corners 1 and 2 of the face (mesh/topology.h) in parts of 2^-50.
- * Barycentric coordinates are an affine picture of the face: which way three points turn is the same in both. Points
- * of the three sides are on them exactly: on side 1 the numbers sum to GD__LATTICE. Determinants of 51-bit
- * differences fit in 128 bits. */
+ * A site holds the barycentric coordinates of corners 1 and 2 of the face (mesh/topology.h) in
+ * parts of 2^-50. Barycentric coordinates are an affine picture of the face: which way three points
+ * turn is the same in both. Points of the three sides are on them exactly: on side 1 the numbers
+ * sum to GD__LATTICE. Determinants of 51-bit differences fit in 128 bits. */
 #ifndef GD_CUT_LATTICE_H
 #define GD_CUT_LATTICE_H
 
@@ -40,9 +41,11 @@ static inline int gd__site_turn(struct gd__site a, struct gd__site b, struct gd_
 }
 
 /* Segments a-b and c-d cross in one point that is an end of neither. */
-static inline int gd__sites_cross(struct gd__site a, struct gd__site b, struct gd__site c, struct gd__site d)
+static inline int gd__sites_cross(struct gd__site a, struct gd__site b, struct gd__site c,
+                                  struct gd__site d)
 {
-    return gd__site_turn(a, b, c) * gd__site_turn(a, b, d) < 0 && gd__site_turn(c, d, a) * gd__site_turn(c, d, b) < 0;
+    return gd__site_turn(a, b, c) * gd__site_turn(a, b, d) < 0 &&
+           gd__site_turn(c, d, a) * gd__site_turn(c, d, b) < 0;
 }
 
 #endif

@@ -15,9 +15,11 @@ static uint32_t *array_of_none(size_t count)
     return array;
 }
 
-enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh, double snap, struct gd__purse *purse)
+enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh, double snap,
+                              struct gd__purse *purse)
 {
-    enum gd_status status = gd__purse_take(purse, ((size_t)mesh->edge_count + mesh->face_count) * sizeof(uint32_t));
+    enum gd_status status =
+        gd__purse_take(purse, ((size_t)mesh->edge_count + mesh->face_count) * sizeof(uint32_t));
     if (status) return status;
     *nodes = (struct gd__nodes){.mesh = mesh, .purse = purse, .snap = snap};
     nodes->of_edge = array_of_none(mesh->edge_count);
@@ -35,7 +37,7 @@ void gd__nodes_free(struct gd__nodes *nodes)
     *nodes = (struct gd__nodes){0};
 }
 
-/* --- sizes -------------------------------------------------------------------------------------------------------- */
+/* --- sizes ------------------------------------------------------------------------------------ */
 
 double gd__nodes_reach(const struct gd__nodes *nodes, uint32_t face)
 {
@@ -59,13 +61,14 @@ static void note_shift(struct gd__nodes *nodes, double length)
     nodes->shift = fmax(nodes->shift, length);
 }
 
-/* --- adding ------------------------------------------------------------------------------------------------------- */
+/* --- adding ----------------------------------------------------------------------------------- */
 
 static enum gd_status grow(struct gd__nodes *nodes)
 {
     uint32_t capacity = nodes->capacity ? 2 * nodes->capacity : FIRST_CAPACITY;
     if (capacity > MOST_NODES) return GD_TOO_LARGE;
-    enum gd_status status = gd__purse_take(nodes->purse, (capacity - nodes->capacity) * sizeof *nodes->items);
+    enum gd_status status =
+        gd__purse_take(nodes->purse, (capacity - nodes->capacity) * sizeof *nodes->items);
     if (status) return status;
     struct gd__node *items = realloc(nodes->items, capacity * sizeof *items);
     if (!items) return GD_NO_MEMORY;
@@ -75,8 +78,8 @@ static enum gd_status grow(struct gd__nodes *nodes)
 }
 
 /* A new node at the front of the list of its edge or face. */
-static enum gd_status add(struct gd__nodes *nodes, struct gd_point point, struct gd__site site, uint32_t *first,
-                          uint32_t *out)
+static enum gd_status add(struct gd__nodes *nodes, struct gd_point point, struct gd__site site,
+                          uint32_t *first, uint32_t *out)
 {
     enum gd_status status = nodes->count == nodes->capacity ? grow(nodes) : GD_OK;
     if (status) return status;
@@ -120,7 +123,8 @@ static enum gd_status node_on_edge(struct gd__nodes *nodes, uint32_t edge, doubl
 }
 
 /* The side nearest to a place in a face, and how far it is. */
-static uint32_t nearest_side(const struct gd_mesh *mesh, uint32_t face, const double weight[3], double *distance)
+static uint32_t nearest_side(const struct gd_mesh *mesh, uint32_t face, const double weight[3],
+                             double *distance)
 {
     const uint32_t *side = mesh->face_side[face];
     const struct gd_side *s = &mesh->side[side[0]];
@@ -136,8 +140,8 @@ static uint32_t nearest_side(const struct gd_mesh *mesh, uint32_t face, const do
 }
 
 /* Onto a side of the face: the foot of the place there. */
-static enum gd_status node_on_side(struct gd__nodes *nodes, uint32_t face, uint32_t k, struct gd__local place,
-                                   uint32_t *out)
+static enum gd_status node_on_side(struct gd__nodes *nodes, uint32_t face, uint32_t k,
+                                   struct gd__local place, uint32_t *out)
 {
     static const struct gd__site corner[3] = {{0, 0}, {GD__LATTICE, 0}, {0, GD__LATTICE}};
     struct gd__local a = gd__site_local(nodes->mesh, face, corner[k]),
@@ -149,7 +153,8 @@ static enum gd_status node_on_side(struct gd__nodes *nodes, uint32_t face, uint3
     return node_on_edge(nodes, h / 2, h % 2 ? 1 - t : t, out);
 }
 
-static uint32_t find_in_face(struct gd__nodes *nodes, uint32_t face, struct gd__local place, double reach)
+static uint32_t find_in_face(struct gd__nodes *nodes, uint32_t face, struct gd__local place,
+                             double reach)
 {
     uint32_t found = GD_NONE;
     for (uint32_t n = nodes->of_face[face]; n != GD_NONE; n = gd__node(nodes, n)->next) {
@@ -163,7 +168,8 @@ static uint32_t find_in_face(struct gd__nodes *nodes, uint32_t face, struct gd__
     return found;
 }
 
-enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u, double v, uint32_t *out)
+enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u, double v,
+                                uint32_t *out)
 {
     const double weight[3] = {1 - u - v, u, v};
     struct gd__site site = {gd__to_lattice(u), gd__to_lattice(v)};
@@ -180,11 +186,13 @@ enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u
         return GD_OK;
     }
     double w1 = gd__from_lattice(site.u), w2 = gd__from_lattice(site.v);
-    struct gd_point point = {.kind = GD_POINT_FACE, .element = face, .weight = {1 - w1 - w2, w1, w2}};
+    struct gd_point point = {
+        .kind = GD_POINT_FACE, .element = face, .weight = {1 - w1 - w2, w1, w2}};
     return add(nodes, point, site, &nodes->of_face[face], out);
 }
 
-enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point, uint32_t *out)
+enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point,
+                                 uint32_t *out)
 {
     switch (point->kind) {
     case GD_POINT_EDGE:
@@ -198,7 +206,7 @@ enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point 
     return GD_OK;
 }
 
-/* --- places ------------------------------------------------------------------------------------------------------- */
+/* --- places ----------------------------------------------------------------------------------- */
 
 struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node)
 {
@@ -213,21 +221,25 @@ uint32_t gd__node_sides(const struct gd__nodes *nodes, uint32_t face, uint32_t n
     uint32_t sides = 0;
     for (uint32_t k = 0; k < 3 && point.kind != GD_POINT_FACE; k++) {
         uint32_t h = mesh->face_side[face][k];
-        bool is_on = point.kind == GD_POINT_EDGE ? h / 2 == point.element
-                                                 : mesh->origin[h] == node || mesh->origin[h ^ 1] == node;
+        bool is_on = point.kind == GD_POINT_EDGE
+                         ? h / 2 == point.element
+                         : mesh->origin[h] == node || mesh->origin[h ^ 1] == node;
         if (is_on) sides |= 1u << k;
     }
     return sides;
 }
 
-struct gd__site gd__site_of_point(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
+struct gd__site gd__site_of_point(const struct gd_mesh *mesh, uint32_t face,
+                                  const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE)
-        return (struct gd__site){gd__to_lattice(point->weight[1]), gd__to_lattice(point->weight[2])};
+        return (struct gd__site){gd__to_lattice(point->weight[1]),
+                                 gd__to_lattice(point->weight[2])};
     int64_t weight[3] = {0};
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t h = mesh->face_side[face][k];
-        if (point->kind == GD_POINT_VERTEX && mesh->origin[h] == point->element) weight[k] = GD__LATTICE;
+        if (point->kind == GD_POINT_VERTEX && mesh->origin[h] == point->element)
+            weight[k] = GD__LATTICE;
         if (point->kind != GD_POINT_EDGE || h / 2 != point->element) continue;
         int64_t part = gd__to_lattice(point->weight[0]);
         weight[(k + 1) % 3] = h % 2 ? GD__LATTICE - part : part;
@@ -244,7 +256,8 @@ struct gd__site gd__node_site(const struct gd__nodes *nodes, uint32_t face, uint
 
 struct gd__local gd__site_local(const struct gd_mesh *mesh, uint32_t face, struct gd__site site)
 {
-    return gd__side_local(&mesh->side[mesh->face_side[face][0]], gd__from_lattice(site.u), gd__from_lattice(site.v));
+    return gd__side_local(&mesh->side[mesh->face_side[face][0]], gd__from_lattice(site.u),
+                          gd__from_lattice(site.v));
 }
 
 uint32_t gd__nodes_walk(const struct gd__nodes *nodes, uint32_t face, struct gd__node_walk *walk)

@@ -1,8 +1,9 @@
-/* Nodes: the points that a cut runs through. Vertices of the mesh, and new points of edges and faces.
+/* Nodes: the points that a cut runs through. Vertices of the mesh, and new points of edges and
+ * faces.
  *
- * Numbers below the mesh's vertex_count are its vertices; the others are new nodes. What lies closer than `snap`
- * times the longest edge of a face to a vertex, to a side or to another node IS there: so nodes of one edge or
- * inside one face keep that distance. Inside unit. */
+ * Numbers below the mesh's vertex_count are its vertices; the others are new nodes. What lies
+ * closer than `snap` times the longest edge of a face to a vertex, to a side or to another node IS
+ * there: so nodes of one edge or inside one face keep that distance. Inside unit. */
 #ifndef GD_CUT_NODES_H
 #define GD_CUT_NODES_H
 
@@ -26,20 +27,23 @@ struct gd__nodes {
     uint32_t *of_edge, *of_face; /* the first one of each; GD_NONE: there is none */
 };
 
-GD_MUST_USE enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh, double snap,
-                                          struct gd__purse *purse);
+GD_MUST_USE enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh,
+                                          double snap, struct gd__purse *purse);
 void gd__nodes_free(struct gd__nodes *nodes); /* of one that is all zero: harmless */
 
 /* The node where a point is, which may be a new one. GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE. */
-GD_MUST_USE enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point, uint32_t *out);
+GD_MUST_USE enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point,
+                                             uint32_t *out);
 
 /* The same of a place in a face, by the barycentric coordinates of its corners 1 and 2. */
-GD_MUST_USE enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u, double v, uint32_t *out);
+GD_MUST_USE enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u,
+                                            double v, uint32_t *out);
 
 /* A node of a new number; NULL: a vertex. */
 static inline const struct gd__node *gd__node(const struct gd__nodes *nodes, uint32_t node)
 {
-    return node < nodes->mesh->vertex_count ? NULL : &nodes->items[node - nodes->mesh->vertex_count];
+    return node < nodes->mesh->vertex_count ? NULL
+                                            : &nodes->items[node - nodes->mesh->vertex_count];
 }
 
 /* As a point of the mesh. */
@@ -49,7 +53,8 @@ struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node);
 uint32_t gd__node_sides(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
 /* Where a point is in a face that it lies in or on. */
-struct gd__site gd__site_of_point(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point);
+struct gd__site gd__site_of_point(const struct gd_mesh *mesh, uint32_t face,
+                                  const struct gd_point *point);
 struct gd__site gd__node_site(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
 /* A site in the frame of the face's side 0. */

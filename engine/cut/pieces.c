@@ -10,9 +10,10 @@ struct cutting {
     struct gd__purse *purse;
     struct gd_detail *detail;
     struct gd_cut cut;
-    uint32_t *piece;  /* per triangle */
-    uint32_t *number; /* per corner that names a vertex: which one of its piece it is; else GD_NONE */
-    uint32_t wanted;  /* the only piece that is; GD_NONE: all */
+    uint32_t *piece; /* per triangle */
+    /* per corner that names a vertex: which one of its piece it is; else GD_NONE */
+    uint32_t *number;
+    uint32_t wanted; /* the only piece that is; GD_NONE: all */
 };
 
 static void free_piece(struct gd_cut_piece *piece)
@@ -47,7 +48,7 @@ static bool is_wanted(const struct cutting *cutting, uint32_t piece)
     return cutting->wanted == GD_NONE || cutting->wanted == piece;
 }
 
-/* --- regions ------------------------------------------------------------------------------------------------------ */
+/* --- regions ---------------------------------------------------------------------------------- */
 
 static enum gd_status number_regions(struct cutting *cutting)
 {
@@ -58,7 +59,8 @@ static enum gd_status number_regions(struct cutting *cutting)
         cutting->piece[t] = root == t ? cutting->cut.piece_count++ : cutting->piece[root];
     }
     cutting->cut.separates = cutting->cut.piece_count > refined->mesh->summary.components;
-    cutting->cut.pieces = take(cutting, cutting->cut.piece_count, sizeof *cutting->cut.pieces, &status);
+    cutting->cut.pieces =
+        take(cutting, cutting->cut.piece_count, sizeof *cutting->cut.pieces, &status);
     if (status) cutting->cut.piece_count = 0;
     return status;
 }
@@ -77,29 +79,35 @@ static enum gd_status measure(struct cutting *cutting)
     double *lost = calloc(cutting->cut.piece_count, sizeof *lost);
     if (!lost) return GD_NO_MEMORY;
     for (uint32_t t = 0; t < refined->count; t++) {
-        double *area = &cutting->cut.pieces[cutting->piece[t]].area, *rest = &lost[cutting->piece[t]];
-        double term = gd__refined_share(refined, t) * area_of_face(refined->mesh, refined->face[t]) - *rest;
+        double *area = &cutting->cut.pieces[cutting->piece[t]].area,
+               *rest = &lost[cutting->piece[t]];
+        double term =
+            gd__refined_share(refined, t) * area_of_face(refined->mesh, refined->face[t]) - *rest;
         double sum = *area + term;
         *rest = (sum - *area) - term;
         *area = sum;
     }
-    for (uint32_t i = 0; i < cutting->cut.piece_count; i++) cutting->cut.pieces[i].area *= unit * unit;
+    for (uint32_t i = 0; i < cutting->cut.piece_count; i++)
+        cutting->cut.pieces[i].area *= unit * unit;
     free(lost);
     return GD_OK;
 }
 
-/* --- inside ------------------------------------------------------------------------------------------------------- */
+/* --- inside ----------------------------------------------------------------------------------- */
 
 static bool holds(const struct gd__refined *refined, uint32_t triangle, struct gd__site point)
 {
     struct gd__site site[3];
     for (int k = 0; k < 3; k++)
-        site[k] = gd__node_site(refined->nodes, refined->face[triangle], refined->node[triangle][k]);
-    return gd__site_turn(site[0], site[1], point) >= 0 && gd__site_turn(site[1], site[2], point) >= 0 &&
+        site[k] =
+            gd__node_site(refined->nodes, refined->face[triangle], refined->node[triangle][k]);
+    return gd__site_turn(site[0], site[1], point) >= 0 &&
+           gd__site_turn(site[1], site[2], point) >= 0 &&
            gd__site_turn(site[2], site[0], point) >= 0;
 }
 
-/* Looks for the point in a face's triangles. False: they are of other pieces than `*found`, unless that is GD_NONE. */
+/* Looks for the point in a face's triangles. False: they are of other pieces than `*found`, unless
+ * that is GD_NONE. */
 static bool look_in_face(const struct cutting *cutting, uint32_t face, uint32_t *found)
 {
     const struct gd__refined *refined = cutting->refined;
@@ -121,14 +129,17 @@ static enum gd_status find_inside(struct cutting *cutting)
     const struct gd_point *point = cutting->request->inside;
     bool ok = true;
     if (point->kind == GD_POINT_FACE) ok = look_in_face(cutting, point->element, &cutting->wanted);
-    for (uint32_t h = 2 * point->element; point->kind == GD_POINT_EDGE && h < 2 * point->element + 2; h++)
+    for (uint32_t h = 2 * point->element;
+         point->kind == GD_POINT_EDGE && h < 2 * point->element + 2; h++)
         ok = ok && look_in_face(cutting, mesh->side_face[h], &cutting->wanted);
     if (point->kind == GD_POINT_VERTEX)
-        for (uint32_t i = mesh->fan_first[point->element]; i < mesh->fan_first[point->element + 1]; i++)
+        for (uint32_t i = mesh->fan_first[point->element]; i < mesh->fan_first[point->element + 1];
+             i++)
             ok = ok && look_in_face(cutting, mesh->side_face[mesh->fan[i].side], &cutting->wanted);
     if (ok) return cutting->wanted == GD_NONE ? GD_INTERNAL : GD_OK;
-    return gd_fail(cutting->detail, GD_INVALID_ARGUMENT,
-                   "the point inside lies on the curve; choose one that is clearly on one side of it");
+    return gd_fail(
+        cutting->detail, GD_INVALID_ARGUMENT,
+        "the point inside lies on the curve; choose one that is clearly on one side of it");
 }
 
 /* Leaves the wanted piece only. */
@@ -142,17 +153,20 @@ static void leave_wanted(struct cutting *cutting)
     cut->piece_count = 1;
 }
 
-/* --- faces of a selection ----------------------------------------------------------------------------------------- */
+/* --- faces of a selection --------------------------------------------------------------------- */
 
-/* The piece that has most of a face; of equal ones the first. `area` is all zero, per piece, before and after. */
+/* The piece that has most of a face; of equal ones the first. `area` is all zero, per piece, before
+ * and after. */
 static uint32_t owner_of_face(const struct cutting *cutting, uint32_t face, double *area)
 {
     const struct gd__refined *refined = cutting->refined;
-    uint32_t first = refined->of_face[face], end = first + refined->in_face[face], owner = cutting->piece[first];
+    uint32_t first = refined->of_face[face], end = first + refined->in_face[face],
+             owner = cutting->piece[first];
     for (uint32_t t = first; t < end; t++) area[cutting->piece[t]] += gd__refined_share(refined, t);
     for (uint32_t t = first; t < end; t++) {
         uint32_t piece = cutting->piece[t];
-        if (area[piece] > area[owner] || (area[piece] == area[owner] && piece < owner)) owner = piece;
+        if (area[piece] > area[owner] || (area[piece] == area[owner] && piece < owner))
+            owner = piece;
     }
     for (uint32_t t = first; t < end; t++) area[cutting->piece[t]] = 0;
     return owner;
@@ -162,8 +176,8 @@ static enum gd_status select_faces(struct cutting *cutting)
 {
     const struct gd_mesh *mesh = cutting->refined->mesh;
     uint32_t indices = mesh->summary.face_index_count;
-    enum gd_status status =
-        gd__purse_take(cutting->purse, indices * sizeof(uint32_t) + cutting->cut.piece_count * sizeof(double));
+    enum gd_status status = gd__purse_take(
+        cutting->purse, indices * sizeof(uint32_t) + cutting->cut.piece_count * sizeof(double));
     if (status) return status;
     uint32_t *owner = malloc(indices * sizeof *owner);
     double *area = calloc(cutting->cut.piece_count, sizeof *area);
@@ -175,7 +189,8 @@ static enum gd_status select_faces(struct cutting *cutting)
     }
     for (uint32_t p = 0; p < cutting->cut.piece_count && !status; p++) {
         struct gd_cut_piece *piece = &cutting->cut.pieces[p];
-        if (is_wanted(cutting, p)) piece->face_map = take(cutting, piece->face_count, sizeof(uint32_t), &status);
+        if (is_wanted(cutting, p))
+            piece->face_map = take(cutting, piece->face_count, sizeof(uint32_t), &status);
         piece->face_count = 0;
     }
     for (uint32_t i = 0; i < indices && !status; i++) {
@@ -188,7 +203,7 @@ static enum gd_status select_faces(struct cutting *cutting)
     return status;
 }
 
-/* --- meshes ------------------------------------------------------------------------------------------------------- */
+/* --- meshes ----------------------------------------------------------------------------------- */
 
 /* A vertex' place in the order: vertices of the parent by index, then new ones. */
 static uint32_t key_of(const struct gd__refined *refined, uint32_t node)
@@ -198,15 +213,17 @@ static uint32_t key_of(const struct gd__refined *refined, uint32_t node)
                                      : mesh->summary.index_count + (node - mesh->vertex_count);
 }
 
-/* Sorts the corners that name vertices by key: a counting sort. `begin` has a place for each key and one more, all
- * zero; afterwards key k's are sorted[begin[k - 1]] to sorted[begin[k] - 1]. */
-static void sort_vertices(const struct gd__refined *refined, uint32_t keys, uint32_t *begin, uint32_t *sorted)
+/* Sorts the corners that name vertices by key: a counting sort. `begin` has a place for each key
+ * and one more, all zero; afterwards key k's are sorted[begin[k - 1]] to sorted[begin[k] - 1]. */
+static void sort_vertices(const struct gd__refined *refined, uint32_t keys, uint32_t *begin,
+                          uint32_t *sorted)
 {
     for (uint32_t c = 0; c < 3 * refined->count; c++)
         if (refined->vertex[c] == c) begin[key_of(refined, refined->node[c / 3][c % 3]) + 1]++;
     for (uint32_t k = 0; k < keys; k++) begin[k + 1] += begin[k];
     for (uint32_t c = 0; c < 3 * refined->count; c++)
-        if (refined->vertex[c] == c) sorted[begin[key_of(refined, refined->node[c / 3][c % 3])]++] = c;
+        if (refined->vertex[c] == c)
+            sorted[begin[key_of(refined, refined->node[c / 3][c % 3])]++] = c;
 }
 
 static enum gd_status allocate_piece(struct cutting *cutting, struct gd_cut_piece *piece)
@@ -215,8 +232,10 @@ static enum gd_status allocate_piece(struct cutting *cutting, struct gd_cut_piec
     struct gd_polygons *polygons = &piece->polygons;
     polygons->polygon_count = piece->face_count;
     piece->face_map = take(cutting, piece->face_count, sizeof *piece->face_map, &status);
-    polygons->corners = take(cutting, 3 * (size_t)piece->face_count, sizeof *polygons->corners, &status);
-    polygons->positions = take(cutting, polygons->position_count, sizeof *polygons->positions, &status);
+    polygons->corners =
+        take(cutting, 3 * (size_t)piece->face_count, sizeof *polygons->corners, &status);
+    polygons->positions =
+        take(cutting, polygons->position_count, sizeof *polygons->positions, &status);
     piece->vertex_map = take(cutting, polygons->position_count, sizeof *piece->vertex_map, &status);
     return status;
 }
@@ -232,7 +251,8 @@ static void place_vertex(struct cutting *cutting, uint32_t corner)
     piece->polygons.positions[i][0] = position.x;
     piece->polygons.positions[i][1] = position.y;
     piece->polygons.positions[i][2] = position.z;
-    piece->vertex_map[i] = point.kind == GD_POINT_VERTEX ? refined->mesh->index_of_vertex[node] : GD_NONE;
+    piece->vertex_map[i] =
+        point.kind == GD_POINT_VERTEX ? refined->mesh->index_of_vertex[node] : GD_NONE;
 }
 
 static void place_triangle(struct cutting *cutting, uint32_t t)
@@ -241,7 +261,8 @@ static void place_triangle(struct cutting *cutting, uint32_t t)
     struct gd_cut_piece *piece = &cutting->cut.pieces[cutting->piece[t]];
     uint32_t i = piece->face_count++;
     piece->face_map[i] = refined->mesh->index_of_face[refined->face[t]];
-    for (uint32_t k = 0; k < 3; k++) piece->polygons.corners[3 * i + k] = cutting->number[refined->vertex[3 * t + k]];
+    for (uint32_t k = 0; k < 3; k++)
+        piece->polygons.corners[3 * i + k] = cutting->number[refined->vertex[3 * t + k]];
 }
 
 /* Counts what each piece has, takes memory for it, and leaves the counts at zero again. */
@@ -249,10 +270,12 @@ static enum gd_status allocate_pieces(struct cutting *cutting)
 {
     struct gd__refined *refined = cutting->refined;
     enum gd_status status = GD_OK;
-    for (uint32_t t = 0; t < refined->count; t++) cutting->cut.pieces[cutting->piece[t]].face_count++;
+    for (uint32_t t = 0; t < refined->count; t++)
+        cutting->cut.pieces[cutting->piece[t]].face_count++;
     for (uint32_t c = 0; c < 3 * refined->count; c++) {
         refined->vertex[c] = gd__find(refined->vertex, c);
-        if (refined->vertex[c] == c) cutting->cut.pieces[cutting->piece[c / 3]].polygons.position_count++;
+        if (refined->vertex[c] == c)
+            cutting->cut.pieces[cutting->piece[c / 3]].polygons.position_count++;
     }
     for (uint32_t p = 0; p < cutting->cut.piece_count && !status; p++)
         if (is_wanted(cutting, p)) status = allocate_piece(cutting, &cutting->cut.pieces[p]);
@@ -267,7 +290,8 @@ static enum gd_status make_meshes(struct cutting *cutting)
     size_t corners = 3 * (size_t)refined->count,
            keys = refined->mesh->summary.index_count + (size_t)refined->nodes->count;
     enum gd_status status = allocate_pieces(cutting);
-    if (!status) status = gd__purse_take(cutting->purse, (2 * corners + keys + 1) * sizeof(uint32_t));
+    if (!status)
+        status = gd__purse_take(cutting->purse, (2 * corners + keys + 1) * sizeof(uint32_t));
     if (status) return status;
     uint32_t *begin = calloc(keys + 1, sizeof *begin), *sorted = malloc(corners * sizeof *sorted);
     cutting->number = malloc(corners * sizeof *cutting->number);
@@ -285,13 +309,17 @@ static enum gd_status make_meshes(struct cutting *cutting)
     return status;
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 enum gd_status gd__pieces_make(struct gd__refined *refined, const struct gd_cut_request *request,
-                               struct gd__purse *purse, struct gd_cut *out, struct gd_detail *detail)
+                               struct gd__purse *purse, struct gd_cut *out,
+                               struct gd_detail *detail)
 {
-    struct cutting cutting = {
-        .refined = refined, .request = request, .purse = purse, .detail = detail, .wanted = GD_NONE};
+    struct cutting cutting = {.refined = refined,
+                              .request = request,
+                              .purse = purse,
+                              .detail = detail,
+                              .wanted = GD_NONE};
     enum gd_status status = gd__purse_take(purse, refined->count * sizeof *cutting.piece);
     if (status) return status;
     cutting.piece = malloc(refined->count * sizeof *cutting.piece);

@@ -5,9 +5,10 @@
 
 #include "base/tolerance.h"
 
-#define FIRST_CAPACITY   64
-#define MOST_SITES       (UINT32_C(1) << 14)
-#define FLIPS_A_SIDE     16                    /* that a segment crosses, times their number: far more than it takes */
+#define FIRST_CAPACITY 64
+#define MOST_SITES     (UINT32_C(1) << 14)
+/* that a segment crosses, times their number: far more than it takes */
+#define FLIPS_A_SIDE     16
 #define TRIANGLES(count) (2 * (size_t)(count)) /* a bound of what so many sites have */
 
 struct gd__planar_side { /* from corner a to corner b */
@@ -31,7 +32,8 @@ void gd__planar_free(struct gd__planar *planar)
 static size_t bytes_of(uint32_t capacity)
 {
     return capacity * (sizeof(struct gd__site) + sizeof(struct gd__local) + sizeof(uint32_t)) +
-           TRIANGLES(capacity) * (sizeof(struct gd__planar_triangle) + 3 * sizeof(struct gd__planar_side));
+           TRIANGLES(capacity) *
+               (sizeof(struct gd__planar_triangle) + 3 * sizeof(struct gd__planar_side));
 }
 
 static enum gd_status reserve(struct gd__planar *planar, uint32_t capacity)
@@ -47,7 +49,8 @@ static enum gd_status reserve(struct gd__planar *planar, uint32_t capacity)
     planar->triangle_at = malloc(capacity * sizeof *planar->triangle_at);
     planar->triangles = malloc(TRIANGLES(capacity) * sizeof *planar->triangles);
     planar->queue = malloc(3 * TRIANGLES(capacity) * sizeof *planar->queue);
-    bool ok = planar->sites && planar->places && planar->triangle_at && planar->triangles && planar->queue;
+    bool ok = planar->sites && planar->places && planar->triangle_at && planar->triangles &&
+              planar->queue;
     return ok ? GD_OK : GD_NO_MEMORY;
 }
 
@@ -62,7 +65,7 @@ enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t count)
     return status;
 }
 
-/* --- triangles ---------------------------------------------------------------------------------------------------- */
+/* --- triangles -------------------------------------------------------------------------------- */
 
 static int turn(const struct gd__planar *planar, uint32_t a, uint32_t b, uint32_t c)
 {
@@ -103,7 +106,8 @@ static struct border inner(uint32_t across)
 }
 
 /* Makes triangle `t` of three corners and the borders of its sides. */
-static void set(struct gd__planar *planar, uint32_t t, const uint32_t corner[3], const struct border border[3])
+static void set(struct gd__planar *planar, uint32_t t, const uint32_t corner[3],
+                const struct border border[3])
 {
     struct gd__planar_triangle *triangle = &planar->triangles[t];
     for (uint32_t k = 0; k < 3; k++) {
@@ -117,16 +121,18 @@ static void set(struct gd__planar *planar, uint32_t t, const uint32_t corner[3],
 /* A neighbour has `t` across now where it had `old`. */
 static void redirect(struct gd__planar *planar, uint32_t neighbour, uint32_t old, uint32_t t)
 {
-    if (neighbour != GD_NONE) planar->triangles[neighbour].across[side_towards(planar, neighbour, old)] = t;
+    if (neighbour != GD_NONE)
+        planar->triangles[neighbour].across[side_towards(planar, neighbour, old)] = t;
 }
 
-/* --- inserting sites ---------------------------------------------------------------------------------------------- */
+/* --- inserting sites -------------------------------------------------------------------------- */
 
 /* Cuts triangle `t` into three that meet in site `s`, strictly inside. */
 static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
 {
     const struct gd__planar_triangle old = planar->triangles[t];
-    const struct border border[3] = {border_of(planar, t, 0), border_of(planar, t, 1), border_of(planar, t, 2)};
+    const struct border border[3] = {border_of(planar, t, 0), border_of(planar, t, 1),
+                                     border_of(planar, t, 2)};
     uint32_t part[3] = {t, planar->triangle_count, planar->triangle_count + 1};
     planar->triangle_count += 2;
     for (uint32_t k = 0; k < 3; k++) redirect(planar, border[k].across, t, part[k]);
@@ -135,21 +141,25 @@ static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
             (struct border[]){border[k], inner(part[next(k)]), inner(part[before(k)])});
 }
 
-/* Cuts the two triangles at side k of `t` (or the one, on the border of the face) at site `s`, strictly inside that
- * side. */
+/* Cuts the two triangles at side k of `t` (or the one, on the border of the face) at site `s`,
+ * strictly inside that side. */
 static void split_side(struct gd__planar *planar, uint32_t t, uint32_t k, uint32_t s)
 {
     uint32_t a = planar->triangles[t].corner[k], b = planar->triangles[t].corner[next(k)],
              c = planar->triangles[t].corner[before(k)], other = planar->triangles[t].across[k];
     struct border bc = border_of(planar, t, next(k)), ca = border_of(planar, t, before(k));
-    uint32_t new = planar->triangle_count++, other_new = other == GD_NONE ? GD_NONE : planar->triangle_count++;
+    uint32_t new = planar->triangle_count++,
+             other_new = other == GD_NONE ? GD_NONE : planar->triangle_count++;
     bool is_fixed = planar->triangles[t].is_fixed[k];
     if (other != GD_NONE) {
         uint32_t m = side_towards(planar, other, t), d = planar->triangles[other].corner[before(m)];
-        struct border ad = border_of(planar, other, next(m)), db = border_of(planar, other, before(m));
+        struct border ad = border_of(planar, other, next(m)),
+                      db = border_of(planar, other, before(m));
         redirect(planar, db.across, other, other_new);
-        set(planar, other, (uint32_t[]){s, a, d}, (struct border[]){{t, is_fixed}, ad, inner(other_new)});
-        set(planar, other_new, (uint32_t[]){b, s, d}, (struct border[]){{new, is_fixed}, inner(other), db});
+        set(planar, other, (uint32_t[]){s, a, d},
+            (struct border[]){{t, is_fixed}, ad, inner(other_new)});
+        set(planar, other_new, (uint32_t[]){b, s, d},
+            (struct border[]){{new, is_fixed}, inner(other), db});
     }
     redirect(planar, bc.across, t, new);
     set(planar, t, (uint32_t[]){a, s, c}, (struct border[]){{other, is_fixed}, inner(new), ca});
@@ -161,7 +171,8 @@ static enum gd_status insert(struct gd__planar *planar, uint32_t s)
 {
     for (uint32_t t = 0; t < planar->triangle_count; t++) {
         const uint32_t *corner = planar->triangles[t].corner;
-        const int turns[3] = {turn(planar, corner[0], corner[1], s), turn(planar, corner[1], corner[2], s),
+        const int turns[3] = {turn(planar, corner[0], corner[1], s),
+                              turn(planar, corner[1], corner[2], s),
                               turn(planar, corner[2], corner[0], s)};
         if (turns[0] < 0 || turns[1] < 0 || turns[2] < 0) continue;
         uint32_t zeros = !turns[0] + !turns[1] + !turns[2];
@@ -179,7 +190,8 @@ enum gd_status gd__planar_triangulate(struct gd__planar *planar)
 {
     enum gd_status status = GD_OK;
     planar->triangle_count = 1;
-    set(planar, 0, (uint32_t[]){0, 1, 2}, (struct border[]){inner(GD_NONE), inner(GD_NONE), inner(GD_NONE)});
+    set(planar, 0, (uint32_t[]){0, 1, 2},
+        (struct border[]){inner(GD_NONE), inner(GD_NONE), inner(GD_NONE)});
     for (uint32_t s = 3; s < planar->site_count && !status; s++) {
         status = insert(planar, s);
         if (!status) status = gd_control_check(planar->purse->control, 0);
@@ -187,7 +199,7 @@ enum gd_status gd__planar_triangulate(struct gd__planar *planar)
     return status;
 }
 
-/* --- flips -------------------------------------------------------------------------------------------------------- */
+/* --- flips ------------------------------------------------------------------------------------ */
 
 /* The two triangles at a side make a convex quadrilateral, without straight corners. */
 static bool is_convex(const struct gd__planar *planar, struct side side)
@@ -202,22 +214,27 @@ static bool is_convex(const struct gd__planar *planar, struct side side)
 /* Replaces the side a-b of triangles abc and bad by c-d. */
 static void flip(struct gd__planar *planar, struct side side)
 {
-    uint32_t t = side.triangle, other = planar->triangles[t].across[side.k], m = side_towards(planar, other, t);
+    uint32_t t = side.triangle, other = planar->triangles[t].across[side.k],
+             m = side_towards(planar, other, t);
     uint32_t a = planar->triangles[t].corner[side.k], b = planar->triangles[t].corner[next(side.k)],
-             c = planar->triangles[t].corner[before(side.k)], d = planar->triangles[other].corner[before(m)];
-    struct border bc = border_of(planar, t, next(side.k)), ca = border_of(planar, t, before(side.k)),
-                  ad = border_of(planar, other, next(m)), db = border_of(planar, other, before(m));
+             c = planar->triangles[t].corner[before(side.k)],
+             d = planar->triangles[other].corner[before(m)];
+    struct border bc = border_of(planar, t, next(side.k)),
+                  ca = border_of(planar, t, before(side.k)), ad = border_of(planar, other, next(m)),
+                  db = border_of(planar, other, before(m));
     redirect(planar, bc.across, t, other);
     redirect(planar, ad.across, other, t);
     set(planar, t, (uint32_t[]){c, a, d}, (struct border[]){ca, ad, inner(other)});
     set(planar, other, (uint32_t[]){d, b, c}, (struct border[]){db, bc, inner(t)});
 }
 
-/* --- segments ----------------------------------------------------------------------------------------------------- */
+/* --- segments --------------------------------------------------------------------------------- */
 
-/* The triangle around site `a` for which `is_wanted` holds at a's corner, and that corner; false: there is none. */
+/* The triangle around site `a` for which `is_wanted` holds at a's corner, and that corner; false:
+ * there is none. */
 static bool find_around(const struct gd__planar *planar, uint32_t a, uint32_t b,
-                        bool (*is_wanted)(const struct gd__planar *planar, struct side at, uint32_t b),
+                        bool (*is_wanted)(const struct gd__planar *planar, struct side at,
+                                          uint32_t b),
                         struct side *out)
 {
     uint32_t start = planar->triangle_at[a];
@@ -241,7 +258,8 @@ static bool leads_to(const struct gd__planar *planar, struct side at, uint32_t b
     return planar->triangles[at.triangle].corner[next(at.k)] == b;
 }
 
-/* The side that comes to the corner begins in b: on the border of the face only one triangle has it. */
+/* The side that comes to the corner begins in b: on the border of the face only one triangle has
+ * it. */
 static bool comes_from(const struct gd__planar *planar, struct side at, uint32_t b)
 {
     return planar->triangles[at.triangle].corner[before(at.k)] == b;
@@ -268,7 +286,8 @@ static void fix_side(struct gd__planar *planar, struct side side)
     struct gd__planar_triangle *t = &planar->triangles[side.triangle];
     uint32_t other = t->across[side.k];
     t->is_fixed[side.k] = true;
-    if (other != GD_NONE) planar->triangles[other].is_fixed[side_towards(planar, other, side.triangle)] = true;
+    if (other != GD_NONE)
+        planar->triangles[other].is_fixed[side_towards(planar, other, side.triangle)] = true;
 }
 
 /* Queues the sides that a-b crosses, from a on. False: it passes a site or crosses a segment. */
@@ -281,13 +300,16 @@ static bool queue_crossed(struct gd__planar *planar, uint32_t a, uint32_t b, uin
         const struct gd__planar_triangle *triangle = &planar->triangles[t];
         uint32_t other = triangle->across[k];
         if (triangle->is_fixed[k] || other == GD_NONE) return false;
-        planar->queue[(*count)++] = (struct gd__planar_side){triangle->corner[k], triangle->corner[next(k)]};
-        uint32_t m = side_towards(planar, other, t), apex = planar->triangles[other].corner[before(m)];
+        planar->queue[(*count)++] =
+            (struct gd__planar_side){triangle->corner[k], triangle->corner[next(k)]};
+        uint32_t m = side_towards(planar, other, t),
+                 apex = planar->triangles[other].corner[before(m)];
         if (apex == b) return true;
         int side = turn(planar, a, b, apex);
         if (side == 0) return false;
         t = other;
-        k = side > 0 ? next(m) : before(m); /* the apex at the left: on across the side at the right of it */
+        /* the apex at the left: on across the side at the right of it */
+        k = side > 0 ? next(m) : before(m);
     }
 }
 
@@ -297,8 +319,8 @@ static bool crosses(const struct gd__planar *planar, uint32_t a, uint32_t b, uin
     return gd__sites_cross(s[a], s[b], s[c], s[d]);
 }
 
-/* Flips a side that a-b crosses, if it can be; `*crossed` is the one that is in its place then. True: that one does
- * not cross. */
+/* Flips a side that a-b crosses, if it can be; `*crossed` is the one that is in its place then.
+ * True: that one does not cross. */
 static bool flip_away(struct gd__planar *planar, uint32_t a, uint32_t b, struct side side,
                       struct gd__planar_side *crossed)
 {
@@ -309,8 +331,10 @@ static bool flip_away(struct gd__planar *planar, uint32_t a, uint32_t b, struct 
     return !crosses(planar, a, b, crossed->a, crossed->b);
 }
 
-/* Takes the sides of the queue, a ring of `count` places, in turn, and queues again what still crosses a-b. */
-static enum gd_status flip_crossed(struct gd__planar *planar, uint32_t a, uint32_t b, uint32_t count)
+/* Takes the sides of the queue, a ring of `count` places, in turn, and queues again what still
+ * crosses a-b. */
+static enum gd_status flip_crossed(struct gd__planar *planar, uint32_t a, uint32_t b,
+                                   uint32_t count)
 {
     uint64_t most = FLIPS_A_SIDE * (uint64_t)(count + 1) * (count + 1);
     uint32_t head = 0, left = count;
@@ -320,7 +344,8 @@ static enum gd_status flip_crossed(struct gd__planar *planar, uint32_t a, uint32
         if (turns > most || !find_side(planar, crossed.a, crossed.b, &side)) return GD_RUNAWAY;
         head = (head + 1) % count;
         left--;
-        if (!flip_away(planar, a, b, side, &crossed)) planar->queue[(head + left++) % count] = crossed;
+        if (!flip_away(planar, a, b, side, &crossed))
+            planar->queue[(head + left++) % count] = crossed;
     }
     return GD_OK;
 }
@@ -339,9 +364,10 @@ enum gd_status gd__planar_fix(struct gd__planar *planar, uint32_t a, uint32_t b)
     return GD_OK;
 }
 
-/* --- Delaunay ----------------------------------------------------------------------------------------------------- */
+/* --- Delaunay --------------------------------------------------------------------------------- */
 
-/* Sine and cosine of the angle at `apex` from `p` to `q`, times the lengths of both legs, whose product is `legs`. */
+/* Sine and cosine of the angle at `apex` from `p` to `q`, times the lengths of both legs, whose
+ * product is `legs`. */
 struct angle {
     double sine, cosine, legs;
 };
@@ -358,11 +384,14 @@ static bool is_bad(const struct gd__planar *planar, struct side side)
     const struct gd__planar_triangle *t = &planar->triangles[side.triangle];
     uint32_t other = t->across[side.k];
     if (other == GD_NONE || t->is_fixed[side.k]) return false;
-    uint32_t m = side_towards(planar, other, side.triangle), d = planar->triangles[other].corner[before(m)];
+    uint32_t m = side_towards(planar, other, side.triangle),
+             d = planar->triangles[other].corner[before(m)];
     const struct gd__local *place = planar->places;
     struct gd__local a = place[t->corner[side.k]], b = place[t->corner[next(side.k)]];
-    struct angle at_c = angle_at(place[t->corner[before(side.k)]], a, b), at_d = angle_at(place[d], b, a);
-    return at_c.sine * at_d.cosine + at_c.cosine * at_d.sine < -GD_TOL_DELAUNAY * at_c.legs * at_d.legs &&
+    struct angle at_c = angle_at(place[t->corner[before(side.k)]], a, b),
+                 at_d = angle_at(place[d], b, a);
+    return at_c.sine * at_d.cosine + at_c.cosine * at_d.sine <
+               -GD_TOL_DELAUNAY * at_c.legs * at_d.legs &&
            is_convex(planar, side);
 }
 

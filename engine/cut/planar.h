@@ -1,14 +1,16 @@
-/* Planar: the constrained Delaunay triangulation of one face, its sites and the segments between them.
+/* Planar: the constrained Delaunay triangulation of one face, its sites and the segments between
+ * them.
  *
- *     gd__planar_begin(&planar, count): then the caller fills sites and places, first the corners, counter-clockwise
- *     gd__planar_triangulate(&planar): the sites, none of them twice
+ *     gd__planar_begin(&planar, count): then the caller fills sites and places, first the corners,
+ * counter-clockwise gd__planar_triangulate(&planar): the sites, none of them twice
  *     gd__planar_fix(&planar, a, b) for each segment
  *     gd__planar_improve(&planar)
  *
- * DESIGN. Which triangles there are is decided by exact turns of the sites alone, so that every one is
- * counter-clockwise and they tile the face whatever rounding does. The places, in the plane of the face, only choose
- * among the possible flips: they make the least angles as large as can be (Lawson 1977), which keeps triangles from
- * being flat. Segments come in by flips of the edges that they cross (Sloan 1993). */
+ * DESIGN. Which triangles there are is decided by exact turns of the sites alone, so that every one
+ * is counter-clockwise and they tile the face whatever rounding does. The places, in the plane of
+ * the face, only choose among the possible flips: they make the least angles as large as can be
+ * (Lawson 1977), which keeps triangles from being flat. Segments come in by flips of the edges that
+ * they cross (Sloan 1993). */
 #ifndef GD_CUT_PLANAR_H
 #define GD_CUT_PLANAR_H
 
@@ -39,11 +41,12 @@ void gd__planar_free(struct gd__planar *planar);
 /* Room for `count` sites, at least 3 of them. GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t count);
 
-/* A triangulation of the sites. GD_RUNAWAY: one of them lies outside the corners' triangle, or on another;
- * GD_CANCELLED, GD_DEADLINE. Quadratic. */
+/* A triangulation of the sites. GD_RUNAWAY: one of them lies outside the corners' triangle, or on
+ * another; GD_CANCELLED, GD_DEADLINE. Quadratic. */
 GD_MUST_USE enum gd_status gd__planar_triangulate(struct gd__planar *planar);
 
-/* Makes the segment between two sites a side of triangles. GD_RUNAWAY: it passes a site, or crosses another segment. */
+/* Makes the segment between two sites a side of triangles. GD_RUNAWAY: it passes a site, or crosses
+ * another segment. */
 GD_MUST_USE enum gd_status gd__planar_fix(struct gd__planar *planar, uint32_t a, uint32_t b);
 
 /* Flips what is no segment until the triangulation is Delaunay. */

@@ -14,8 +14,9 @@ struct refining {
     const struct gd__seam *seam;
     struct gd__refined refined;
     struct gd__planar planar;
-    uint32_t *site_node;  /* per site of the face at hand: its node */
-    uint32_t *first_side; /* per piece: 3 triangle + side of the first triangle there; GD_NONE: none as yet */
+    uint32_t *site_node; /* per site of the face at hand: its node */
+    /* per piece: 3 triangle + side of the first triangle there; GD_NONE: none as yet */
+    uint32_t *first_side;
     uint32_t site_capacity;
 };
 
@@ -35,11 +36,14 @@ double gd__refined_share(const struct gd__refined *refined, uint32_t triangle)
     uint32_t face = refined->face[triangle];
     if (refined->in_face[face] == 1) return 1;
     struct gd__site site[3];
-    for (int k = 0; k < 3; k++) site[k] = gd__node_site(refined->nodes, face, refined->node[triangle][k]);
-    return (double)gd__site_area(site[0], site[1], site[2]) / ((double)GD__LATTICE * (double)GD__LATTICE);
+    for (int k = 0; k < 3; k++)
+        site[k] = gd__node_site(refined->nodes, face, refined->node[triangle][k]);
+    return (double)gd__site_area(site[0], site[1], site[2]) /
+           ((double)GD__LATTICE * (double)GD__LATTICE);
 }
 
-static void positions_of(const struct gd__refined *refined, uint32_t triangle, struct gd_vec3 corner[3])
+static void positions_of(const struct gd__refined *refined, uint32_t triangle,
+                         struct gd_vec3 corner[3])
 {
     for (int k = 0; k < 3; k++) {
         const struct gd_point point = gd__node_point(refined->nodes, refined->node[triangle][k]);
@@ -47,7 +51,7 @@ static void positions_of(const struct gd__refined *refined, uint32_t triangle, s
     }
 }
 
-/* --- joining ------------------------------------------------------------------------------------------------------ */
+/* --- joining ---------------------------------------------------------------------------------- */
 
 static uint32_t next(uint32_t k)
 {
@@ -62,8 +66,8 @@ static void join(struct gd__refined *refined, uint32_t t, uint32_t k, uint32_t o
     gd__unite(refined->vertex, 3 * t + next(k), 3 * other + m);
 }
 
-/* Side k of triangle t is that piece of an edge: joins it to the triangle that was there before, unless the seam
- * runs between. */
+/* Side k of triangle t is that piece of an edge: joins it to the triangle that was there before,
+ * unless the seam runs between. */
 static void join_at_piece(struct refining *refining, uint32_t t, uint32_t k, uint32_t piece)
 {
     uint32_t first = refining->first_side[piece];
@@ -82,18 +86,20 @@ static uint32_t add(struct gd__refined *refined, uint32_t face, const uint32_t n
     return t;
 }
 
-/* --- whole faces -------------------------------------------------------------------------------------------------- */
+/* --- whole faces ------------------------------------------------------------------------------ */
 
 static void keep_face(struct refining *refining, uint32_t face)
 {
     const struct gd_mesh *mesh = refining->refined.mesh;
     const uint32_t *side = mesh->face_side[face];
-    uint32_t t = add(&refining->refined, face,
-                     (uint32_t[]){mesh->origin[side[0]], mesh->origin[side[1]], mesh->origin[side[2]]});
-    for (uint32_t k = 0; k < 3; k++) join_at_piece(refining, t, k, refining->seam->first[side[k] / 2]);
+    uint32_t t =
+        add(&refining->refined, face,
+            (uint32_t[]){mesh->origin[side[0]], mesh->origin[side[1]], mesh->origin[side[2]]});
+    for (uint32_t k = 0; k < 3; k++)
+        join_at_piece(refining, t, k, refining->seam->first[side[k] / 2]);
 }
 
-/* --- crossed faces ------------------------------------------------------------------------------------------------ */
+/* --- crossed faces ---------------------------------------------------------------------------- */
 
 static enum gd_status reserve_sites(struct refining *refining, uint32_t count)
 {
@@ -138,9 +144,11 @@ static enum gd_status draw_segments(struct refining *refining, uint32_t face)
 {
     const struct gd__segment *segments = refining->arrangement->segments;
     enum gd_status status = GD_OK;
-    for (uint32_t s = refining->arrangement->of_face[face]; s != GD_NONE && !status; s = segments[s].next) {
+    for (uint32_t s = refining->arrangement->of_face[face]; s != GD_NONE && !status;
+         s = segments[s].next) {
         if (!refining->seam->is_cutting[s]) continue;
-        status = gd__planar_fix(&refining->planar, site_of(refining, segments[s].a), site_of(refining, segments[s].b));
+        status = gd__planar_fix(&refining->planar, site_of(refining, segments[s].a),
+                                site_of(refining, segments[s].b));
     }
     return status;
 }
@@ -150,7 +158,8 @@ static bool is_flat(const struct gd__refined *refined, uint32_t t)
     struct gd_vec3 corner[3], edge[3];
     positions_of(refined, t, corner);
     for (int k = 0; k < 3; k++)
-        edge[k] = gd_vec3_scale(gd_vec3_sub(corner[(k + 1) % 3], corner[k]), 1 / refined->mesh->unit);
+        edge[k] =
+            gd_vec3_scale(gd_vec3_sub(corner[(k + 1) % 3], corner[k]), 1 / refined->mesh->unit);
     const struct gd__triangle triangle = gd__triangle_measure(edge[0], edge[1], edge[2]);
     return !(gd__triangle_flatness(&triangle) >= GD_TOL_FLAT);
 }
@@ -160,7 +169,8 @@ static uint32_t piece_of(const struct refining *refining, uint32_t face, uint32_
 {
     const struct gd__refined *refined = &refining->refined;
     uint32_t a = refined->node[t][k], b = refined->node[t][next(k)];
-    uint32_t sides = gd__node_sides(refined->nodes, face, a) & gd__node_sides(refined->nodes, face, b);
+    uint32_t sides =
+        gd__node_sides(refined->nodes, face, a) & gd__node_sides(refined->nodes, face, b);
     uint32_t edge = refined->mesh->face_side[face][sides & 1 ? 0 : sides & 2 ? 1 : 2] / 2;
     return gd__seam_piece(refining->seam, edge, a, b);
 }
@@ -198,7 +208,8 @@ static bool is_whole(const struct gd__planar *planar)
     __int128 area = 0;
     for (uint32_t i = 0; i < planar->triangle_count; i++) {
         const uint32_t *corner = planar->triangles[i].corner;
-        __int128 part = gd__site_area(planar->sites[corner[0]], planar->sites[corner[1]], planar->sites[corner[2]]);
+        __int128 part = gd__site_area(planar->sites[corner[0]], planar->sites[corner[1]],
+                                      planar->sites[corner[2]]);
         if (part <= 0) return false;
         area += part;
     }
@@ -221,7 +232,7 @@ static enum gd_status split_face(struct refining *refining, uint32_t face)
     return has_flat ? GD_RUNAWAY : GD_OK;
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 /* A node of an edge adds a triangle to each of its faces, one inside a face adds two. */
 static size_t triangle_count(const struct gd__nodes *nodes)
@@ -240,8 +251,8 @@ static bool allocate(struct refining *refining, size_t triangles, size_t pieces)
     refined->of_face = malloc(faces * sizeof *refined->of_face);
     refined->in_face = calloc(faces, sizeof *refined->in_face);
     refining->first_side = malloc(pieces * sizeof *refining->first_side);
-    bool ok = refined->node && refined->face && refined->region && refined->vertex && refined->of_face &&
-              refined->in_face && refining->first_side;
+    bool ok = refined->node && refined->face && refined->region && refined->vertex &&
+              refined->of_face && refined->in_face && refining->first_side;
     if (!ok) return false;
     gd__each_alone(refined->region, (uint32_t)triangles);
     gd__each_alone(refined->vertex, (uint32_t)(3 * triangles));
@@ -252,10 +263,12 @@ static bool allocate(struct refining *refining, size_t triangles, size_t pieces)
 static enum gd_status prepare(struct refining *refining)
 {
     const struct gd__nodes *nodes = &refining->arrangement->nodes;
-    size_t triangles = triangle_count(nodes), pieces = (size_t)nodes->mesh->edge_count + nodes->count;
+    size_t triangles = triangle_count(nodes),
+           pieces = (size_t)nodes->mesh->edge_count + nodes->count;
     if (3 * triangles > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status =
-        gd__purse_take(nodes->purse, (8 * triangles + 2 * (size_t)nodes->mesh->face_count + pieces) * sizeof(uint32_t));
+    enum gd_status status = gd__purse_take(
+        nodes->purse,
+        (8 * triangles + 2 * (size_t)nodes->mesh->face_count + pieces) * sizeof(uint32_t));
     if (status) return status;
     return allocate(refining, triangles, pieces) ? GD_OK : GD_NO_MEMORY;
 }

@@ -12,12 +12,13 @@ void gd__seam_free(struct gd__seam *seam)
     *seam = (struct gd__seam){0};
 }
 
-/* --- pieces ------------------------------------------------------------------------------------------------------- */
+/* --- pieces ----------------------------------------------------------------------------------- */
 
 static int by_parameter(const void *a, const void *b, void *user)
 {
     const struct gd__nodes *nodes = user;
-    int64_t p = gd__node(nodes, *(const uint32_t *)a)->site.u, q = gd__node(nodes, *(const uint32_t *)b)->site.u;
+    int64_t p = gd__node(nodes, *(const uint32_t *)a)->site.u,
+            q = gd__node(nodes, *(const uint32_t *)b)->site.u;
     return (p > q) - (p < q);
 }
 
@@ -28,9 +29,11 @@ static void number_pieces(struct gd__seam *seam)
     for (uint32_t e = 0; e < nodes->mesh->edge_count; e++) {
         uint32_t begin = used;
         seam->first[e] = e + begin;
-        for (uint32_t n = nodes->of_edge[e]; n != GD_NONE; n = gd__node(nodes, n)->next) seam->edge_node[used++] = n;
+        for (uint32_t n = nodes->of_edge[e]; n != GD_NONE; n = gd__node(nodes, n)->next)
+            seam->edge_node[used++] = n;
         if (used - begin > 1)
-            qsort_r(seam->edge_node + begin, used - begin, sizeof *seam->edge_node, by_parameter, (void *)nodes);
+            qsort_r(seam->edge_node + begin, used - begin, sizeof *seam->edge_node, by_parameter,
+                    (void *)nodes);
         for (uint32_t i = begin; i < used; i++)
             seam->place[seam->edge_node[i] - nodes->mesh->vertex_count] = 1 + i - begin;
     }
@@ -51,7 +54,7 @@ uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, 
     return seam->first[edge] + (p < q ? p : q);
 }
 
-/* --- what cuts ---------------------------------------------------------------------------------------------------- */
+/* --- what cuts -------------------------------------------------------------------------------- */
 
 static bool is_on_boundary(const struct gd_mesh *mesh, uint32_t edge)
 {
@@ -64,18 +67,21 @@ static void mark(struct gd__seam *seam, const struct gd__arrangement *arrangemen
     for (uint32_t i = 0; i < arrangement->run_count; i++) {
         const struct gd__run *run = &arrangement->runs[i];
         if (is_on_boundary(mesh, run->edge)) continue;
-        uint32_t p = place_on_edge(seam, run->edge, run->a), q = place_on_edge(seam, run->edge, run->b);
-        for (uint32_t k = p < q ? p : q; k < (p < q ? q : p); k++) seam->is_cut[seam->first[run->edge] + k] = 1;
+        uint32_t p = place_on_edge(seam, run->edge, run->a),
+                 q = place_on_edge(seam, run->edge, run->b);
+        for (uint32_t k = p < q ? p : q; k < (p < q ? q : p); k++)
+            seam->is_cut[seam->first[run->edge] + k] = 1;
     }
     for (uint32_t face = 0; face < mesh->face_count; face++)
-        for (uint32_t s = arrangement->of_face[face]; s != GD_NONE; s = arrangement->segments[s].next)
+        for (uint32_t s = arrangement->of_face[face]; s != GD_NONE;
+             s = arrangement->segments[s].next)
             seam->is_cutting[s] = 1;
 }
 
-/* --- dead ends ---------------------------------------------------------------------------------------------------- */
+/* --- dead ends -------------------------------------------------------------------------------- */
 
-/* What meets in a node: how many parts of the seam, and the exclusive or of their numbers, which names the last one
- * that is left. Parts are pieces, then segments. */
+/* What meets in a node: how many parts of the seam, and the exclusive or of their numbers, which
+ * names the last one that is left. Parts are pieces, then segments. */
 struct meeting {
     uint32_t degree, parts;
 };
@@ -93,7 +99,8 @@ struct pruning {
 /* Marks, or takes back, a part. */
 static uint8_t *flag_of(const struct pruning *pruning, uint32_t part)
 {
-    return part < pruning->pieces ? &pruning->seam->is_cut[part] : &pruning->seam->is_cutting[part - pruning->pieces];
+    return part < pruning->pieces ? &pruning->seam->is_cut[part]
+                                  : &pruning->seam->is_cutting[part - pruning->pieces];
 }
 
 static void ends_of(const struct pruning *pruning, uint32_t part, uint32_t ends[2])
@@ -108,7 +115,8 @@ static void ends_of(const struct pruning *pruning, uint32_t part, uint32_t ends[
     uint32_t edge = pruning->edge_of_part[part], place = part - seam->first[edge];
     const uint32_t *node = seam->edge_node + (seam->first[edge] - edge);
     ends[0] = place == 0 ? seam->nodes->mesh->origin[2 * edge] : node[place - 1];
-    ends[1] = part + 1 == seam->first[edge + 1] ? seam->nodes->mesh->origin[2 * edge + 1] : node[place];
+    ends[1] =
+        part + 1 == seam->first[edge + 1] ? seam->nodes->mesh->origin[2 * edge + 1] : node[place];
 }
 
 static void meet(struct pruning *pruning)
@@ -116,13 +124,15 @@ static void meet(struct pruning *pruning)
     const struct gd__nodes *nodes = pruning->seam->nodes;
     const struct gd_mesh *mesh = nodes->mesh;
     for (uint32_t e = 0; e < mesh->edge_count; e++) {
-        for (uint32_t p = pruning->seam->first[e]; p < pruning->seam->first[e + 1]; p++) pruning->edge_of_part[p] = e;
+        for (uint32_t p = pruning->seam->first[e]; p < pruning->seam->first[e + 1]; p++)
+            pruning->edge_of_part[p] = e;
         if (!is_on_boundary(mesh, e)) continue;
         for (uint32_t n = nodes->of_edge[e]; n != GD_NONE; n = gd__node(nodes, n)->next)
             pruning->meetings[n].degree = BOUNDARY_DEGREE;
     }
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        if (mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY) pruning->meetings[v].degree = BOUNDARY_DEGREE;
+        if (mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY)
+            pruning->meetings[v].degree = BOUNDARY_DEGREE;
 }
 
 static void change(struct pruning *pruning, uint32_t part, uint32_t by, uint32_t ends[2])
@@ -157,18 +167,19 @@ static void prune(struct pruning *pruning)
     for (uint32_t part = 0; part < parts; part++) seam->cuts += *flag_of(pruning, part);
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static size_t bytes_of(const struct gd__arrangement *arrangement)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     size_t pieces = (size_t)nodes->mesh->edge_count + nodes->count,
            all = (size_t)nodes->mesh->vertex_count + nodes->count;
-    return pieces * (2 * sizeof(uint32_t) + 1) + nodes->count * 2 * sizeof(uint32_t) + all * sizeof(struct meeting) +
-           arrangement->segment_count;
+    return pieces * (2 * sizeof(uint32_t) + 1) + nodes->count * 2 * sizeof(uint32_t) +
+           all * sizeof(struct meeting) + arrangement->segment_count;
 }
 
-static bool allocate(struct gd__seam *seam, struct pruning *pruning, const struct gd__arrangement *arrangement)
+static bool allocate(struct gd__seam *seam, struct pruning *pruning,
+                     const struct gd__arrangement *arrangement)
 {
     uint32_t edges = seam->nodes->mesh->edge_count, count = seam->nodes->count;
     seam->first = malloc((edges + (size_t)1) * sizeof *seam->first);
@@ -176,10 +187,11 @@ static bool allocate(struct gd__seam *seam, struct pruning *pruning, const struc
     seam->place = malloc((count + (size_t)1) * sizeof *seam->place);
     seam->is_cut = calloc((size_t)edges + count, 1);
     seam->is_cutting = calloc(arrangement->segment_count + (size_t)1, 1);
-    pruning->meetings = calloc((size_t)seam->nodes->mesh->vertex_count + count, sizeof *pruning->meetings);
+    pruning->meetings =
+        calloc((size_t)seam->nodes->mesh->vertex_count + count, sizeof *pruning->meetings);
     pruning->edge_of_part = malloc(((size_t)edges + count) * sizeof *pruning->edge_of_part);
-    return seam->first && seam->edge_node && seam->place && seam->is_cut && seam->is_cutting && pruning->meetings &&
-           pruning->edge_of_part;
+    return seam->first && seam->edge_node && seam->place && seam->is_cut && seam->is_cutting &&
+           pruning->meetings && pruning->edge_of_part;
 }
 
 enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct gd__seam *out)

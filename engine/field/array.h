@@ -5,7 +5,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* The array with room for `count` items, moved where it had to be and *capacity raised; NULL without memory, and then it is as it was. */
+/* The array with room for `count` items, moved where it had to be and *capacity raised; NULL
+ * without memory, and then it is as it was. */
 static inline void *gd__array_reserve(void *items, uint32_t *capacity, uint32_t count, size_t size)
 {
     enum { FIRST = 64 };

@@ -4,7 +4,8 @@
 
 #include "field/array.h"
 
-/* All that bounds an arc is a disk or a half-plane, and meets a circle where cos(angle - phi) >= q for some phi and q, a line between two places. */
+/* All that bounds an arc is a disk or a half-plane, and meets a circle where cos(angle - phi) >= q
+ * for some phi and q, a line between two places. */
 
 static double dot(struct gd__local a, struct gd__local b)
 {
@@ -21,7 +22,7 @@ static struct gd__local opposite(struct gd__local v)
     return (struct gd__local){-v.x, -v.y};
 }
 
-/* --- the circle ---------------------------------------------------------------------------------------------------------- */
+/* --- the circle ------------------------------------------------------------------------------- */
 
 static double angle_of(const struct gd__circle *circle, struct gd__local v)
 {
@@ -34,12 +35,15 @@ static double angle_along(const struct gd__circle *line, double way)
     return 2 * atan2(way, line->radius);
 }
 
-static struct gd__circle line_of(const struct gd__source *source, struct gd__local middle, double size, double level)
+static struct gd__circle line_of(const struct gd__source *source, struct gd__local middle,
+                                 double size, double level)
 {
     struct gd__local up = source->gradient;
     double more = level - gd__source_distance(source, middle);
-    return (struct gd__circle){
-        .straight = true, .centre = {middle.x + more * up.x, middle.y + more * up.y}, .radius = size, .towards = up};
+    return (struct gd__circle){.straight = true,
+                               .centre = {middle.x + more * up.x, middle.y + more * up.y},
+                               .radius = size,
+                               .towards = up};
 }
 
 struct gd__circle gd__circle_of(const struct gd__sources *sources, uint32_t i, double level)
@@ -50,8 +54,10 @@ struct gd__circle gd__circle_of(const struct gd__sources *sources, uint32_t i, d
                                (corner[0].y + corner[1].y + corner[2].y) / 3};
     if (source->linear) return line_of(source, middle, sources->frame.size, level);
     double zero = atan2(middle.y - source->at.y, middle.x - source->at.x);
-    return (struct gd__circle){
-        .centre = source->at, .radius = level - source->sigma, .zero = zero, .towards = {cos(zero), sin(zero)}};
+    return (struct gd__circle){.centre = source->at,
+                               .radius = level - source->sigma,
+                               .zero = zero,
+                               .towards = {cos(zero), sin(zero)}};
 }
 
 struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
@@ -59,21 +65,25 @@ struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
     if (circle->straight) {
         struct gd__local along = gd__circle_along(circle);
         double way = circle->radius * tan(0.5 * angle);
-        return (struct gd__local){circle->centre.x + way * along.x, circle->centre.y + way * along.y};
+        return (struct gd__local){circle->centre.x + way * along.x,
+                                  circle->centre.y + way * along.y};
     }
     double a = circle->zero + angle;
-    return (struct gd__local){circle->centre.x + circle->radius * cos(a), circle->centre.y + circle->radius * sin(a)};
+    return (struct gd__local){circle->centre.x + circle->radius * cos(a),
+                              circle->centre.y + circle->radius * sin(a)};
 }
 
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at)
 {
     struct gd__local v = from_to(circle->centre, at);
-    return circle->straight ? angle_along(circle, dot(gd__circle_along(circle), v)) : angle_of(circle, v);
+    return circle->straight ? angle_along(circle, dot(gd__circle_along(circle), v))
+                            : angle_of(circle, v);
 }
 
-/* --- what bounds its arcs ------------------------------------------------------------------------------------------------ */
+/* --- what bounds its arcs --------------------------------------------------------------------- */
 
-/* Where a line has a height of at least 0, which is `height` at its centre and grows by `slope` along it. */
+/* Where a line has a height of at least 0, which is `height` at its centre and grows by `slope`
+ * along it. */
 static struct gd__turn line_above(const struct gd__circle *line, double height, double slope)
 {
     if (slope == 0) return height >= 0 ? gd__turn_all : (struct gd__turn){0};
@@ -82,56 +92,67 @@ static struct gd__turn line_above(const struct gd__circle *line, double height, 
                      : (struct gd__turn){1, {{.from = -M_PI, .to = bound}}};
 }
 
-/* In a half-plane: on the side of a line to which its unit normal points, the side on which the centre lies that high. */
-static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal, double height)
+/* In a half-plane: on the side of a line to which its unit normal points, the side on which the
+ * centre lies that high. */
+static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal,
+                                     double height)
 {
     if (circle->straight) return line_above(circle, height, dot(normal, gd__circle_along(circle)));
     return gd__turn_around(angle_of(circle, normal), -height / circle->radius);
 }
 
 /* How high the centre lies over a line that passes `through`. */
-static double height_over(const struct gd__circle *circle, struct gd__local normal, struct gd__local through)
+static double height_over(const struct gd__circle *circle, struct gd__local normal,
+                          struct gd__local through)
 {
     return dot(normal, from_to(through, circle->centre));
 }
 
-static bool touches(const struct gd__circle *circle, struct gd__local normal, double height, double slack)
+static bool touches(const struct gd__circle *circle, struct gd__local normal, double height,
+                    double slack)
 {
     if (!circle->straight) return fabs(fabs(height) - circle->radius) <= slack;
     return fabs(height) + fabs(dot(normal, gd__circle_along(circle))) * circle->radius <= slack;
 }
 
-/* On the other side of a line. A circle that touches it up to `slack` stays on its centre's side, a line that lies in it on its source's. */
-static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal, struct gd__local through,
-                                   double slack)
+/* On the other side of a line. A circle that touches it up to `slack` stays on its centre's side, a
+ * line that lies in it on its source's. */
+static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal,
+                                   struct gd__local through, double slack)
 {
     double height = height_over(circle, normal, through);
-    if (!touches(circle, normal, height, slack)) return in_half_plane(circle, opposite(normal), -height);
+    if (!touches(circle, normal, height, slack))
+        return in_half_plane(circle, opposite(normal), -height);
     bool stays = circle->straight ? dot(normal, circle->towards) < 0 : height > 0;
     return stays ? (struct gd__turn){0} : gd__turn_all;
 }
 
-static struct gd__turn line_in_disk(const struct gd__circle *line, struct gd__local centre, double radius)
+static struct gd__turn line_in_disk(const struct gd__circle *line, struct gd__local centre,
+                                    double radius)
 {
     struct gd__local v = from_to(line->centre, centre);
     double along = dot(v, gd__circle_along(line)), away = fabs(dot(v, line->towards));
     if (!(radius > away)) return (struct gd__turn){0};
     double half = sqrt((radius - away) * (radius + away));
-    return (struct gd__turn){1, {{.from = angle_along(line, along - half), .to = angle_along(line, along + half)}}};
+    return (struct gd__turn){
+        1, {{.from = angle_along(line, along - half), .to = angle_along(line, along + half)}}};
 }
 
-static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local centre, double radius)
+static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local centre,
+                               double radius)
 {
     if (circle->straight) return line_in_disk(circle, centre, radius);
     struct gd__local v = from_to(circle->centre, centre);
     double apart = sqrt(dot(v, v)), excess = (circle->radius - radius) * (circle->radius + radius);
     if (radius <= 0) return (struct gd__turn){0};
     if (apart == 0) return excess <= 0 ? gd__turn_all : (struct gd__turn){0};
-    return gd__turn_around(angle_of(circle, v), (apart * apart + excess) / (2 * apart * circle->radius));
+    return gd__turn_around(angle_of(circle, v),
+                           (apart * apart + excess) / (2 * apart * circle->radius));
 }
 
 /* Where a linear source gives no more than a level, and no less than it can. */
-static struct gd__turn in_band(const struct gd__circle *circle, const struct gd__source *source, double level)
+static struct gd__turn in_band(const struct gd__circle *circle, const struct gd__source *source,
+                               double level)
 {
     double distance = gd__source_distance(source, circle->centre);
     struct gd__turn above = in_half_plane(circle, source->gradient, distance - source->nearest),
@@ -140,19 +161,22 @@ static struct gd__turn in_band(const struct gd__circle *circle, const struct gd_
 }
 
 /* Where a source gives no more than a level. */
-static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source, double level)
+static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source,
+                               double level)
 {
-    struct gd__turn parts =
-        source->linear ? in_band(circle, source, level) : in_disk(circle, source->at, level - source->sigma);
+    struct gd__turn parts = source->linear ? in_band(circle, source, level)
+                                           : in_disk(circle, source->at, level - source->sigma);
     if (!source->has_sector || !parts.count) return parts;
-    struct gd__turn right_of = in_half_plane(circle, source->left, height_over(circle, source->left, source->left_at));
+    struct gd__turn right_of =
+        in_half_plane(circle, source->left, height_over(circle, source->left, source->left_at));
     parts = gd__turn_both(&parts, &right_of);
     struct gd__turn left_of =
         in_half_plane(circle, source->right, height_over(circle, source->right, source->right_at));
     return gd__turn_both(&parts, &left_of);
 }
 
-static enum gd_status cover_outside_face(const struct gd__circle *circle, const struct gd__frame *frame, double slack,
+static enum gd_status cover_outside_face(const struct gd__circle *circle,
+                                         const struct gd__frame *frame, double slack,
                                          struct gd__spans *covered)
 {
     enum gd_status status = GD_OK;
@@ -164,7 +188,8 @@ static enum gd_status cover_outside_face(const struct gd__circle *circle, const 
     return status;
 }
 
-static enum gd_status cover_outside_sector(const struct gd__circle *circle, const struct gd__source *source,
+static enum gd_status cover_outside_sector(const struct gd__circle *circle,
+                                           const struct gd__source *source,
                                            struct gd__spans *covered)
 {
     if (!source->has_sector) return GD_OK;
@@ -183,7 +208,8 @@ struct probe {
 static struct probe probe_of(const struct gd__circle *circle, const struct gd__span *span)
 {
     if (circle->straight) {
-        struct gd__local a = gd__circle_place(circle, span->from), b = gd__circle_place(circle, span->to);
+        struct gd__local a = gd__circle_place(circle, span->from),
+                         b = gd__circle_place(circle, span->to);
         struct gd__local half = {0.5 * (b.x - a.x), 0.5 * (b.y - a.y)};
         return (struct probe){{a.x + half.x, a.y + half.y}, sqrt(dot(half, half))};
     }
@@ -191,18 +217,22 @@ static struct probe probe_of(const struct gd__circle *circle, const struct gd__s
                           0.5 * circle->radius * (span->to - span->from)};
 }
 
-/* Might the source give less than a level at a point of the probe that it sees? Most do not, and need no angles. */
+/* Might the source give less than a level at a point of the probe that it sees? Most do not, and
+ * need no angles. */
 static bool may_cover(const struct gd__source *source, double level, const struct probe *probe)
 {
-    struct gd__local v = from_to(source->left_at, probe->at), u = from_to(source->right_at, probe->at);
+    struct gd__local v = from_to(source->left_at, probe->at),
+                     u = from_to(source->right_at, probe->at);
     double far = level - source->sigma + probe->reach;
     if (source->linear ? gd__source_distance(source, probe->at) - probe->reach >= level
                        : far <= 0 || dot(v, v) >= far * far)
         return false;
-    return !source->has_sector || (dot(source->left, v) >= -probe->reach && dot(source->right, u) >= -probe->reach);
+    return !source->has_sector ||
+           (dot(source->left, v) >= -probe->reach && dot(source->right, u) >= -probe->reach);
 }
 
-/* Do two sources reach the level from opposite sides where they tie? Neither one's place is within the level of the other then. */
+/* Do two sources reach the level from opposite sides where they tie? Neither one's place is within
+ * the level of the other then. */
 static bool face_each_other(const struct gd__source *a, const struct gd__source *b, double level)
 {
     if (a->linear && b->linear) return dot(a->gradient, b->gradient) < 0;
@@ -210,9 +240,10 @@ static bool face_each_other(const struct gd__source *a, const struct gd__source 
            (b->linear || gd__source_distance(a, b->at) >= level);
 }
 
-/* Whether source k counts where it ties with source i. A linear one does, whose line a circle touches where its segment ends, so that they join there
- * and not somewhere close by. Two that face each other touch in a place, or two lines all along a ridge of the level's height: neither covers the
- * other there. Else the source that comes first counts. */
+/* Whether source k counts where it ties with source i. A linear one does, whose line a circle
+ * touches where its segment ends, so that they join there and not somewhere close by. Two that face
+ * each other touch in a place, or two lines all along a ridge of the level's height: neither covers
+ * the other there. Else the source that comes first counts. */
 static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i, double level)
 {
     const struct gd__source *a = &sources->source[k], *b = &sources->source[i];
@@ -221,9 +252,9 @@ static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i,
 }
 
 /* Covers what others see of the span. */
-static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_t i, const struct gd__circle *circle,
-                                      double level, double slack, const struct gd__span *span,
-                                      struct gd__spans *covered)
+static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_t i,
+                                      const struct gd__circle *circle, double level, double slack,
+                                      const struct gd__span *span, struct gd__spans *covered)
 {
     struct probe probe = probe_of(circle, span);
     enum gd_status status = GD_OK;
@@ -237,21 +268,24 @@ static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_
     return status;
 }
 
-/* --- its arcs ------------------------------------------------------------------------------------------------------------ */
+/* --- its arcs --------------------------------------------------------------------------------- */
 
-/* Does the circle enclose the face? Then no point of it is in the face. A line up to `slack` off a side may lie in it. */
-static bool encloses_face(const struct gd__circle *circle, const struct gd__frame *frame, double slack)
+/* Does the circle enclose the face? Then no point of it is in the face. A line up to `slack` off a
+ * side may lie in it. */
+static bool encloses_face(const struct gd__circle *circle, const struct gd__frame *frame,
+                          double slack)
 {
     for (int k = 0; k < 3; k++) {
         struct gd__local v = from_to(circle->centre, frame->corner[k]);
-        if (circle->straight ? dot(v, circle->towards) >= -slack : dot(v, v) >= circle->radius * circle->radius)
+        if (circle->straight ? dot(v, circle->towards) >= -slack
+                             : dot(v, v) >= circle->radius * circle->radius)
             return false;
     }
     return true;
 }
 
-enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i, double level, struct gd__spans *covered,
-                               struct gd__spans *arcs)
+enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i, double level,
+                               struct gd__spans *covered, struct gd__spans *arcs)
 {
     struct gd__circle circle = gd__circle_of(sources, i, level);
     double slack = gd__envelope_slack(level, sources->frame.size), least = slack / circle.radius;

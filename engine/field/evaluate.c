@@ -2,9 +2,11 @@
 
 #include <stdlib.h>
 
-/* Distances of one field at many points. Most of a query is waiting for memory that nobody asked for in time. So the points are taken in the
- * order in which the mesh keeps its faces, where neighbours share what they read, and in blocks: while one block is evaluated, the next
- * ones ask for what they will need, one step after the other, as each step needs what the one before it asked for. */
+/* Distances of one field at many points. Most of a query is waiting for memory that nobody asked
+ * for in time. So the points are taken in the order in which the mesh keeps its faces, where
+ * neighbours share what they read, and in blocks: while one block is evaluated, the next ones ask
+ * for what they will need, one step after the other, as each step needs what the one before it
+ * asked for. */
 
 enum {
     BLOCK = 16,         /* points */
@@ -13,9 +15,10 @@ enum {
     CHECK_INTERVAL = 64 /* blocks */
 };
 
-/* --- the order ----------------------------------------------------------------------------------------------------------- */
+/* --- the order -------------------------------------------------------------------------------- */
 
-/* Where points lie on the surface, as the mesh keeps it: one of so many places. Elements of each kind are numbered along it. */
+/* Where points lie on the surface, as the mesh keeps it: one of so many places. Elements of each
+ * kind are numbered along it. */
 struct places {
     uint32_t count;
     double per_element[3];
@@ -35,9 +38,10 @@ static inline uint32_t place_of(const struct places *places, const struct gd_poi
     return (uint32_t)(point->element * places->per_element[point->kind]);
 }
 
-/* Counting sort: `order` becomes the points' numbers by place, those of one place as they came; `start`: count + 1 of the places. */
-static void sort_points(const struct places *places, const struct gd_point *points, uint32_t count, uint32_t *start,
-                        uint32_t *order)
+/* Counting sort: `order` becomes the points' numbers by place, those of one place as they came;
+ * `start`: count + 1 of the places. */
+static void sort_points(const struct places *places, const struct gd_point *points, uint32_t count,
+                        uint32_t *start, uint32_t *order)
 {
     for (uint32_t i = 0; i <= places->count; i++) start[i] = 0;
     for (uint32_t i = 0; i < count; i++) start[place_of(places, &points[i]) + 1]++;
@@ -45,7 +49,7 @@ static void sort_points(const struct places *places, const struct gd_point *poin
     for (uint32_t i = 0; i < count; i++) order[start[place_of(places, &points[i])]++] = i;
 }
 
-/* --- blocks -------------------------------------------------------------------------------------------------------------- */
+/* --- blocks ----------------------------------------------------------------------------------- */
 
 struct batch {
     const struct gd_field *field;
@@ -65,7 +69,8 @@ struct block {
 
 static void open_block(const struct batch *batch, uint32_t number, struct block *block)
 {
-    uint64_t first = (uint64_t)number * BLOCK, left = first < batch->count ? batch->count - first : 0;
+    uint64_t first = (uint64_t)number * BLOCK,
+             left = first < batch->count ? batch->count - first : 0;
     block->count = left < BLOCK ? (uint32_t)left : BLOCK;
     block->faces = 0;
     for (uint32_t i = 0; i < block->count; i++) {
@@ -75,7 +80,8 @@ static void open_block(const struct batch *batch, uint32_t number, struct block 
     }
 }
 
-/* The face of a point that asks: for an edge's point the first one, for a vertex, whose distance is at hand, GD_NONE. */
+/* The face of a point that asks: for an edge's point the first one, for a vertex, whose distance is
+ * at hand, GD_NONE. */
 static inline uint32_t face_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE) return point->element;
@@ -106,7 +112,8 @@ static void ask_for_sides(const struct gd_field *field, struct block *block)
     }
 }
 
-/* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
+/* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls
+ * out, unless it is inlined first. */
 static inline __attribute__((always_inline)) void ask_for_chunks(const struct gd_field *field,
                                                                  const struct block *block)
 {
@@ -124,12 +131,13 @@ static void evaluate_block(const struct batch *batch, uint32_t number, const str
         struct gd__way way;
         gd__field_way(field, block->point[i], &way);
         batch->distance[(uint64_t)number * BLOCK + i] = way.distance > field->reach ? NAN
-                                                        : way.kind == GD__LEG_NONE  ? INFINITY
-                                                                                    : way.distance * field->mesh->unit;
+                                                        : way.kind == GD__LEG_NONE
+                                                            ? INFINITY
+                                                            : way.distance * field->mesh->unit;
     }
 }
 
-/* --- the batch ----------------------------------------------------------------------------------------------------------- */
+/* --- the batch -------------------------------------------------------------------------------- */
 
 static enum gd_status evaluate(const struct batch *batch, const struct gd_control *control)
 {
@@ -147,8 +155,8 @@ static enum gd_status evaluate(const struct batch *batch, const struct gd_contro
     return status;
 }
 
-enum gd_status gd_field_distances(const struct gd_field *field, const struct gd_point *points, uint32_t count,
-                                  const struct gd_control *control, double *out)
+enum gd_status gd_field_distances(const struct gd_field *field, const struct gd_point *points,
+                                  uint32_t count, const struct gd_control *control, double *out)
 {
     if (!count) return GD_OK;
     struct places places = places_of(field->mesh, count);

@@ -5,9 +5,14 @@
 #include "mesh/segment.h"
 #include "wedge/asking.h"
 
-enum { DIGIT_BITS = 8, DIGIT = 1 << DIGIT_BITS, FEW = 32 /* are sorted in place */, SEEDS_AHEAD = 24 };
+enum {
+    DIGIT_BITS = 8,
+    DIGIT = 1 << DIGIT_BITS,
+    FEW = 32 /* are sorted in place */,
+    SEEDS_AHEAD = 24
+};
 
-/* --- by face --------------------------------------------------------------------------------------------------------------- */
+/* --- by face ---------------------------------------------------------------------------------- */
 
 /* Where a seed is inside of, or GD_NONE twice. False: a segment in no face. */
 static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed, struct gd__home *home)
@@ -37,7 +42,8 @@ static uint32_t find_runs(const struct gd__face_seed *list, uint32_t count, stru
 {
     uint32_t found = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (!found || runs[found - 1].face != list[i].face) runs[found++] = (struct run){list[i].face, i, 0};
+        if (!found || runs[found - 1].face != list[i].face)
+            runs[found++] = (struct run){list[i].face, i, 0};
         runs[found - 1].count++;
     }
     return found;
@@ -64,7 +70,8 @@ static void put_runs(const struct run *runs, uint32_t count, const struct gd__fa
         for (uint32_t i = run->first; i < run->first + run->count; i++) *out++ = list[i];
 }
 
-/* By face; those of one face stay in their order. Runs are sorted instead of seeds, as there are fewer. O(n) a digit. GD_NO_MEMORY. */
+/* By face; those of one face stay in their order. Runs are sorted instead of seeds, as there are
+ * fewer. O(n) a digit. GD_NO_MEMORY. */
 static enum gd_status sort_by_face(struct gd_field *field)
 {
     uint32_t count = field->face_seed_count;
@@ -90,7 +97,7 @@ static enum gd_status sort_by_face(struct gd_field *field)
     return has_room ? GD_OK : GD_NO_MEMORY;
 }
 
-/* --- taking them in ------------------------------------------------------------------------------------------------------ */
+/* --- taking them in --------------------------------------------------------------------------- */
 
 static enum gd_status open_index(struct gd_field *field)
 {
@@ -100,10 +107,12 @@ static enum gd_status open_index(struct gd_field *field)
 
 static void enter(struct gd_field *field, uint32_t face, uint32_t seed)
 {
-    if (face != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
+    if (face != GD_NONE)
+        field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
 }
 
-/* First the one that the seed before was entered in, if it is one of them: seeds of a curve come in runs. */
+/* First the one that the seed before was entered in, if it is one of them: seeds of a curve come in
+ * runs. */
 static void enter_both(struct gd_field *field, const uint32_t face[2], uint32_t seed)
 {
     uint32_t count = field->face_seed_count;
@@ -119,7 +128,8 @@ static bool enter_seed(struct gd_field *field, uint32_t seed)
     struct gd__home home;
     if (!home_of(field->mesh, s, &home)) return false;
     field->has_segments |= s->is_segment;
-    if (s->is_segment && !field->is_image) s->face = home.face; /* images are not written to, and not propagated from */
+    /* images are not written to, and not propagated from */
+    if (s->is_segment && !field->is_image) s->face = home.face;
     enter(field, home.face, seed);
     if (home.edge != GD_NONE) enter_both(field, &field->mesh->side_face[2 * home.edge], seed);
     return true;
@@ -152,7 +162,8 @@ static void copy_seed(struct gd__seed *to, const struct gd_seed *from, double un
 /* Asks for the faces of an edge: those of a curve are nowhere near each other in memory. */
 GD__ASKING ask_for_faces(const struct gd_mesh *mesh, const struct gd_seed *seed)
 {
-    if (seed->point.kind == GD_POINT_EDGE) __builtin_prefetch(&mesh->side_face[2 * seed->point.element]);
+    if (seed->point.kind == GD_POINT_EDGE)
+        __builtin_prefetch(&mesh->side_face[2 * seed->point.element]);
 }
 
 /* Checks, copies and enters each while it is at hand. */
@@ -163,8 +174,8 @@ static enum gd_status take_each(struct gd_field *field, const struct gd_field_re
         const struct gd_seed *seed = &request->seeds[i];
         if (i + SEEDS_AHEAD < request->seed_count) ask_for_faces(field->mesh, seed + SEEDS_AHEAD);
         if (!(seed->offset >= 0 && isfinite(seed->offset)))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: the offset must be a finite number, zero or more",
-                           i);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "source %u: the offset must be a finite number, zero or more", i);
         copy_seed(&field->seeds[i], seed, field->mesh->unit);
         if (!enter_seed(field, i))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -187,7 +198,7 @@ enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_fiel
     return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
 }
 
-/* --- looking them up ----------------------------------------------------------------------------------------------------- */
+/* --- looking them up -------------------------------------------------------------------------- */
 
 const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)
 {

@@ -4,12 +4,14 @@
 #include "field/circle.h"
 #include "wedge/contest.h"
 
-/* The farthest point. The distance has no maximum where it comes from one source only, as it grows away from it. Where it comes from two, inside a
- * face, it has one only if they pull in opposite directions: a point of the way between two points is a saddle of it, and one between a point and a
- * segment is, too; but midway between two parallel segments runs a ridge of one height. It ends where there is a third source, or on the boundary, or it
- * goes on through edges and round. So a maximum is a vertex, a point of a boundary edge between two sources, a point of any edge between two
- * segments, or a point between three sources. Vertices come first; then only faces that may rise above the best so far are searched, and in them
- * only the sources that do. */
+/* The farthest point. The distance has no maximum where it comes from one source only, as it grows
+ * away from it. Where it comes from two, inside a face, it has one only if they pull in opposite
+ * directions: a point of the way between two points is a saddle of it, and one between a point and
+ * a segment is, too; but midway between two parallel segments runs a ridge of one height. It ends
+ * where there is a third source, or on the boundary, or it goes on through edges and round. So a
+ * maximum is a vertex, a point of a boundary edge between two sources, a point of any edge between
+ * two segments, or a point between three sources. Vertices come first; then only faces that may
+ * rise above the best so far are searched, and in them only the sources that do. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
@@ -51,10 +53,12 @@ static void take_farthest_vertex(struct search *search)
     }
 }
 
-/* A place of the face at hand: takes it if its distance, asked for like any other's, is greater than the best. */
+/* A place of the face at hand: takes it if its distance, asked for like any other's, is greater
+ * than the best. */
 static void offer(struct search *search, struct gd__local at)
 {
-    struct gd_point point = gd__frame_point(search->mesh, search->sources.face, &search->sources.frame, at);
+    struct gd_point point =
+        gd__frame_point(search->mesh, search->sources.face, &search->sources.frame, at);
     struct gd__way way;
     gd__field_way(search->field, &point, &way);
     if (way.kind == GD__LEG_NONE || way.distance <= search->best) return;
@@ -62,17 +66,19 @@ static void offer(struct search *search, struct gd__local at)
     search->point = point;
 }
 
-/* --- which faces --------------------------------------------------------------------------------------------------------- */
+/* --- which faces ------------------------------------------------------------------------------ */
 
 /* Every point of a face is within an edge of each corner. */
 static double most_in_face(const struct search *search, uint32_t face)
 {
     const struct gd_mesh *mesh = search->mesh;
     const struct gd_side *s = &mesh->side[mesh->face_side[face][0]];
-    double a = s->length, b = s->right_length, c = s->left_length, reach[3] = {fmax(a, c), fmax(a, b), fmax(b, c)};
+    double a = s->length, b = s->right_length, c = s->left_length,
+           reach[3] = {fmax(a, c), fmax(a, b), fmax(b, c)};
     double most = GD__FAR;
     for (int k = 0; k < 3; k++)
-        most = fmin(most, search->field->distance[mesh->origin[mesh->face_side[face][k]]] + reach[k]);
+        most =
+            fmin(most, search->field->distance[mesh->origin[mesh->face_side[face][k]]] + reach[k]);
     return most;
 }
 
@@ -94,20 +100,24 @@ static enum gd_status find_candidates(struct search *search)
         search->candidate = grown;
         search->candidate[search->candidate_count++] = (struct candidate){most, face};
     }
-    if (search->candidate_count) qsort(search->candidate, search->candidate_count, sizeof *search->candidate, by_most);
+    if (search->candidate_count)
+        qsort(search->candidate, search->candidate_count, sizeof *search->candidate, by_most);
     return GD_OK;
 }
 
-/* --- which sources ------------------------------------------------------------------------------------------------------- */
+/* --- which sources ---------------------------------------------------------------------------- */
 
-/* A source that is nearest to a point beyond the best is so on all of the straight way back: it enters the face beyond the best, or passes it. A seed
- * may be the farthest vertex so far, and a segment's line may enter along an edge that is as far as the best. */
+/* A source that is nearest to a point beyond the best is so on all of the straight way back: it
+ * enters the face beyond the best, or passes it. A seed may be the farthest vertex so far, and a
+ * segment's line may enter along an edge that is as far as the best. */
 static enum gd_status is_rising(struct search *search, uint32_t i, bool *out)
 {
     const struct gd__source *source = &search->sources.source[i];
-    *out = source->farthest >= search->best - gd__envelope_slack(search->best, search->sources.frame.size);
+    *out = source->farthest >=
+           search->best - gd__envelope_slack(search->best, search->sources.frame.size);
     if (*out || source->nearest >= search->best) return GD_OK;
-    enum gd_status status = gd__circle_arcs(&search->sources, i, search->best, &search->covered, &search->spans);
+    enum gd_status status =
+        gd__circle_arcs(&search->sources, i, search->best, &search->covered, &search->spans);
     *out = search->spans.count > 0;
     return status;
 }
@@ -120,8 +130,8 @@ static enum gd_status find_rising(struct search *search, uint32_t face)
         bool rises;
         status = is_rising(search, i, &rises);
         if (status || !rises) continue;
-        uint32_t *grown =
-            gd__array_reserve(search->rising, &search->rising_capacity, search->rising_count + 1, sizeof *grown);
+        uint32_t *grown = gd__array_reserve(search->rising, &search->rising_capacity,
+                                            search->rising_count + 1, sizeof *grown);
         if (!grown) return GD_NO_MEMORY;
         search->rising = grown;
         search->rising[search->rising_count++] = i;
@@ -129,7 +139,7 @@ static enum gd_status find_rising(struct search *search, uint32_t face)
     return status;
 }
 
-/* --- between three ------------------------------------------------------------------------------------------------------- */
+/* --- between three ---------------------------------------------------------------------------- */
 
 static double cross(struct gd__local a, struct gd__local b)
 {
@@ -141,15 +151,16 @@ static double dot(struct gd__local a, struct gd__local b)
     return a.x * b.x + a.y * b.y;
 }
 
-/* A source as a surface in space, where a place of the face's plane has its distance for a height: all below are a plane of points q with
- * normal . q = value. */
+/* A source as a surface in space, where a place of the face's plane has its distance for a height:
+ * all below are a plane of points q with normal . q = value. */
 struct plane {
     struct gd_vec3 normal;
     double value;
 };
 
-/* The places as far from a source as from `first`, a point, which is the origin: |p| = r for it; for another point |p - a| = r - k, and the difference of
- * the squares is a p - k r = (a^2 - k^2) / 2; a linear source's distance is a plane itself. */
+/* The places as far from a source as from `first`, a point, which is the origin: |p| = r for it;
+ * for another point |p - a| = r - k, and the difference of the squares is a p - k r = (a^2 - k^2) /
+ * 2; a linear source's distance is a plane itself. */
 static struct plane plane_between(const struct gd__source *first, const struct gd__source *source)
 {
     if (source->linear)
@@ -161,27 +172,33 @@ static struct plane plane_between(const struct gd__source *first, const struct g
 }
 
 /* The point of three planes; not finite where there is none. */
-static struct gd_vec3 meet_planes(const struct plane *a, const struct plane *b, const struct plane *c)
+static struct gd_vec3 meet_planes(const struct plane *a, const struct plane *b,
+                                  const struct plane *c)
 {
-    struct gd_vec3 bc = gd_vec3_cross(b->normal, c->normal), ca = gd_vec3_cross(c->normal, a->normal),
+    struct gd_vec3 bc = gd_vec3_cross(b->normal, c->normal),
+                   ca = gd_vec3_cross(c->normal, a->normal),
                    ab = gd_vec3_cross(a->normal, b->normal);
-    struct gd_vec3 sum = gd_vec3_along(gd_vec3_along(gd_vec3_scale(bc, a->value), b->value, ca), c->value, ab);
+    struct gd_vec3 sum =
+        gd_vec3_along(gd_vec3_along(gd_vec3_scale(bc, a->value), b->value, ca), c->value, ab);
     return gd_vec3_scale(sum, 1 / gd_vec3_dot(a->normal, bc));
 }
 
-/* How far the square of a vector's height falls short of the square of its way in the plane: 0 on the cone |p| = r. */
+/* How far the square of a vector's height falls short of the square of its way in the plane: 0 on
+ * the cone |p| = r. */
 static double cone_form(struct gd_vec3 a, struct gd_vec3 b)
 {
     return a.x * b.x + a.y * b.y - a.z * b.z;
 }
 
-/* Where the line in which two planes meet passes the cone |p| = |r|: u + t w, a quadratic in t. Returns how many points there are. */
+/* Where the line in which two planes meet passes the cone |p| = |r|: u + t w, a quadratic in t.
+ * Returns how many points there are. */
 static int meet_cone(const struct plane *a, const struct plane *b, struct gd_vec3 point[2])
 {
     struct gd_vec3 w = gd_vec3_cross(a->normal, b->normal);
     struct plane across = {w, 0};
     struct gd_vec3 u = meet_planes(a, b, &across);
-    double q2 = cone_form(w, w), q1 = cone_form(u, w), q0 = cone_form(u, u), discriminant = q1 * q1 - q2 * q0;
+    double q2 = cone_form(w, w), q1 = cone_form(u, w), q0 = cone_form(u, u),
+           discriminant = q1 * q1 - q2 * q0;
     if (!(discriminant >= 0)) return 0;
     double z = -(q1 + copysign(sqrt(discriminant), q1)), root[2] = {q0 / z, z / q2};
     int count = 0;
@@ -190,13 +207,15 @@ static int meet_cone(const struct plane *a, const struct plane *b, struct gd_vec
     return count;
 }
 
-/* Is a distance, counted from the first source's, that of a point at all, and not its image beyond the cone's apex? */
+/* Is a distance, counted from the first source's, that of a point at all, and not its image beyond
+ * the cone's apex? */
 static bool is_distance(const struct gd__source *first, const struct gd__source *source, double r)
 {
     return source->linear || r >= source->sigma - first->sigma;
 }
 
-/* Places as far from a source as from two others; the first is a point, or all are linear. Returns how many there are. */
+/* Places as far from a source as from two others; the first is a point, or all are linear. Returns
+ * how many there are. */
 static int places_between(const struct gd__source *const s[3], struct gd__local place[2])
 {
     struct gd_vec3 point[2];
@@ -235,7 +254,8 @@ static void search_between(struct search *search, uint32_t i, uint32_t k, uint32
     s[point] = &all[i];
     int count = places_between(s, place);
     for (int p = 0; p < count; p++)
-        if (gd__source_distance(s[0], place[p]) > search->best && is_in_face(&search->sources.frame, place[p]))
+        if (gd__source_distance(s[0], place[p]) > search->best &&
+            is_in_face(&search->sources.frame, place[p]))
             offer(search, place[p]);
 }
 
@@ -248,17 +268,22 @@ static void search_inside(struct search *search)
                 search_between(search, rising[i], rising[k], rising[l]);
 }
 
-/* --- along edges --------------------------------------------------------------------------------------------------------- */
+/* --- along edges ------------------------------------------------------------------------------ */
 
-/* A source as a window of side k; whether it lies above or below the side makes no difference along it. */
-static struct gd__window window_of(const struct gd__frame *frame, int k, const struct gd__source *source)
+/* A source as a window of side k; whether it lies above or below the side makes no difference along
+ * it. */
+static struct gd__window window_of(const struct gd__frame *frame, int k,
+                                   const struct gd__source *source)
 {
-    struct gd__local corner = frame->corner[k], from = {source->at.x - corner.x, source->at.y - corner.y},
-                     towards = {-source->gradient.x, -source->gradient.y}, image = source->linear ? towards : from;
+    struct gd__local corner = frame->corner[k],
+                     from = {source->at.x - corner.x, source->at.y - corner.y},
+                     towards = {-source->gradient.x, -source->gradient.y},
+                     image = source->linear ? towards : from;
     return (struct gd__window){.b1 = frame->length[k],
                                .x = dot(frame->along[k], image),
                                .y = fabs(cross(frame->along[k], image)),
-                               .sigma = source->linear ? gd__source_distance(source, corner) : source->sigma,
+                               .sigma = source->linear ? gd__source_distance(source, corner)
+                                                       : source->sigma,
                                .source = source->linear ? GD__SOURCE_LINEAR : 0};
 }
 
@@ -288,7 +313,8 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     enum gd_status status = find_rising(search, face);
     if (status) return status;
     for (int k = 0; k < 3; k++)
-        search_along(search, k, gd__side_is_boundary(search->mesh, search->mesh->face_side[face][k] ^ 1));
+        search_along(search, k,
+                     gd__side_is_boundary(search->mesh, search->mesh->face_side[face][k] ^ 1));
     search_inside(search);
     return GD_OK;
 }
@@ -298,16 +324,18 @@ static bool is_heard_of_all_seeds(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
     for (uint32_t i = 0; i < field->face_seed_count; i++)
-        if (field->distance[mesh->origin[mesh->face_side[field->face_seeds[i].face][0]]] >= GD__FAR) return false;
+        if (field->distance[mesh->origin[mesh->face_side[field->face_seeds[i].face][0]]] >= GD__FAR)
+            return false;
     for (uint32_t i = 0; i < field->seed_count; i++) {
         const struct gd_point *point = &field->seeds[i].point;
-        if (point->kind == GD_POINT_VERTEX && field->distance[point->element] >= GD__FAR) return false;
+        if (point->kind == GD_POINT_VERTEX && field->distance[point->element] >= GD__FAR)
+            return false;
     }
     return true;
 }
 
-/* Does the reach of a partial field hold all that paths lead to? From one corner at least of a face that it holds in part, some of the face may lie
- * beyond. */
+/* Does the reach of a partial field hold all that paths lead to? From one corner at least of a face
+ * that it holds in part, some of the face may lie beyond. */
 static bool is_within_reach(const struct search *search)
 {
     const struct gd_field *field = search->field;
@@ -320,16 +348,18 @@ static bool is_within_reach(const struct search *search)
     return is_heard_of_all_seeds(field);
 }
 
-enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_control *control, struct gd_point *point,
-                                 double *distance)
+enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_control *control,
+                                 struct gd_point *point, double *distance)
 {
     struct search search = {.field = field, .mesh = field->mesh};
     if (!is_within_reach(&search)) return GD_BEYOND_REACH;
     take_farthest_vertex(&search);
     enum gd_status status = gd_control_check(control, 0);
     if (!status) status = find_candidates(&search);
-    for (uint32_t i = 0; i < search.candidate_count && !status && search.candidate[i].most > search.best; i++) {
-        if (i % CHECK_INTERVAL == 0) status = gd_control_check(control, (double)i / search.candidate_count);
+    for (uint32_t i = 0;
+         i < search.candidate_count && !status && search.candidate[i].most > search.best; i++) {
+        if (i % CHECK_INTERVAL == 0)
+            status = gd_control_check(control, (double)i / search.candidate_count);
         if (!status) status = search_face(&search, search.candidate[i].face);
     }
     close_search(&search);

@@ -5,11 +5,13 @@
 #define CHECK_PARTS 8
 #define CHECK_LEAST 30000 /* edges; fewer are checked before a second thread has begun */
 
-/* --- building ------------------------------------------------------------------------------------------------------------ */
+/* --- building --------------------------------------------------------------------------------- */
 
-static enum gd_status check_request(const struct gd_field_request *request, struct gd_detail *detail)
+static enum gd_status check_request(const struct gd_field_request *request,
+                                    struct gd_detail *detail)
 {
-    if (!request->seed_count) return gd_fail(detail, GD_INVALID_ARGUMENT, "a field needs at least one source point");
+    if (!request->seed_count)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a field needs at least one source point");
     if (!(request->radius >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
     return GD_OK;
@@ -29,8 +31,8 @@ struct check {
     bool failed[CHECK_PARTS];
 };
 
-/* The metric's own law on an edge within reach: a neighbour is no farther than the edge between (so no
- * vertex was left out either). */
+/* The metric's own law on an edge within reach: a neighbour is no farther than the edge between (so
+ * no vertex was left out either). */
 static bool breaks_law(const struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -53,13 +55,14 @@ static bool obeys_law(const struct gd_field *field, const struct gd_executor *ex
 {
     struct check check = {.field = field};
     bool failed = false;
-    gd_executor_run(field->mesh->edge_count < CHECK_LEAST ? NULL : executor, check_edges, &check, CHECK_PARTS);
+    gd_executor_run(field->mesh->edge_count < CHECK_LEAST ? NULL : executor, check_edges, &check,
+                    CHECK_PARTS);
     for (int part = 0; part < CHECK_PARTS; part++) failed |= check.failed[part];
     return !failed;
 }
 
-/* Gives the farther end of an edge the way along the edge, which must be no more than rounding to the
- * nearer end's distance. */
+/* Gives the farther end of an edge the way along the edge, which must be no more than rounding to
+ * the nearer end's distance. */
 static bool mend_edge(struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -71,10 +74,10 @@ static bool mend_edge(struct gd_field *field, uint32_t side)
     return true;
 }
 
-/* Where windows tie to the last bit all along, rounding may displace all of them, and vertices keep a
- * distance that is too long, or none. In faces as small as rounding the ways along edges are as good.
- * Elsewhere, as round a very thin tube, there is no answer rather than a wrong one. Distances only
- * fall, so that this ends. */
+/* Where windows tie to the last bit all along, rounding may displace all of them, and vertices keep
+ * a distance that is too long, or none. In faces as small as rounding the ways along edges are as
+ * good. Elsewhere, as round a very thin tube, there is no answer rather than a wrong one. Distances
+ * only fall, so that this ends. */
 static enum gd_status mend_field(struct gd_field *field)
 {
     bool is_mended = true;
@@ -86,15 +89,17 @@ static enum gd_status mend_field(struct gd_field *field)
     return obeys_law(field, NULL) ? GD_OK : GD_INTERNAL;
 }
 
-enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+enum gd_status gd__field_take(void *user, struct gd__wavefront *front,
+                              const struct gd_executor *executor)
 {
     (void)executor;
     struct gd_field *field = user;
-    field->statistics = (struct gd_field_statistics){.windows_created = front->effort.windows_created,
-                                                     .windows_propagated = front->effort.windows_propagated,
-                                                     .wedges = front->wedge_count,
-                                                     .sides_propagated = front->effort.sides_propagated,
-                                                     .vertices_emitted = front->effort.vertices_emitted};
+    field->statistics =
+        (struct gd_field_statistics){.windows_created = front->effort.windows_created,
+                                     .windows_propagated = front->effort.windows_propagated,
+                                     .wedges = front->wedge_count,
+                                     .sides_propagated = front->effort.sides_propagated,
+                                     .vertices_emitted = front->effort.vertices_emitted};
     field->reach = front->bound;
     struct gd_workspace *work = front->work;
     if (front->near) {
@@ -114,8 +119,10 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const str
     return GD_OK;
 }
 
-enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__propagation *propagation,
-                                   const struct gd_control *control, const struct gd_executor *executor)
+enum gd_status gd__field_propagate(struct gd_field *field,
+                                   const struct gd__propagation *propagation,
+                                   const struct gd_control *control,
+                                   const struct gd_executor *executor)
 {
     uint64_t start = gd_now_ns();
     struct gd__sink take = {.take = gd__field_take, .user = field};
@@ -126,8 +133,8 @@ enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__prop
     return status;
 }
 
-/* How a field is built, and how once more where its check fails: what rounding displaces depends on which
- * windows there are. */
+/* How a field is built, and how once more where its check fails: what rounding displaces depends on
+ * which windows there are. */
 struct manner {
     bool without_wedges;
     struct gd__methods methods;
@@ -137,18 +144,20 @@ static enum gd_status propagate(struct gd_field *field, const struct gd_field_re
                                 const struct manner *manner, const struct gd_control *control,
                                 const struct gd_executor *executor)
 {
-    struct gd__propagation propagation = {.seeds = field->seeds,
-                                          .seed_count = field->seed_count,
-                                          .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
-                                          .target = request->target,
-                                          .without_wedges = manner->without_wedges,
-                                          .methods = manner->methods};
+    struct gd__propagation propagation = {
+        .seeds = field->seeds,
+        .seed_count = field->seed_count,
+        .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
+        .target = request->target,
+        .without_wedges = manner->without_wedges,
+        .methods = manner->methods};
     return gd__field_propagate(field, &propagation, control, executor);
 }
 
 static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_request *request,
                             const struct manner *manner, const struct gd_control *control,
-                            const struct gd_executor *executor, struct gd_field **out, struct gd_detail *detail)
+                            const struct gd_executor *executor, struct gd_field **out,
+                            struct gd_detail *detail)
 {
     enum gd_status status = check_request(request, detail);
     if (status) return status;
@@ -166,14 +175,20 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
     return status;
 }
 
-static enum gd_status build_somehow(const struct gd_mesh *mesh, const struct gd_field_request *request,
-                                    bool without_wedges, const struct gd_control *control,
-                                    const struct gd_executor *executor, struct gd_field **out, struct gd_detail *detail)
+static enum gd_status build_somehow(const struct gd_mesh *mesh,
+                                    const struct gd_field_request *request, bool without_wedges,
+                                    const struct gd_control *control,
+                                    const struct gd_executor *executor, struct gd_field **out,
+                                    struct gd_detail *detail)
 {
-    const struct gd__methods methods[] = {
-        {0}, {0}, {.no_coalescing = true}, {.no_cone = true}, {.no_coalescing = true, .no_filter = true}};
+    const struct gd__methods methods[] = {{0},
+                                          {0},
+                                          {.no_coalescing = true},
+                                          {.no_cone = true},
+                                          {.no_coalescing = true, .no_filter = true}};
     enum gd_status status = GD_INTERNAL;
-    for (size_t i = executor ? 0 : 1; i < sizeof methods / sizeof *methods && status == GD_INTERNAL; i++) {
+    for (size_t i = executor ? 0 : 1; i < sizeof methods / sizeof *methods && status == GD_INTERNAL;
+         i++) {
         struct manner manner = {without_wedges, methods[i]};
         status = build(mesh, request, &manner, control, i ? NULL : executor, out, detail);
     }
@@ -187,8 +202,10 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
     return build_somehow(mesh, request, false, control, executor, out, detail);
 }
 
-enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, const struct gd_field_request *request,
-                                       const struct gd_control *control, double *out, struct gd_detail *detail)
+enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
+                                       const struct gd_field_request *request,
+                                       const struct gd_control *control, double *out,
+                                       struct gd_detail *detail)
 {
     struct gd_field *field = NULL;
     enum gd_status status = build_somehow(mesh, request, true, control, NULL, &field, detail);
@@ -198,7 +215,7 @@ enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, const struct 
     return GD_OK;
 }
 
-/* --- life ---------------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 struct gd_field *gd__field_create(const struct gd_mesh *mesh)
 {
@@ -220,7 +237,8 @@ static void free_arrays(struct gd_field *field)
 
 struct gd_field *gd_field_retain(const struct gd_field *field)
 {
-    struct gd_field *shared = (struct gd_field *)field; /* the count is the only part that changes */
+    /* the count is the only part that changes */
+    struct gd_field *shared = (struct gd_field *)field;
     atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
     return shared;
 }
@@ -228,7 +246,8 @@ struct gd_field *gd_field_retain(const struct gd_field *field)
 void gd_field_release(const struct gd_field *field)
 {
     struct gd_field *shared = (struct gd_field *)field;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
+        return;
     gd_mesh_release(shared->mesh);
     if (!shared->is_image && !shared->shown) free_arrays(shared);
     if (shared->release_image) shared->release_image(shared->image_user);
@@ -288,19 +307,21 @@ const struct gd_field_statistics *gd_field_statistics(const struct gd_field *fie
 
 bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out)
 {
-    if (field->seed_count != 1 || field->seeds[0].offset != 0 || field->seeds[0].is_segment) return false;
+    if (field->seed_count != 1 || field->seeds[0].offset != 0 || field->seeds[0].is_segment)
+        return false;
     *out = field->seeds[0].point;
     return true;
 }
 
-/* --- distances ----------------------------------------------------------------------------------------------------------- */
+/* --- distances -------------------------------------------------------------------------------- */
 
 double gd_field_reach(const struct gd_field *field)
 {
     return field->reach < GD__FAR ? field->reach * field->mesh->unit : INFINITY;
 }
 
-enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point, double *out)
+enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point,
+                                 double *out)
 {
     struct gd__way way;
     gd__field_way(field, point, &way);

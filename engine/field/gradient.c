@@ -2,7 +2,8 @@
 #include "field/frame.h"
 #include "mesh/segment.h"
 
-/* The gradient of the distance: the direction of the last leg, from where the leg begins to the point, laid into space with the face. */
+/* The gradient of the distance: the direction of the last leg, from where the leg begins to the
+ * point, laid into space with the face. */
 
 /* A direction in the frame of a side of a face, not of unit length. */
 struct direction {
@@ -18,8 +19,8 @@ static struct gd_vec3 in_space(const struct gd_mesh *mesh, const struct directio
 }
 
 /* Between two points of a face. */
-static struct direction between(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *from,
-                                const struct gd_point *to)
+static struct direction between(const struct gd_mesh *mesh, uint32_t face,
+                                const struct gd_point *from, const struct gd_point *to)
 {
     double a[3], b[3];
     gd__point_weights(mesh, from, face, a);
@@ -30,20 +31,22 @@ static struct direction between(const struct gd_mesh *mesh, uint32_t face, const
 }
 
 /* At right angles to a segment in the face; nowhere on it. */
-static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face, const struct gd__seed *seed,
-                                   const struct gd_point *point)
+static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
+                                   const struct gd__seed *seed, const struct gd_point *point)
 {
     double weight[3];
     uint32_t side = mesh->face_side[face][0];
     struct gd__chord chord = gd__chord(mesh, face, 0, &seed->point, &seed->end);
     gd__point_weights(mesh, point, face, weight);
-    double height = gd__chord_height(&chord, gd__face_local(mesh, side, weight)), left = height > 0 ? 1 : -1;
+    double height = gd__chord_height(&chord, gd__face_local(mesh, side, weight)),
+           left = height > 0 ? 1 : -1;
     if (fabs(height) <= GD_TOL_PLACE * mesh->side[side].length) return (struct direction){0};
     return (struct direction){side, -left * chord.along.y, left * chord.along.x};
 }
 
-/* From the source of a wedge that lies across a side of the leg's face, at (x, -y), or from where the leg bends round the wedge's end. A leg that
- * ends on that side itself has come through the face across. */
+/* From the source of a wedge that lies across a side of the leg's face, at (x, -y), or from where
+ * the leg bends round the wedge's end. A leg that ends on that side itself has come through the
+ * face across. */
 static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
                                       const struct gd_point *point)
 {
@@ -51,12 +54,13 @@ static struct direction through_wedge(const struct gd_mesh *mesh, const struct g
     double weight[3];
     while (mesh->face_side[leg->face][k] != leg->side) k++;
     gd__point_weights(mesh, point, leg->face, weight);
-    struct gd__local at =
-        gd__face_local(mesh, leg->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    struct gd__local at = gd__face_local(
+        mesh, leg->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
     bool linear = gd__source_is_linear(leg->source);
     double dx = linear ? -leg->x : at.x - leg->x, dy = linear ? leg->y : at.y + leg->y;
     double straight = dy > 0 ? at.x - dx * (at.y / dy) : at.x;
-    if (at.y == 0 && !gd__side_is_boundary(mesh, leg->side ^ 1)) return (struct direction){leg->side ^ 1, -dx, -dy};
+    if (at.y == 0 && !gd__side_is_boundary(mesh, leg->side ^ 1))
+        return (struct direction){leg->side ^ 1, -dx, -dy};
     if (fabs(straight - leg->parameter) <= GD_TOL_STRAIGHT * mesh->side[leg->side].length)
         return (struct direction){leg->side, dx, dy};
     return (struct direction){leg->side, at.x - leg->parameter, at.y};
@@ -86,7 +90,8 @@ static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
     const struct gd_side *s = &field->mesh->side[birth.side];
     if (birth.source != GD_NONE && gd__source_is_linear(birth.source))
         return (struct direction){birth.side, -birth.x, birth.y};
-    return (struct direction){birth.side, s->left_length * s->left_x - birth.x, s->left_length * s->left_y + birth.y};
+    return (struct direction){birth.side, s->left_length * s->left_x - birth.x,
+                              s->left_length * s->left_y + birth.y};
 }
 
 static struct direction from_close_seed(const struct gd_field *field, const struct gd__leg *leg,
@@ -99,7 +104,8 @@ static struct direction from_close_seed(const struct gd_field *field, const stru
     return (struct direction){close.side, close.way.x, close.way.y};
 }
 
-static struct direction of_leg(const struct gd_field *field, const struct gd__leg *leg, const struct gd_point *point)
+static struct direction of_leg(const struct gd_field *field, const struct gd__leg *leg,
+                               const struct gd_point *point)
 {
     if (point->kind == GD_POINT_VERTEX) return at_vertex(field, point->element);
     if (leg->kind == GD__LEG_WEDGE) return through_wedge(field->mesh, leg, point);
@@ -110,7 +116,8 @@ static struct direction of_leg(const struct gd_field *field, const struct gd__le
     return between(field->mesh, leg->face, seed ? &seed->point : &corner, point);
 }
 
-enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point, struct gd_vec3 *out)
+enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point,
+                                 struct gd_vec3 *out)
 {
     struct gd__leg leg = gd__field_leg(field, point);
     if (leg.distance > field->reach) return GD_BEYOND_REACH;
@@ -118,7 +125,8 @@ enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_p
     struct direction direction = of_leg(field, &leg, point);
     if (direction.x == 0 && direction.y == 0) return GD_INVALID_ARGUMENT;
     struct gd_vec3 gradient = in_space(field->mesh, &direction);
-    if (!isfinite(gd_vec3_length(gradient))) return GD_INVALID_ARGUMENT; /* too short a leg for its square */
+    /* too short a leg for its square */
+    if (!isfinite(gd_vec3_length(gradient))) return GD_INVALID_ARGUMENT;
     *out = gradient;
     return GD_OK;
 }

@@ -6,8 +6,8 @@
 #include "mesh/segment.h"
 #include "mesh/stamp.h"
 
-/* An image: a header that begins with the stamp, then the field's arrays as they are in memory, each at a multiple of 8 bytes, in the order of struct
- * layout below. */
+/* An image: a header that begins with the stamp, then the field's arrays as they are in memory,
+ * each at a multiple of 8 bytes, in the order of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
 static const uint32_t version = 3;
@@ -45,11 +45,12 @@ static struct layout layout_of(size_t vertices, size_t edges, size_t wedge_bytes
     return l;
 }
 
-/* --- writing ------------------------------------------------------------------------------------------------------------- */
+/* --- writing ---------------------------------------------------------------------------------- */
 
 static struct layout layout_of_field(const struct gd_field *field)
 {
-    return layout_of(field->mesh->vertex_count, field->mesh->edge_count, field->wedge_bytes, field->seed_count);
+    return layout_of(field->mesh->vertex_count, field->mesh->edge_count, field->wedge_bytes,
+                     field->seed_count);
 }
 
 size_t gd_field_image_size(const struct gd_field *field)
@@ -77,29 +78,32 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
     memcpy(image + l.seeds, field->seeds, field->seed_count * sizeof *field->seeds);
 }
 
-/* --- opening ------------------------------------------------------------------------------------------------------------- */
+/* --- opening ---------------------------------------------------------------------------------- */
 
-static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size,
-                                   struct gd_detail *detail)
+static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header,
+                                   size_t size, struct gd_detail *detail)
 {
     enum gd_status status = gd__stamp_check(mesh, &header->stamp, magic, version, detail);
     if (status) return status;
     if (header->vertex_count != mesh->vertex_count || header->edge_count != mesh->edge_count ||
-        header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 || header->seed_count == 0 ||
-        header->seed_count > size / sizeof(struct gd__seed))
+        header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 ||
+        header->seed_count == 0 || header->seed_count > size / sizeof(struct gd__seed))
         return gd_fail(detail, GD_INDEX, "the image's counts are impossible");
-    if (layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count).size != size)
+    if (layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count)
+            .size != size)
         return gd_fail(detail, GD_TRUNCATED, "the image's size is not what its counts make");
     return GD_OK;
 }
 
-/* A seed or a vertex that was reached itself, so that the way back from it is known; GD_NONE stands for no source. */
+/* A seed or a vertex that was reached itself, so that the way back from it is known; GD_NONE stands
+ * for no source. */
 static bool is_source(const struct gd_field *field, uint32_t source)
 {
     if (source < field->mesh->vertex_count) return field->distance[source] < GD__FAR;
     if (source == GD_NONE) return true;
     uint32_t seed = gd__field_seed_of(field, source);
-    return seed < field->seed_count && field->seeds[seed].is_segment == gd__source_is_linear(source);
+    return seed < field->seed_count &&
+           field->seeds[seed].is_segment == gd__source_is_linear(source);
 }
 
 static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
@@ -122,11 +126,12 @@ static bool is_seed(const struct gd_mesh *mesh, const struct gd__seed *seed)
     unsigned char flag; /* any byte may stand where a bool should */
     memcpy(&flag, &seed->is_segment, 1);
     if (flag > 1) return false;
-    return !flag || (is_point(mesh, &seed->end) && gd__segment_home(mesh, &seed->point, &seed->end, &home));
+    return !flag ||
+           (is_point(mesh, &seed->end) && gd__segment_home(mesh, &seed->point, &seed->end, &home));
 }
 
-/* A vertex that was reached from its face knows a side with a face; one that was reached along an edge is next to its source.
- * Only one that was not reached knows neither. */
+/* A vertex that was reached from its face knows a side with a face; one that was reached along an
+ * edge is next to its source. Only one that was not reached knows neither. */
 static bool is_birth(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -160,7 +165,8 @@ static bool are_chains_sound(const struct gd_field *field)
 {
     uint64_t left = field->wedge_bytes;
     for (uint32_t e = 0; e < field->mesh->edge_count; e++)
-        for (uint32_t at = field->newest[e]; at != GD_NONE; at = gd__field_chunk(field, at)->previous)
+        for (uint32_t at = field->newest[e]; at != GD_NONE;
+             at = gd__field_chunk(field, at)->previous)
             if (!is_chunk(field, at, &left)) return false;
     return true;
 }
@@ -178,7 +184,8 @@ static bool are_indices_sound(const struct gd_field *field)
 /* The arrays are only read: a field is immutable once built. */
 static void point_into(struct gd_field *field, const char *image, const struct header *header)
 {
-    struct layout l = layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count);
+    struct layout l = layout_of(header->vertex_count, header->edge_count, header->wedge_bytes,
+                                header->seed_count);
     field->is_image = true;
     field->reach = header->reach;
     field->seed_count = header->seed_count;
@@ -196,16 +203,18 @@ enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes
                                    struct gd_detail *detail)
 {
     struct header header;
-    if (size < sizeof header) return gd_fail(detail, GD_TRUNCATED, "the image ends within its header");
+    if (size < sizeof header)
+        return gd_fail(detail, GD_TRUNCATED, "the image ends within its header");
     memcpy(&header, bytes, sizeof header);
     enum gd_status status = check_header(mesh, &header, size, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     point_into(field, bytes, &header);
-    status = are_indices_sound(field)
-                 ? gd__field_index_seeds(field)
-                 : gd_fail(detail, GD_INDEX, "the image names elements that the mesh does not have");
+    status =
+        are_indices_sound(field)
+            ? gd__field_index_seeds(field)
+            : gd_fail(detail, GD_INDEX, "the image names elements that the mesh does not have");
     if (status) {
         gd_field_release(field);
         return status;

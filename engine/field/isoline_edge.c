@@ -1,11 +1,12 @@
 #include "field/array.h"
 #include "field/isoline_parts.h"
 
-/* Where the distance along an edge passes the level. Each source that the edge is seen from gives places at which it may; between two places
- * that follow each other the distance is all below the level or not at all, so that one question in their middle tells.
+/* Where the distance along an edge passes the level. Each source that the edge is seen from gives
+ * places at which it may; between two places that follow each other the distance is all below the
+ * level or not at all, so that one question in their middle tells.
  *
- * What has the level's distance up to rounding is not below, but for vertices, on which all edges agree: a segment's isoline may run along whole
- * edges, and touch others between their ends. */
+ * What has the level's distance up to rounding is not below, but for vertices, on which all edges
+ * agree: a segment's isoline may run along whole edges, and touch others between their ends. */
 
 static enum gd_status put(struct gd__places *places, double t, double length)
 {
@@ -17,16 +18,20 @@ static enum gd_status put(struct gd__places *places, double t, double length)
     return GD_OK;
 }
 
-/* sigma - x t = level, within a linear window. A line in which the edge lies up to rounding does not pass it (circle.c has the same). */
-static enum gd_status put_root(struct gd__places *places, const struct gd__window *w, double level, double length)
+/* sigma - x t = level, within a linear window. A line in which the edge lies up to rounding does
+ * not pass it (circle.c has the same). */
+static enum gd_status put_root(struct gd__places *places, const struct gd__window *w, double level,
+                               double length)
 {
     double t = (w->sigma - level) / w->x, more = gd__stored_slack(length);
     if (!(fabs(w->x) * length > gd__envelope_slack(level, length))) return GD_OK;
     return t >= w->b0 - more && t <= w->b1 + more ? put(places, t, length) : GD_OK;
 }
 
-/* sigma + |(t, 0) - (x, -y)| = level, within the window. A circle that touches the edge up to rounding does not pass it. */
-static enum gd_status put_roots(struct gd__places *places, const struct gd__window *w, double level, double length)
+/* sigma + |(t, 0) - (x, -y)| = level, within the window. A circle that touches the edge up to
+ * rounding does not pass it. */
+static enum gd_status put_roots(struct gd__places *places, const struct gd__window *w, double level,
+                                double length)
 {
     if (gd__window_is_linear(w)) return put_root(places, w, level, length);
     double radius = level - w->sigma;
@@ -40,32 +45,40 @@ static enum gd_status put_roots(struct gd__places *places, const struct gd__wind
     return status;
 }
 
-static enum gd_status put_wedges(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
+static enum gd_status put_wedges(const struct gd_field *field, uint32_t edge, double level,
+                                 struct gd__places *places)
 {
     double length = field->mesh->side[2 * edge].length;
     enum gd_status status = GD_OK;
-    for (uint32_t at = field->newest[edge]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+    for (uint32_t at = field->newest[edge]; at != GD_NONE;
+         at = gd__field_chunk(field, at)->previous) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         for (uint32_t i = 0; i < chunk->count && !status; i++) {
             struct gd__window w;
-            if (gd__sources_window(field, chunk, i, 2 * edge, &w)) status = put_roots(places, &w, level, length);
+            if (gd__sources_window(field, chunk, i, 2 * edge, &w))
+                status = put_roots(places, &w, level, length);
         }
     }
     return status;
 }
 
 /* Points on the edge itself reach it by no wedge; along a segment on it nothing changes. */
-static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
+static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, double level,
+                                struct gd__places *places)
 {
     const struct gd_mesh *mesh = field->mesh;
     double length = mesh->side[2 * edge].length;
-    uint32_t face = mesh->side_face[2 * edge] != GD_NONE ? mesh->side_face[2 * edge] : mesh->side_face[2 * edge + 1];
+    uint32_t face = mesh->side_face[2 * edge] != GD_NONE ? mesh->side_face[2 * edge]
+                                                         : mesh->side_face[2 * edge + 1];
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     enum gd_status status = GD_OK;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face && !status; f++) {
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
+         f < end && f->face == face && !status; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
-        if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge) continue;
-        struct gd__window all = {.b1 = length, .x = seed->point.weight[0] * length, .sigma = seed->offset};
+        if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge)
+            continue;
+        struct gd__window all = {
+            .b1 = length, .x = seed->point.weight[0] * length, .sigma = seed->offset};
         status = put_roots(places, &all, level, length);
     }
     return status;
@@ -78,7 +91,8 @@ static int by_place(const void *a, const void *b)
 }
 
 /* All places at which the edge may pass the level, sorted, its two ends among them. */
-static enum gd_status find_places(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
+static enum gd_status find_places(const struct gd_field *field, uint32_t edge, double level,
+                                  struct gd__places *places)
 {
     const struct gd_mesh *mesh = field->mesh;
     double length = mesh->side[2 * edge].length, d0 = field->distance[mesh->origin[2 * edge]],
@@ -89,7 +103,8 @@ static enum gd_status find_places(const struct gd_field *field, uint32_t edge, d
     if (!status) status = put(places, level - d0, length);
     if (!status) status = put(places, length - (level - d1), length);
     if (status) return status;
-    double *grown = gd__array_reserve(places->at, &places->capacity, places->count + 2, sizeof *grown);
+    double *grown =
+        gd__array_reserve(places->at, &places->capacity, places->count + 2, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     places->at = grown;
     places->at[places->count++] = 0;
@@ -109,16 +124,17 @@ static bool is_below(const struct gd_field *field, uint32_t edge, double t, doub
 
 static enum gd_status append(struct gd__parts *parts, struct gd__crossing crossing)
 {
-    struct gd__crossing *grown =
-        gd__array_reserve(parts->crossing, &parts->crossing_capacity, parts->crossing_count + 1, sizeof crossing);
+    struct gd__crossing *grown = gd__array_reserve(parts->crossing, &parts->crossing_capacity,
+                                                   parts->crossing_count + 1, sizeof crossing);
     if (!grown) return GD_NO_MEMORY;
     parts->crossing = grown;
     parts->crossing[parts->crossing_count++] = crossing;
     return GD_OK;
 }
 
-enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level, struct gd__pace *pace,
-                                      struct gd__places *places, struct gd__parts *parts)
+enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
+                                      struct gd__pace *pace, struct gd__places *places,
+                                      struct gd__parts *parts)
 {
     const struct gd_mesh *mesh = field->mesh;
     enum gd_status status = find_places(field, edge, level, places);

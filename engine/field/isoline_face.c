@@ -5,8 +5,8 @@
 
 enum { STEPS_A_SOURCE = 8 /* to find the part of a circle that another one covers */ };
 
-/* An end from which a line goes on in the face (of an arc, or a crossing by which it comes in), or at which it is to arrive (the start of an arc, or
- * a crossing by which it leaves). */
+/* An end from which a line goes on in the face (of an arc, or a crossing by which it comes in), or
+ * at which it is to arrive (the start of an arc, or a crossing by which it leaves). */
 struct gd__end {
     struct gd__local at;
     uint32_t arc;      /* GD_NONE: a crossing */
@@ -53,18 +53,20 @@ void gd__face_scratch_destroy(struct gd__face_scratch *scratch)
     *scratch = (struct gd__face_scratch){0};
 }
 
-/* --- ends ---------------------------------------------------------------------------------------------------------------- */
+/* --- ends ------------------------------------------------------------------------------------- */
 
 static enum gd_status append_end(struct gd__face_scratch *scratch, struct gd__end end)
 {
-    struct gd__end *grown = gd__array_reserve(scratch->end, &scratch->end_capacity, scratch->end_count + 1, sizeof end);
+    struct gd__end *grown =
+        gd__array_reserve(scratch->end, &scratch->end_capacity, scratch->end_count + 1, sizeof end);
     if (!grown) return GD_NO_MEMORY;
     scratch->end = grown;
     scratch->end[scratch->end_count++] = end;
     return GD_OK;
 }
 
-/* Walking round the face counter-clockwise, a line comes in where the walk comes from below the level. */
+/* Walking round the face counter-clockwise, a line comes in where the walk comes from below the
+ * level. */
 static enum gd_status append_crossings(const struct work *work, uint32_t face)
 {
     const struct gd_mesh *mesh = work->field->mesh;
@@ -72,36 +74,40 @@ static enum gd_status append_crossings(const struct work *work, uint32_t face)
     for (int k = 0; k < 3; k++) {
         uint32_t side = mesh->face_side[face][k], edge = side >> 1;
         double length = mesh->side[side].length;
-        for (uint32_t i = work->parts->first_crossing[edge]; i < work->parts->first_crossing[edge + 1] && !status;
-             i++) {
+        for (uint32_t i = work->parts->first_crossing[edge];
+             i < work->parts->first_crossing[edge + 1] && !status; i++) {
             const struct gd__crossing *crossing = &work->parts->crossing[i];
             double t = side & 1 ? length - crossing->t : crossing->t;
-            status = append_end(work->scratch,
-                                (struct gd__end){.at = gd__frame_place(&work->scratch->sources.frame, k, t, 0),
-                                                 .arc = GD_NONE,
-                                                 .crossing = i,
-                                                 .goes_on = crossing->from_below != (side & 1),
-                                                 .match = GD_NONE});
+            status = append_end(
+                work->scratch,
+                (struct gd__end){.at = gd__frame_place(&work->scratch->sources.frame, k, t, 0),
+                                 .arc = GD_NONE,
+                                 .crossing = i,
+                                 .goes_on = crossing->from_below != (side & 1),
+                                 .match = GD_NONE});
         }
     }
     return status;
 }
 
-/* --- arcs ---------------------------------------------------------------------------------------------------------------- */
+/* --- arcs ------------------------------------------------------------------------------------- */
 
-/* Rounding may leave an arc where wedges do not quite join: there the distance is not the level's. */
+/* Rounding may leave an arc where wedges do not quite join: there the distance is not the level's.
+ */
 static bool is_at_level(const struct work *work, struct gd__local at)
 {
     const struct gd__sources *sources = &work->scratch->sources;
     struct gd_point point = gd__frame_point(work->field->mesh, sources->face, &sources->frame, at);
     struct gd__way way;
     gd__field_way(work->field, &point, &way);
-    return way.distance >= work->level * (1 - GD_TOL_CHECK) - gd__envelope_slack(work->level, sources->frame.size);
+    return way.distance >=
+           work->level * (1 - GD_TOL_CHECK) - gd__envelope_slack(work->level, sources->frame.size);
 }
 
 static enum gd_status append_arc(struct gd__face_scratch *scratch, struct gd__arc arc)
 {
-    struct gd__arc *grown = gd__array_reserve(scratch->arc, &scratch->arc_capacity, scratch->arc_count + 1, sizeof arc);
+    struct gd__arc *grown =
+        gd__array_reserve(scratch->arc, &scratch->arc_capacity, scratch->arc_count + 1, sizeof arc);
     if (!grown) return GD_NO_MEMORY;
     scratch->arc = grown;
     arc.start = scratch->end_count;
@@ -123,7 +129,8 @@ static enum gd_status append_arcs(const struct work *work)
     for (uint32_t i = 0; i < sources->count && !status; i++) {
         struct gd__arc arc = {.circle = gd__circle_of(sources, i, work->level)};
         status = gd__pace_step(work->pace, STEPS_A_SOURCE * sources->count);
-        if (!status) status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
+        if (!status)
+            status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
         for (uint32_t k = 0; k < scratch->spans.count && !status; k++) {
             arc.from = scratch->spans.span[k].from;
             arc.to = scratch->spans.span[k].to;
@@ -134,7 +141,7 @@ static enum gd_status append_arcs(const struct work *work)
     return status;
 }
 
-/* --- matching ------------------------------------------------------------------------------------------------------------ */
+/* --- matching --------------------------------------------------------------------------------- */
 
 static int by_place(const void *a, const void *b)
 {
@@ -154,13 +161,14 @@ static int by_distance(const void *a, const void *b)
 /* The ends that have no match, in order of x. GD_NO_MEMORY. */
 static enum gd_status sort_ends(struct gd__face_scratch *scratch, uint32_t *count)
 {
-    struct gd__order *order =
-        gd__array_reserve(scratch->order, &scratch->order_capacity, scratch->end_count + 1, sizeof *order);
+    struct gd__order *order = gd__array_reserve(scratch->order, &scratch->order_capacity,
+                                                scratch->end_count + 1, sizeof *order);
     if (!order) return GD_NO_MEMORY;
     scratch->order = order;
     *count = 0;
     for (uint32_t i = 0; i < scratch->end_count; i++)
-        if (scratch->end[i].match == GD_NONE) order[(*count)++] = (struct gd__order){scratch->end[i].at.x, i};
+        if (scratch->end[i].match == GD_NONE)
+            order[(*count)++] = (struct gd__order){scratch->end[i].at.x, i};
     qsort(order, *count, sizeof *order, by_place);
     return GD_OK;
 }
@@ -169,8 +177,8 @@ static enum gd_status append_link(struct gd__face_scratch *scratch, uint32_t a, 
 {
     const struct gd__end *from = &scratch->end[a], *to = &scratch->end[b];
     if (from->goes_on == to->goes_on) return GD_OK;
-    struct gd__link *grown =
-        gd__array_reserve(scratch->link, &scratch->link_capacity, scratch->link_count + 1, sizeof *grown);
+    struct gd__link *grown = gd__array_reserve(scratch->link, &scratch->link_capacity,
+                                               scratch->link_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     scratch->link = grown;
     double dx = to->at.x - from->at.x, dy = to->at.y - from->at.y;
@@ -186,12 +194,14 @@ static enum gd_status match_within(struct gd__face_scratch *scratch, double reac
     enum gd_status status = sort_ends(scratch, &count);
     scratch->link_count = 0;
     for (uint32_t i = 0; i < count && !status; i++)
-        for (uint32_t k = i + 1; k < count && scratch->order[k].x - scratch->order[i].x <= reach && !status; k++)
+        for (uint32_t k = i + 1;
+             k < count && scratch->order[k].x - scratch->order[i].x <= reach && !status; k++)
             status = append_link(scratch, scratch->order[i].end, scratch->order[k].end);
     if (status || !scratch->link_count) return status;
     qsort(scratch->link, scratch->link_count, sizeof *scratch->link, by_distance);
     for (uint32_t i = 0; i < scratch->link_count; i++) {
-        struct gd__end *from = &scratch->end[scratch->link[i].from], *to = &scratch->end[scratch->link[i].to];
+        struct gd__end *from = &scratch->end[scratch->link[i].from],
+                       *to = &scratch->end[scratch->link[i].to];
         if (from->match != GD_NONE || to->match != GD_NONE) continue;
         from->match = scratch->link[i].to;
         to->match = scratch->link[i].from;
@@ -206,12 +216,12 @@ static enum gd_status match_ends(struct gd__face_scratch *scratch)
     return status ? status : match_within(scratch, INFINITY);
 }
 
-/* --- chains -------------------------------------------------------------------------------------------------------------- */
+/* --- chains ----------------------------------------------------------------------------------- */
 
 static enum gd_status append_piece(struct gd__parts *parts, const struct gd__piece *piece)
 {
-    struct gd__piece *grown =
-        gd__array_reserve(parts->piece, &parts->piece_capacity, parts->piece_count + 1, sizeof *grown);
+    struct gd__piece *grown = gd__array_reserve(parts->piece, &parts->piece_capacity,
+                                                parts->piece_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     parts->piece = grown;
     parts->piece[parts->piece_count++] = *piece;
@@ -220,8 +230,8 @@ static enum gd_status append_piece(struct gd__parts *parts, const struct gd__pie
 
 static enum gd_status append_chain(struct gd__parts *parts, const struct gd__chain *chain)
 {
-    struct gd__chain *grown =
-        gd__array_reserve(parts->chain, &parts->chain_capacity, parts->chain_count + 1, sizeof *grown);
+    struct gd__chain *grown = gd__array_reserve(parts->chain, &parts->chain_capacity,
+                                                parts->chain_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     parts->chain = grown;
     parts->chain[parts->chain_count++] = *chain;
@@ -233,7 +243,8 @@ static struct gd_point point_of(const struct work *work, const struct gd__end *e
 {
     const struct gd_mesh *mesh = work->field->mesh;
     const struct gd__sources *sources = &work->scratch->sources;
-    if (end->crossing != GD_NONE) return gd__crossing_point(mesh, &work->parts->crossing[end->crossing]);
+    if (end->crossing != GD_NONE)
+        return gd__crossing_point(mesh, &work->parts->crossing[end->crossing]);
     return gd__frame_point(mesh, sources->face, &sources->frame, end->at);
 }
 
@@ -244,7 +255,8 @@ static double angle_near(const struct gd__circle *circle, double angle, struct g
 }
 
 /* How far it is to a place, less than 0 if it lies behind. */
-static double way_along(const struct gd__circle *line, struct gd__local start, struct gd__local stop)
+static double way_along(const struct gd__circle *line, struct gd__local start,
+                        struct gd__local stop)
 {
     struct gd__local along = gd__circle_along(line);
     double dx = stop.x - start.x, dy = stop.y - start.y;
@@ -252,8 +264,8 @@ static double way_along(const struct gd__circle *line, struct gd__local start, s
 }
 
 /* An arc as a piece from one end to another, at which it is taken to start and to stop. */
-static struct gd__piece piece_of(const struct work *work, const struct gd__arc *arc, const struct gd__end *start,
-                                 const struct gd__end *stop)
+static struct gd__piece piece_of(const struct work *work, const struct gd__arc *arc,
+                                 const struct gd__end *start, const struct gd__end *stop)
 {
     const struct gd__circle *circle = &arc->circle;
     struct gd__piece piece = {.face = work->scratch->sources.face, .start = point_of(work, start)};
@@ -269,8 +281,10 @@ static struct gd__piece piece_of(const struct work *work, const struct gd__arc *
     return piece;
 }
 
-/* Two crossings between which no arc was found: there is none but by rounding. One about the source that suits both best stands in for it. */
-static enum gd_status bridge(const struct work *work, const struct gd__end *entry, const struct gd__end *exit)
+/* Two crossings between which no arc was found: there is none but by rounding. One about the source
+ * that suits both best stands in for it. */
+static enum gd_status bridge(const struct work *work, const struct gd__end *entry,
+                             const struct gd__end *exit)
 {
     const struct gd__sources *sources = &work->scratch->sources;
     double least = INFINITY;
@@ -289,7 +303,8 @@ static enum gd_status bridge(const struct work *work, const struct gd__end *entr
     return append_piece(work->parts, &piece);
 }
 
-/* A loop within the face may be what rounding leaves uncovered where lines cross. It is no longer than what the level is promised to. */
+/* A loop within the face may be what rounding leaves uncovered where lines cross. It is no longer
+ * than what the level is promised to. */
 static bool is_rounding(const struct work *work, const struct gd__chain *chain)
 {
     double length = 0;
@@ -301,18 +316,21 @@ static bool is_rounding(const struct work *work, const struct gd__chain *chain)
     return length <= GD_TOL_CHECK * work->level;
 }
 
-/* Appends the arcs that follow an end that goes on: up to the crossing where they leave, or back to the first. */
+/* Appends the arcs that follow an end that goes on: up to the crossing where they leave, or back to
+ * the first. */
 static enum gd_status chain_from(const struct work *work, const struct gd__end *entry)
 {
     struct gd__face_scratch *scratch = work->scratch;
-    struct gd__chain chain = {.entry = entry->crossing, .exit = GD_NONE, .first = work->parts->piece_count};
+    struct gd__chain chain = {
+        .entry = entry->crossing, .exit = GD_NONE, .first = work->parts->piece_count};
     const struct gd__end *start = &scratch->end[entry->match];
     enum gd_status status = GD_OK;
     bool is_first = true;
     while (start->arc != GD_NONE && !scratch->arc[start->arc].is_chained && !status) {
         struct gd__arc *arc = &scratch->arc[start->arc];
         const struct gd__end *next = &scratch->end[scratch->end[arc->stop].match];
-        struct gd__piece piece = piece_of(work, arc, is_first && entry->arc == GD_NONE ? entry : start, next);
+        struct gd__piece piece =
+            piece_of(work, arc, is_first && entry->arc == GD_NONE ? entry : start, next);
         status = append_piece(work->parts, &piece);
         arc->is_chained = chain.has_arcs = true;
         is_first = false;
@@ -321,7 +339,8 @@ static enum gd_status chain_from(const struct work *work, const struct gd__end *
     if (!status && start->arc == GD_NONE) chain.exit = start->crossing;
     if (!status && !chain.has_arcs) status = bridge(work, entry, start);
     chain.count = work->parts->piece_count - chain.first;
-    if (status || !is_rounding(work, &chain)) return status ? status : append_chain(work->parts, &chain);
+    if (status || !is_rounding(work, &chain))
+        return status ? status : append_chain(work->parts, &chain);
     work->parts->piece_count = chain.first;
     return GD_OK;
 }
@@ -336,13 +355,15 @@ static enum gd_status append_chains(const struct work *work)
     }
     for (uint32_t i = 0; i < scratch->arc_count && !status; i++) {
         const struct gd__arc *arc = &scratch->arc[i];
-        if (!arc->is_chained) status = chain_from(work, &scratch->end[scratch->end[arc->start].match]);
+        if (!arc->is_chained)
+            status = chain_from(work, &scratch->end[scratch->end[arc->start].match]);
     }
     return status;
 }
 
-enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level, struct gd__pace *pace,
-                                      struct gd__face_scratch *scratch, struct gd__parts *parts)
+enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
+                                      struct gd__pace *pace, struct gd__face_scratch *scratch,
+                                      struct gd__parts *parts)
 {
     struct work work = {field, level, pace, scratch, parts};
     scratch->arc_count = scratch->end_count = 0;

@@ -7,7 +7,8 @@
 
 enum { SEGMENTS_MOST = 1024 /* of an arc */, STEPS_A_POINT = 4 };
 
-/* Segments whose arcs rise no higher above their chords than the tolerance: radius (1 - cos(step / 2)) = 2 radius sin^2(step / 4). */
+/* Segments whose arcs rise no higher above their chords than the tolerance: radius (1 - cos(step /
+ * 2)) = 2 radius sin^2(step / 4). */
 static uint32_t segments_of(const struct gd_isoline_arc *arc, double tolerance)
 {
     if (arc->radius == 0) return 1;
@@ -18,8 +19,8 @@ static uint32_t segments_of(const struct gd_isoline_arc *arc, double tolerance)
 }
 
 /* Appends the points of an arc between its ends, and the length of its chords. */
-static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc, uint32_t segments,
-                       struct gd_path *path)
+static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc,
+                       uint32_t segments, struct gd_path *path)
 {
     uint32_t face = mesh->face_of_index[arc->face.index];
     struct gd__frame frame = gd__frame_of_face(mesh, face);
@@ -30,11 +31,12 @@ static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *
                                (arc->v + arc->radius * sin(angle)) / mesh->unit};
         path->points[path->count++] = gd__frame_point(mesh, face, &frame, at);
     }
-    path->length += arc->radius > 0 ? segments * 2 * arc->radius * fabs(sin(0.5 * step)) : fabs(step);
+    path->length +=
+        arc->radius > 0 ? segments * 2 * arc->radius * fabs(sin(0.5 * step)) : fabs(step);
 }
 
-static enum gd_status append_line(const struct gd_mesh *mesh, const struct gd_isoline_line *line, double tolerance,
-                                  struct gd__pace *pace, struct gd_path *path)
+static enum gd_status append_line(const struct gd_mesh *mesh, const struct gd_isoline_line *line,
+                                  double tolerance, struct gd__pace *pace, struct gd_path *path)
 {
     enum gd_status status = gd__pace_check(pace);
     for (uint32_t i = 0; i < line->arc_count && !status; i++) {
@@ -55,8 +57,9 @@ uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double toler
     return count;
 }
 
-enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh, const struct gd_isoline_line *line, double tolerance,
-                                  const struct gd_control *control, struct gd_path *out)
+enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh, const struct gd_isoline_line *line,
+                                  double tolerance, const struct gd_control *control,
+                                  struct gd_path *out)
 {
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
     uint64_t count = gd_isoline_flat_points(line, tolerance);

@@ -1,19 +1,22 @@
 /* An isoline from the inside: where it crosses edges, and its chains of arcs across faces.
  *
  * DESIGN
- * - The isoline bounds the points below the level, which lie to its left. A vertex is below or not, by its distance alone; so is a point of an
- *   edge, and both faces of an edge see the same crossings. Around a face there are as many crossings by which lines come in as go out:
- *   topology can't be lost, however rounding falls.
- * - Inside a face the line is made of arcs, each the part of one source's circle, or of a segment's line, that no other source is nearer to
- *   (circle.h). Ends of arcs and
- *   crossings are matched by place, nearest first: so each arc goes on in another one or at a crossing, and what is left over closes on itself.
+ * - The isoline bounds the points below the level, which lie to its left. A vertex is below or not,
+ * by its distance alone; so is a point of an edge, and both faces of an edge see the same
+ * crossings. Around a face there are as many crossings by which lines come in as go out: topology
+ * can't be lost, however rounding falls.
+ * - Inside a face the line is made of arcs, each the part of one source's circle, or of a segment's
+ * line, that no other source is nearer to (circle.h). Ends of arcs and crossings are matched by
+ * place, nearest first: so each arc goes on in another one or at a crossing, and what is left over
+ * closes on itself.
  * - Inside unit; places and angles in the face's frame (frame.h). */
 #ifndef GD_FIELD_ISOLINE_PARTS_H
 #define GD_FIELD_ISOLINE_PARTS_H
 
 #include "field/circle.h"
 
-/* The caller's control, asked whenever the steps since then, of some ten nanoseconds each, make a good part of a millisecond. */
+/* The caller's control, asked whenever the steps since then, of some ten nanoseconds each, make a
+ * good part of a millisecond. */
 struct gd__pace {
     const struct gd_control *control;
     double fraction; /* of the call that is done */
@@ -37,37 +40,42 @@ GD_MUST_USE static inline enum gd_status gd__pace_step(struct gd__pace *pace, ui
     return steps < left ? GD_OK : gd__pace_check(pace);
 }
 
-/* Where the distance along an edge passes the level, in order of the edge; t: from the origin of side 0, in [0, length]. */
+/* Where the distance along an edge passes the level, in order of the edge; t: from the origin of
+ * side 0, in [0, length]. */
 struct gd__crossing {
     uint32_t edge;
     double t;
     bool from_below; /* it is below the level before t */
 };
 
-/* An arc, from its start to the start of what follows; or, of radius 0, the straight way there, whose centre is its start and which has
- * lengths in place of angles. */
+/* An arc, from its start to the start of what follows; or, of radius 0, the straight way there,
+ * whose centre is its start and which has lengths in place of angles. */
 struct gd__piece {
     uint32_t face;
     struct gd_point start;
     struct gd__local centre;
-    double radius, from, to; /* angles from the frame's x axis; to < from only where rounding has to be bridged */
+    /* angles from the frame's x axis; to < from only where rounding has to be bridged */
+    double radius, from, to;
 };
 
-/* Pieces that follow each other through one face, from the crossing by which they come in to the one by which they leave; GD_NONE, both of
- * them: they close. No pieces: the crossings lie in one place. */
+/* Pieces that follow each other through one face, from the crossing by which they come in to the
+ * one by which they leave; GD_NONE, both of them: they close. No pieces: the crossings lie in one
+ * place. */
 struct gd__chain {
     uint32_t entry, exit;
     uint32_t first, count;
     bool has_arcs; /* not all of it is there to bridge rounding */
 };
 
-/* What a trace has found. Crossings of edge e: first_crossing[e] to first_crossing[e + 1]. All zero is empty. */
+/* What a trace has found. Crossings of edge e: first_crossing[e] to first_crossing[e + 1]. All zero
+ * is empty. */
 struct gd__parts {
     struct gd__crossing *crossing;
     uint32_t *first_crossing;
     struct gd__piece *piece;
     struct gd__chain *chain;
-    uint32_t crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count, chain_capacity;
+    uint32_t crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count,
+        chain_capacity;
 };
 
 /* Scratch of an edge and of a face, reused; all zero is empty. */
@@ -83,24 +91,30 @@ struct gd__face_scratch {
     struct gd__end *end;
     struct gd__order *order;
     struct gd__link *link;
-    uint32_t arc_count, arc_capacity, end_count, end_capacity, order_capacity, link_count, link_capacity;
+    uint32_t arc_count, arc_capacity, end_count, end_capacity, order_capacity, link_count,
+        link_capacity;
 };
 
 void gd__face_scratch_destroy(struct gd__face_scratch *scratch);
 
 /* isoline_edge.c: appends an edge's crossings. GD_NO_MEMORY, and what the pace says. */
-GD_MUST_USE enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
-                                                  struct gd__pace *pace, struct gd__places *places,
+GD_MUST_USE enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge,
+                                                  double level, struct gd__pace *pace,
+                                                  struct gd__places *places,
                                                   struct gd__parts *parts);
 
-/* isoline_face.c: appends the chains of a face, the crossings of whose edges are there. GD_NO_MEMORY, and what the pace says. */
-GD_MUST_USE enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
-                                                  struct gd__pace *pace, struct gd__face_scratch *scratch,
+/* isoline_face.c: appends the chains of a face, the crossings of whose edges are there.
+ * GD_NO_MEMORY, and what the pace says. */
+GD_MUST_USE enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face,
+                                                  double level, struct gd__pace *pace,
+                                                  struct gd__face_scratch *scratch,
                                                   struct gd__parts *parts);
 
-static inline struct gd_point gd__crossing_point(const struct gd_mesh *mesh, const struct gd__crossing *crossing)
+static inline struct gd_point gd__crossing_point(const struct gd_mesh *mesh,
+                                                 const struct gd__crossing *crossing)
 {
-    return gd__point_of_edge(mesh, crossing->edge, crossing->t / mesh->side[2 * crossing->edge].length);
+    return gd__point_of_edge(mesh, crossing->edge,
+                             crossing->t / mesh->side[2 * crossing->edge].length);
 }
 
 #endif

@@ -4,11 +4,12 @@
 
 enum { CACHE_LINE = 64 };
 
-/* The distance at a point of a face: the least over the face's corners, the seeds in the face, and the wedges of its edges whose source lies
- * across the edge (a source on the face's own side reaches the point through another edge or through a corner). The search finds which of
- * them it is; the leg is made of that one alone. */
+/* The distance at a point of a face: the least over the face's corners, the seeds in the face, and
+ * the wedges of its edges whose source lies across the edge (a source on the face's own side
+ * reaches the point through another edge or through a corner). The search finds which of them it
+ * is; the leg is made of that one alone. */
 
-/* --- sights -------------------------------------------------------------------------------------------------------------- */
+/* --- sights ----------------------------------------------------------------------------------- */
 
 /* A face from a point of it. */
 struct view {
@@ -25,27 +26,32 @@ struct cursor {
     uint32_t chunk;
 };
 
-static inline void look_around(const struct gd_field *field, uint32_t face, const double weight[3], struct view *view)
+static inline void look_around(const struct gd_field *field, uint32_t face, const double weight[3],
+                               struct view *view)
 {
     const struct gd_mesh *mesh = field->mesh;
     view->side = mesh->face_side[face];
     for (int k = 0; k < 3; k++) {
         view->newest[k] = field->newest[view->side[k] >> 1];
         if (view->newest[k] != GD_NONE) __builtin_prefetch(gd__field_chunk(field, view->newest[k]));
-        view->at[k] = gd__side_local(&mesh->side[view->side[k]], weight[(k + 1) % 3], weight[(k + 2) % 3]);
+        view->at[k] =
+            gd__side_local(&mesh->side[view->side[k]], weight[(k + 1) % 3], weight[(k + 2) % 3]);
     }
 }
 
-/* Asks for all wedges of the newest chunks, now that their sizes are known. GCC takes a function that does nothing but prefetch for one without
- * effects and leaves its calls out, unless it is inlined first. */
-static inline __attribute__((always_inline)) void prefetch_wedges(const struct gd_field *field, const struct view *view)
+/* Asks for all wedges of the newest chunks, now that their sizes are known. GCC takes a function
+ * that does nothing but prefetch for one without effects and leaves its calls out, unless it is
+ * inlined first. */
+static inline __attribute__((always_inline)) void prefetch_wedges(const struct gd_field *field,
+                                                                  const struct view *view)
 {
     for (int k = 0; k < 3; k++) {
         if (view->newest[k] == GD_NONE) continue;
         const struct gd__chunk *chunk = gd__field_chunk(field, view->newest[k]);
         const char *first = (const char *)chunk;
         size_t size = sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
-        for (size_t line = CACHE_LINE; line < size; line += CACHE_LINE) __builtin_prefetch(first + line);
+        for (size_t line = CACHE_LINE; line < size; line += CACHE_LINE)
+            __builtin_prefetch(first + line);
     }
 }
 
@@ -58,9 +64,10 @@ static inline bool comes_from_across(const struct gd__chunk *chunk, uint32_t sid
     return first < chunk->count && (signbit(wedges.y[first]) != 0) != (side & 1);
 }
 
-/* The next sights of a view, at most SIGHTS. Each chunk is written as one; one that is none is then written over. */
-static inline uint32_t take_sights(const struct gd_field *field, const struct view *view, struct cursor *cursor,
-                                   struct gd__sight *sights)
+/* The next sights of a view, at most SIGHTS. Each chunk is written as one; one that is none is then
+ * written over. */
+static inline uint32_t take_sights(const struct gd_field *field, const struct view *view,
+                                   struct cursor *cursor, struct gd__sight *sights)
 {
     uint32_t count = 0;
     while (cursor->k < 3 && count < SIGHTS) {
@@ -82,10 +89,11 @@ static inline uint32_t take_sights(const struct gd_field *field, const struct vi
     return count;
 }
 
-/* --- the best way -------------------------------------------------------------------------------------------------------- */
+/* --- the best way ----------------------------------------------------------------------------- */
 
 /* Keeps the shorter way; without a branch, as none could be foreseen. */
-static inline void offer(struct gd__way *best, double distance, enum gd__leg_kind kind, uint32_t from)
+static inline void offer(struct gd__way *best, double distance, enum gd__leg_kind kind,
+                         uint32_t from)
 {
     bool better = distance < best->distance;
     best->kind = better ? kind : best->kind;
@@ -93,7 +101,8 @@ static inline void offer(struct gd__way *best, double distance, enum gd__leg_kin
     best->distance = better ? distance : best->distance;
 }
 
-static inline void try_corner(const struct gd_field *field, uint32_t side, struct gd__local at, struct gd__way *best)
+static inline void try_corner(const struct gd_field *field, uint32_t side, struct gd__local at,
+                              struct gd__way *best)
 {
     uint32_t vertex = field->mesh->origin[side];
     offer(best, field->distance[vertex] + sqrt(at.x * at.x + at.y * at.y), GD__LEG_VERTEX, vertex);
@@ -105,9 +114,10 @@ static inline bool seed_takes_tie(const struct gd__way *best, double distance)
     return distance == best->distance && best->kind == GD__LEG_VERTEX;
 }
 
-/* How far a point of a face, by its weights, is from a seed in the face; infinite where a segment does not lie at right angles to it. */
-static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t face,
-                               const double to[3])
+/* How far a point of a face, by its weights, is from a seed in the face; infinite where a segment
+ * does not lie at right angles to it. */
+static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed,
+                               uint32_t face, const double to[3])
 {
     if (seed->is_segment) {
         struct gd__local at = gd__face_local(mesh, mesh->face_side[face][0], to);
@@ -120,11 +130,13 @@ static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed
     return gd__local_length(gd__way_in_face(mesh, face, gd__main_corner(from), from, to));
 }
 
-static void try_seeds(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *best)
+static void try_seeds(const struct gd_field *field, uint32_t face, const double weight[3],
+                      struct gd__way *best)
 {
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     struct gd__close close;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face; f++) {
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
+         f < end && f->face == face; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
         double distance = seed->offset + distance_of_seed(field->mesh, seed, face, weight);
         if (distance < best->distance || seed_takes_tie(best, distance)) {
@@ -140,23 +152,25 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
     }
 }
 
-/* A point of a face is beside a vertex, and the point seed that the vertex has its distance from is beside
- * it or at it. */
-static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face, const double weight[3])
+/* A point of a face is beside a vertex, and the point seed that the vertex has its distance from is
+ * beside it or at it. */
+static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face,
+                       const double weight[3])
 {
     uint32_t source = field->birth[vertex].source;
     struct gd__polar polar;
     const struct gd_point point = {GD_POINT_FACE, face, {weight[0], weight[1], weight[2]}};
-    if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source)) return false;
+    if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source))
+        return false;
     const struct gd__seed *seed = &field->seeds[gd__field_seed_of(field, source)];
     if (!gd__polar_beside(field->mesh, &point, &polar) || polar.vertex != vertex) return false;
     return seed->point.kind == GD_POINT_VERTEX ||
            (gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
 }
 
-/* What a way through a wedge must be shorter by than a best way that is short for the face: the rounding
- * of places in the face. The way to a point seed close by has more digits, be it through a vertex that both
- * are beside. Through another corner it may be too long by less than that. */
+/* What a way through a wedge must be shorter by than a best way that is short for the face: the
+ * rounding of places in the face. The way to a point seed close by has more digits, be it through a
+ * vertex that both are beside. Through another corner it may be too long by less than that. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__way *best)
 {
@@ -167,7 +181,8 @@ static inline double margin_of(const struct gd_field *field, uint32_t face, cons
     return is_line || is_other ? 0 : GD_TOL_BETTER * length;
 }
 
-static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *out)
+static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3],
+                         struct gd__way *out)
 {
     struct view view;
     struct gd__way best = {.distance = GD__FAR, .kind = GD__LEG_NONE};
@@ -197,7 +212,8 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
 }
 
 /* An edge's point lies in the faces of both sides. */
-static void best_at_edge(const struct gd_field *field, const struct gd_point *point, struct gd__way *best)
+static void best_at_edge(const struct gd_field *field, const struct gd_point *point,
+                         struct gd__way *best)
 {
     const struct gd_mesh *mesh = field->mesh;
     best->distance = GD__FAR;
@@ -209,7 +225,8 @@ static void best_at_edge(const struct gd_field *field, const struct gd_point *po
         if (face == GD_NONE) continue;
         gd__point_weights(mesh, point, face, weight);
         best_in_face(field, face, weight, &way);
-        if (way.distance < best->distance || (way.kind == GD__LEG_SEED && seed_takes_tie(best, way.distance)))
+        if (way.distance < best->distance ||
+            (way.kind == GD__LEG_SEED && seed_takes_tie(best, way.distance)))
             *best = way;
     }
 }
@@ -232,7 +249,7 @@ void gd__field_way(const struct gd_field *field, const struct gd_point *point, s
     }
 }
 
-/* --- its leg ------------------------------------------------------------------------------------------------------------- */
+/* --- its leg ---------------------------------------------------------------------------------- */
 
 /* Where the way through a wedge crosses its side, and the source in the side's frame. */
 static void complete_wedge(const struct gd__sight *sight, uint32_t wedge, struct gd__leg *leg)
@@ -248,7 +265,8 @@ static void complete_wedge(const struct gd__sight *sight, uint32_t wedge, struct
 }
 
 /* Finds the wedge at its place again. */
-static void find_wedge(const struct gd_field *field, const struct gd_point *point, uint32_t place, struct gd__leg *leg)
+static void find_wedge(const struct gd_field *field, const struct gd_point *point, uint32_t place,
+                       struct gd__leg *leg)
 {
     double weight[3];
     gd__point_weights(field->mesh, point, leg->face, weight);
@@ -272,7 +290,8 @@ struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point
 {
     struct gd__way way;
     gd__field_way(field, point, &way);
-    struct gd__leg leg = {.distance = way.distance, .kind = way.kind, .face = way.face, .source = GD_NONE};
+    struct gd__leg leg = {
+        .distance = way.distance, .kind = way.kind, .face = way.face, .source = GD_NONE};
     if (way.kind == GD__LEG_WEDGE)
         find_wedge(field, point, way.from, &leg);
     else
@@ -286,16 +305,19 @@ static bool leads_back(const struct gd_field *field, uint32_t to, uint32_t verte
     return to == vertex || (field->birth[to].side == GD_NONE && field->birth[to].source == vertex);
 }
 
-struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend, uint32_t vertex)
+struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend,
+                                    uint32_t vertex)
 {
     struct gd__leg leg = gd__field_leg(field, bend);
-    bool is_lost = leg.kind == GD__LEG_VERTEX && vertex != GD_NONE && leads_back(field, leg.from, vertex);
+    bool is_lost =
+        leg.kind == GD__LEG_VERTEX && vertex != GD_NONE && leads_back(field, leg.from, vertex);
     if (!is_lost || bend->kind != GD_POINT_EDGE) return leg;
     const struct gd_mesh *mesh = field->mesh;
     double least = GD__FAR, length = mesh->side[2 * bend->element].length;
     for (int k = 0; k < 2; k++) {
         uint32_t end = mesh->origin[2 * bend->element + k];
-        double distance = field->distance[end] + (k ? gd__edge_rest(bend) : bend->weight[0]) * length;
+        double distance =
+            field->distance[end] + (k ? gd__edge_rest(bend) : bend->weight[0]) * length;
         if (distance >= least || leads_back(field, end, vertex)) continue;
         least = distance;
         leg.from = end;

@@ -2,16 +2,20 @@
 
 #include "mesh/canonical.h"
 
-/* Which seed a point's distance is of: from pseudo-source to pseudo-source by the births, without the crossings in between. */
+/* Which seed a point's distance is of: from pseudo-source to pseudo-source by the births, without
+ * the crossings in between. */
 
 /* The pseudo-source in which a leg begins. */
 static uint32_t behind_leg(const struct gd_field *field, const struct gd__leg *leg)
 {
     if (leg->kind == GD__LEG_WEDGE) return leg->source;
-    return leg->kind == GD__LEG_SEED || leg->kind == GD__LEG_CLOSE ? field->mesh->vertex_count + leg->from : leg->from;
+    return leg->kind == GD__LEG_SEED || leg->kind == GD__LEG_CLOSE
+               ? field->mesh->vertex_count + leg->from
+               : leg->from;
 }
 
-/* The last leg to a vertex begins in a pseudo-source, or bends on the side opposite to the vertex. */
+/* The last leg to a vertex begins in a pseudo-source, or bends on the side opposite to the vertex.
+ */
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -36,8 +40,8 @@ static enum gd_status walk_to_seed(const struct gd_field *field, uint32_t source
     return GD_OK;
 }
 
-enum gd_status gd_field_nearest(const struct gd_field *field, const struct gd_point *point, double *distance,
-                                uint32_t *seed)
+enum gd_status gd_field_nearest(const struct gd_field *field, const struct gd_point *point,
+                                double *distance, uint32_t *seed)
 {
     struct gd__leg leg = gd__field_leg(field, point);
     if (leg.distance > field->reach) return GD_BEYOND_REACH;

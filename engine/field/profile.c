@@ -15,9 +15,10 @@ void gd__profile_destroy(struct gd__profile *profile)
     *profile = (struct gd__profile){0};
 }
 
-/* --- windows ------------------------------------------------------------------------------------------------------------- */
+/* --- windows ---------------------------------------------------------------------------------- */
 
-/* The part of the segment on which a linear form, of that value at its origin and that slope along it, is not negative. */
+/* The part of the segment on which a linear form, of that value at its origin and that slope along
+ * it, is not negative. */
 static void clip(struct gd__window *w, double value, double slope)
 {
     double end = value + slope * w->b1, begin = value + slope * w->b0;
@@ -33,11 +34,13 @@ static void clip(struct gd__window *w, double value, double slope)
 static enum gd_status push(struct gathering *g, const struct gd__window *w)
 {
     if (w->b1 <= w->b0) return GD_OK;
-    return gd__stack_push(&g->profile->windows, w, GD_TOL_WIDTH * g->profile->length, &g->profile->scratch);
+    return gd__stack_push(&g->profile->windows, w, GD_TOL_WIDTH * g->profile->length,
+                          &g->profile->scratch);
 }
 
 /* A source at a place, all along the segment. */
-static struct gd__window window_of_point(const struct gathering *g, struct gd__local at, double sigma, uint32_t source)
+static struct gd__window window_of_point(const struct gathering *g, struct gd__local at,
+                                         double sigma, uint32_t source)
 {
     return (struct gd__window){.b1 = g->profile->length,
                                .x = gd__chord_foot(&g->chord, at),
@@ -46,8 +49,10 @@ static struct gd__window window_of_point(const struct gathering *g, struct gd__l
                                .source = source};
 }
 
-/* A linear source whose distance is `value` at the segment's origin and grows in the direction (nx, ny). */
-static struct gd__window window_of_line(const struct gathering *g, double value, double nx, double ny, uint32_t source)
+/* A linear source whose distance is `value` at the segment's origin and grows in the direction (nx,
+ * ny). */
+static struct gd__window window_of_line(const struct gathering *g, double value, double nx,
+                                        double ny, uint32_t source)
 {
     const struct gd__local u = g->chord.along;
     return (struct gd__window){.b1 = g->profile->length,
@@ -57,29 +62,35 @@ static struct gd__window window_of_line(const struct gathering *g, double value,
                                .source = source};
 }
 
-/* What a window of the side sees of the segment: between the lines from its source through its ends. */
+/* What a window of the side sees of the segment: between the lines from its source through its
+ * ends. */
 static enum gd_status push_seen(struct gathering *g, const struct gd__window *seen)
 {
     struct gd__local at = g->chord.from, u = g->chord.along;
     bool linear = gd__window_is_linear(seen);
     double x = seen->x, y = seen->y, weight = linear ? 0 : 1;
-    struct gd__window w = linear ? window_of_line(g, gd__window_distance_beyond(seen, at.x, at.y), -x, y, seen->source)
-                                 : window_of_point(g, (struct gd__local){x, -y}, seen->sigma, seen->source);
-    for (int end = 0; end < 2; end++) { /* the side of the line through (b, 0) and the source (x, -y, weight) */
+    struct gd__window w =
+        linear
+            ? window_of_line(g, gd__window_distance_beyond(seen, at.x, at.y), -x, y, seen->source)
+            : window_of_point(g, (struct gd__local){x, -y}, seen->sigma, seen->source);
+    /* the side of the line through (b, 0) and the source (x, -y, weight) */
+    for (int end = 0; end < 2; end++) {
         double b = end ? seen->b1 : seen->b0, sign = end ? -1 : 1, across = weight * b - x;
         clip(&w, sign * (y * (at.x - b) - across * at.y), sign * (y * u.x - across * u.y));
     }
     return push(g, &w);
 }
 
-/* The wedges that look into the face across its side k. Their ends are stored to a unit, by which those of points are taken to see more. */
+/* The wedges that look into the face across its side k. Their ends are stored to a unit, by which
+ * those of points are taken to see more. */
 static enum gd_status push_wedges(struct gathering *g, int k)
 {
     const struct gd_field *field = g->field;
     uint32_t side = field->mesh->face_side[g->face][k], across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
     double length = field->mesh->side[side].length, more = 2 * GD__WEDGE_UNIT * length;
     enum gd_status status = GD_OK;
-    for (uint32_t at = field->newest[side >> 1]; at != GD_NONE && !status; at = gd__field_chunk(field, at)->previous) {
+    for (uint32_t at = field->newest[side >> 1]; at != GD_NONE && !status;
+         at = gd__field_chunk(field, at)->previous) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         for (uint32_t i = 0; i < chunk->count && !status; i++) {
             struct gd__window w = gd__field_window(field, chunk, i, length);
@@ -101,7 +112,8 @@ static enum gd_status push_chord(struct gathering *g, const struct gd__seed *see
     struct gd__chord chord = gd__chord(g->field->mesh, g->face, 0, &seed->point, &seed->end);
     struct gd__local at = g->chord.from, u = g->chord.along;
     double foot = gd__chord_foot(&chord, at), height = gd__chord_height(&chord, at);
-    double onwards = u.x * chord.along.x + u.y * chord.along.y, upwards = chord.along.x * u.y - chord.along.y * u.x;
+    double onwards = u.x * chord.along.x + u.y * chord.along.y,
+           upwards = chord.along.x * u.y - chord.along.y * u.x;
     enum gd_status status = GD_OK;
     for (int left = -1; left <= 1 && !status; left += 2) {
         double nx = -left * chord.along.y, ny = left * chord.along.x;
@@ -119,8 +131,8 @@ static enum gd_status push_seeds(struct gathering *g)
     const struct gd_field *field = g->field;
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     enum gd_status status = GD_OK;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, g->face); f < end && f->face == g->face && !status;
-         f++) {
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, g->face);
+         f < end && f->face == g->face && !status; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
         uint32_t source = field->mesh->vertex_count + f->seed;
         double weight[3];
@@ -129,7 +141,8 @@ static enum gd_status push_seeds(struct gathering *g)
             continue;
         }
         gd__point_weights(field->mesh, &seed->point, g->face, weight);
-        struct gd__local at = gd__face_local(field->mesh, field->mesh->face_side[g->face][0], weight);
+        struct gd__local at =
+            gd__face_local(field->mesh, field->mesh->face_side[g->face][0], weight);
         struct gd__window w = window_of_point(g, at, seed->offset, source);
         status = push(g, &w);
     }
@@ -140,12 +153,14 @@ static enum gd_status push_corner(struct gathering *g, int k)
 {
     uint32_t vertex = g->field->mesh->origin[g->field->mesh->face_side[g->face][k]];
     if (g->field->distance[vertex] >= GD__FAR) return GD_OK;
-    struct gd__window w = window_of_point(g, (struct gd__local){0, 0}, g->field->distance[vertex], vertex);
+    struct gd__window w =
+        window_of_point(g, (struct gd__local){0, 0}, g->field->distance[vertex], vertex);
     return push(g, &w);
 }
 
 /* All that the face sees. */
-static enum gd_status gather(struct gathering *g, const struct gd_point *a, const struct gd_point *b)
+static enum gd_status gather(struct gathering *g, const struct gd_point *a,
+                             const struct gd_point *b)
 {
     enum gd_status status = GD_OK;
     for (int k = 2; k >= 0 && !status; k--) { /* side 0 last: seeds are in its frame */
@@ -157,8 +172,8 @@ static enum gd_status gather(struct gathering *g, const struct gd_point *a, cons
     return status ? status : push_seeds(g);
 }
 
-enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_point *a, const struct gd_point *b,
-                              struct gd__profile *profile)
+enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_point *a,
+                              const struct gd_point *b, struct gd__profile *profile)
 {
     struct gathering g = {.field = field, .profile = profile};
     struct gd__home home;
@@ -176,7 +191,7 @@ enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_poin
     return status;
 }
 
-/* --- its extremes -------------------------------------------------------------------------------------------------------- */
+/* --- its extremes ----------------------------------------------------------------------------- */
 
 /* Where a window's distance is least. */
 static double nearest_in(const struct gd__window *w)
@@ -203,16 +218,19 @@ static double at_most(const struct gd__window *w, double t)
     return gd__window_distance(w, end) + fabs(t - end);
 }
 
-/* The distance at an end of window i. Strips that lines see side by side have gaps between them, as their ends are stored to a unit; what a gap shows is
- * a source farther away, which the windows beside it contradict. */
+/* The distance at an end of window i. Strips that lines see side by side have gaps between them, as
+ * their ends are stored to a unit; what a gap shows is a source farther away, which the windows
+ * beside it contradict. */
 static double distance_at_end(const struct gd__profile *profile, uint32_t i, double t)
 {
     const struct gd__window *w = profile->windows.windows;
-    double narrow = GD_TOL_GAP * profile->length, distance = gd__window_distance(&w[i], t), width = 0;
+    double narrow = GD_TOL_GAP * profile->length, distance = gd__window_distance(&w[i], t),
+           width = 0;
     for (uint32_t j = i; j-- > 0 && width <= narrow; width = w[j].b1 - w[j].b0)
         distance = fmin(distance, at_most(&w[j], t));
     width = 0;
-    for (uint32_t j = i + 1; j < profile->windows.count && width <= narrow; width = w[j].b1 - w[j].b0, j++)
+    for (uint32_t j = i + 1; j < profile->windows.count && width <= narrow;
+         width = w[j].b1 - w[j].b0, j++)
         distance = fmin(distance, at_most(&w[j], t));
     return distance;
 }

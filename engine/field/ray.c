@@ -3,21 +3,24 @@
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 
-/* --- where it ends ------------------------------------------------------------------------------------------------------- */
+/* --- where it ends ---------------------------------------------------------------------------- */
 
-bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x, double y, uint32_t source)
+bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x, double y,
+                         uint32_t source)
 {
     const struct gd_mesh *mesh = trail->mesh;
     const struct gd_side *s = &mesh->side[side];
-    struct gd_point point = source < mesh->vertex_count ? gd__point_of_vertex(source)
-                                                        : trail->field->seeds[source - mesh->vertex_count].point;
+    struct gd_point point = source < mesh->vertex_count
+                                ? gd__point_of_vertex(source)
+                                : trail->field->seeds[source - mesh->vertex_count].point;
     uint32_t face = mesh->side_face[side];
     int k = gd__place_of_side(mesh->face_side[face], side);
     double weight[3];
     if (point.kind == GD_POINT_FACE && point.element != face) return false;
     gd__point_weights(mesh, &point, face, weight);
     if (weight[0] + weight[1] + weight[2] == 0) return false;
-    struct gd__local at = gd__face_local(mesh, side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    struct gd__local at = gd__face_local(
+        mesh, side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
     double tolerance = GD_TOL_ARRIVED * (s->length + s->left_length);
     return fabs(at.x - x) <= tolerance && fabs(at.y - y) <= tolerance;
 }
@@ -40,7 +43,8 @@ struct gd__stop gd__ray_arrive_at_chord(struct gd__trail *trail, uint32_t seed, 
     struct gd__chord chord = gd__chord(mesh, face, 0, &s->point, &s->end);
     double weight[3], from[3], to[3];
     gd__point_weights(mesh, &trail->path.points[trail->path.count - 1], face, weight);
-    double part = gd__chord_foot(&chord, gd__face_local(mesh, mesh->face_side[face][0], weight)) / chord.length;
+    double part = gd__chord_foot(&chord, gd__face_local(mesh, mesh->face_side[face][0], weight)) /
+                  chord.length;
     part = part < 0 ? 0 : part > 1 ? 1 : part;
     gd__point_weights(mesh, &s->point, face, from);
     gd__point_weights(mesh, &s->end, face, to);
@@ -49,9 +53,10 @@ struct gd__stop gd__ray_arrive_at_chord(struct gd__trail *trail, uint32_t seed, 
     return gd__stop_at_seed(seed);
 }
 
-/* --- from face to face --------------------------------------------------------------------------------------------------- */
+/* --- from face to face ------------------------------------------------------------------------ */
 
-/* How a ray left a face: by an edge of that length, on a segment of that length, which is measured in the face's frame. */
+/* How a ray left a face: by an edge of that length, on a segment of that length, which is measured
+ * in the face's frame. */
 struct passage {
     double edge, segment;
 };
@@ -67,14 +72,18 @@ BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool li
     ray->x = linear ? -ray->x : s->length - ray->x;
 }
 
-/* A ray that has entered the face of its side becomes one of the side by which it leaves: of the edge to the left, from the origin to the apex,
- * or of the one to the right, from the apex to the destination. (ux, uy) runs along it, (rx, ry) from its end to the source. */
-BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage, bool linear)
+/* A ray that has entered the face of its side becomes one of the side by which it leaves: of the
+ * edge to the left, from the origin to the apex, or of the one to the right, from the apex to the
+ * destination. (ux, uy) runs along it, (rx, ry) from its end to the source. */
+BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage,
+                           bool linear)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y; /* apex */
-    double t = ray->t, dx = linear ? ray->x : ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx, sy;
+    double t = ray->t, dx = linear ? ray->x : ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx,
+           sy;
     if ((px - t) * dy - py * dx > 0) {
-        ux = s->left_x, uy = s->left_y, rx = linear ? dx : ray->x - px, ry = linear ? dy : ray->y - py;
+        ux = s->left_x, uy = s->left_y, rx = linear ? dx : ray->x - px,
+        ry = linear ? dy : ray->y - py;
         along = dy * t / (dy * ux - dx * uy);
         sx = along * ux - t, sy = along * uy;
         ray->side = s->left ^ 1;
@@ -93,10 +102,10 @@ BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct 
     passage->segment = sqrt(sx * sx + sy * sy);
 }
 
-/* Appends where a ray crosses from face to face; false where that is at the edge's end, up to snapping, or at the border, or without memory. `next` is the
- * side by which it enters. */
-static inline bool append_crossing(struct gd__trail *trail, const struct gd_side *next, const struct gd__ray *ray,
-                                   const struct passage *passage)
+/* Appends where a ray crosses from face to face; false where that is at the edge's end, up to
+ * snapping, or at the border, or without memory. `next` is the side by which it enters. */
+static inline bool append_crossing(struct gd__trail *trail, const struct gd_side *next,
+                                   const struct gd__ray *ray, const struct passage *passage)
 {
     double snap = trail->snap;
     if (ray->t <= snap * passage->edge || ray->t >= (1 - snap) * passage->edge) return false;
@@ -113,11 +122,13 @@ static inline bool append_crossing(struct gd__trail *trail, const struct gd_side
     return true;
 }
 
-/* Where a ray leaves its face by a side. No path leaves the surface: a ray that seems to, passes an end of the boundary edge within rounding. */
+/* Where a ray leaves its face by a side. No path leaves the surface: a ray that seems to, passes an
+ * end of the boundary edge within rounding. */
 static struct gd_point crossing_of(const struct gd__trail *trail, const struct gd__ray *ray)
 {
     const struct gd_mesh *mesh = trail->mesh;
-    if (!gd__side_is_boundary(mesh, ray->side ^ 1)) return gd__trail_side_point(trail, ray->side, ray->t);
+    if (!gd__side_is_boundary(mesh, ray->side ^ 1))
+        return gd__trail_side_point(trail, ray->side, ray->t);
     bool at_origin = ray->t < 0.5 * mesh->side[ray->side].length;
     return gd__point_of_vertex(mesh->origin[at_origin ? ray->side : ray->side ^ 1]);
 }
@@ -136,8 +147,8 @@ static inline bool may_have_arrived(const struct gd_side *s, double y)
     return y <= s->left_length * s->left_y + GD_TOL_ARRIVED * (s->length + s->left_length);
 }
 
-/* Follows a ray from face to face until it reaches its source or passes through a vertex. Of each face it reads one record, which it asks for as
- * soon as the one before is there. */
+/* Follows a ray from face to face until it reaches its source or passes through a vertex. Of each
+ * face it reads one record, which it asks for as soon as the one before is there. */
 static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray ray)
 {
     const struct gd_mesh *mesh = trail->mesh;
@@ -150,7 +161,8 @@ static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray r
         __builtin_prefetch(&mesh->side[s->left]);
         __builtin_prefetch(&mesh->side[s->right]);
         enter_face(s, &ray, false);
-        if (may_have_arrived(s, ray.y) && gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
+        if (may_have_arrived(s, ray.y) &&
+            gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
             return gd__ray_arrive(trail, mesh->side_face[ray.side], ray.source);
         cross_face(s, &ray, &passage, false);
         s = &mesh->side[ray.side ^ 1];
@@ -159,7 +171,7 @@ static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray r
     return gd__stop_failed(trail, GD_INTERNAL);
 }
 
-/* --- carefully ----------------------------------------------------------------------------------------------------------- */
+/* --- carefully -------------------------------------------------------------------------------- */
 
 /* The error of a ray grows with the length of its leg, not with the size of the face that it
  * crosses. In faces much smaller than the leg, rounding can take the ray past the wrong side of a
@@ -170,32 +182,35 @@ static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray r
  * crossing is `gone` behind the leg's beginning and `rest` before its source. Each vertex must be
  * nearer to the source than the one before: faces can be smaller than the rounding of distances,
  * and there the path would turn in a circle. */
-static uint32_t vertex_beside(const struct gd__trail *trail, const struct gd__ray *ray, double gone, double rest)
+static uint32_t vertex_beside(const struct gd__trail *trail, const struct gd__ray *ray, double gone,
+                              double rest)
 {
     const struct gd_mesh *mesh = trail->mesh;
     double edge = mesh->side[ray->side].length, aside = trail->aside;
-    double margin =
-        aside * fmin(gone, rest) + fmin(aside, GD_TOL_ASIDE_END) * edge + GD_TOL_ASIDE_NOISE * trail->nearest;
+    double margin = aside * fmin(gone, rest) + fmin(aside, GD_TOL_ASIDE_END) * edge +
+                    GD_TOL_ASIDE_NOISE * trail->nearest;
     bool at_origin = ray->t < 0.5 * edge;
     uint32_t vertex = mesh->origin[at_origin ? ray->side : ray->side ^ 1];
     if ((at_origin ? ray->t : edge - ray->t) > margin) return GD_NONE;
     return trail->field->distance[vertex] < trail->nearest ? vertex : GD_NONE;
 }
 
-/* A vertex that no window has reached, or that the leg's own vertex has given its distance along their
- * edge (field.c): a leg that ends there would turn in a circle, or not go on. */
+/* A vertex that no window has reached, or that the leg's own vertex has given its distance along
+ * their edge (field.c): a leg that ends there would turn in a circle, or not go on. */
 static bool leads_back(const struct gd__trail *trail, const struct gd_point *at)
 {
     if (at->kind != GD_POINT_VERTEX) return false;
     if (trail->field->distance[at->element] >= GD__FAR) return true;
     if (trail->vertex == GD_NONE) return false;
     const struct gd__birth *birth = &trail->field->birth[at->element];
-    return at->element == trail->vertex || (birth->side == GD_NONE && birth->source == trail->vertex);
+    return at->element == trail->vertex ||
+           (birth->side == GD_NONE && birth->source == trail->vertex);
 }
 
-/* Appends the point at which a careful ray leaves its face. *is_end: the leg ends there, at a vertex
- * or so close to the source that a new leg from there is more exact. */
-static struct gd_point append_carefully(struct gd__trail *trail, const struct gd__ray *ray, double begun, bool *is_end)
+/* Appends the point at which a careful ray leaves its face. *is_end: the leg ends there, at a
+ * vertex or so close to the source that a new leg from there is more exact. */
+static struct gd_point append_carefully(struct gd__trail *trail, const struct gd__ray *ray,
+                                        double begun, bool *is_end)
 {
     uint32_t face = trail->mesh->side_face[ray->side];
     struct gd_point at = crossing_of(trail, ray);
@@ -203,9 +218,11 @@ static struct gd_point append_carefully(struct gd__trail *trail, const struct gd
         double part = ray->t / trail->mesh->side[ray->side].length;
         at = gd__point_within_side(ray->side, fmin(fmax(part, GD_TOL_WIDTH), 1 - GD_TOL_WIDTH));
     }
-    double gone = trail->path.length - begun + gd__trail_run(trail, &at, face), rest = hypot(ray->x - ray->t, ray->y);
+    double gone = trail->path.length - begun + gd__trail_run(trail, &at, face),
+           rest = hypot(ray->x - ray->t, ray->y);
     if (gd__source_is_linear(ray->source))
-        rest = trail->nearest - trail->field->seeds[gd__field_seed_of(trail->field, ray->source)].offset - gone;
+        rest = trail->nearest -
+               trail->field->seeds[gd__field_seed_of(trail->field, ray->source)].offset - gone;
     uint32_t vertex = vertex_beside(trail, ray, gone, rest);
     if (vertex != GD_NONE) at = gd__point_of_vertex(vertex);
     gd__trail_append_in_face(trail, at, face);
@@ -222,8 +239,8 @@ static bool find_home(const struct gd__trail *trail, uint32_t source, struct gd_
     return gd__segment_home(trail->mesh, &s->point, &s->end, home);
 }
 
-/* Follows a careful ray, or any ray to a segment. A ray meets its segment at right angles, on an edge
- * that it reaches or in a face that it enters. */
+/* Follows a careful ray, or any ray to a segment. A ray meets its segment at right angles, on an
+ * edge that it reaches or in a face that it enters. */
 static struct gd__stop follow_slowly(struct gd__trail *trail, struct gd__ray ray)
 {
     const struct gd_mesh *mesh = trail->mesh;
@@ -236,11 +253,14 @@ static struct gd__stop follow_slowly(struct gd__trail *trail, struct gd__ray ray
         const struct gd_side *across = &mesh->side[ray.side ^ 1];
         struct passage passage;
         bool is_end = false;
-        if (ray.side >> 1 == home.edge) return gd__ray_arrive_at_chord(trail, seed, mesh->side_face[ray.side]);
-        struct gd_point at = trail->aside > 0 ? append_carefully(trail, &ray, begun, &is_end) : append_end(trail, ray);
+        if (ray.side >> 1 == home.edge)
+            return gd__ray_arrive_at_chord(trail, seed, mesh->side_face[ray.side]);
+        struct gd_point at = trail->aside > 0 ? append_carefully(trail, &ray, begun, &is_end)
+                                              : append_end(trail, ray);
         if (is_end || at.kind == GD_POINT_VERTEX) return gd__stop_at(at);
         enter_face(across, &ray, linear);
-        if (linear && mesh->side_face[ray.side] == home.face) return gd__ray_arrive_at_chord(trail, seed, home.face);
+        if (linear && mesh->side_face[ray.side] == home.face)
+            return gd__ray_arrive_at_chord(trail, seed, home.face);
         if (!linear && gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
             return gd__ray_arrive(trail, mesh->side_face[ray.side], ray.source);
         cross_face(across, &ray, &passage, linear);

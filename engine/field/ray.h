@@ -1,12 +1,13 @@
-/* Ray: a leg of a path, followed from face to face. A leg is a straight line through unfolded faces, so one frame at a time suffices: where it crosses
- * the edge, and where the source's image lies. */
+/* Ray: a leg of a path, followed from face to face. A leg is a straight line through unfolded
+ * faces, so one frame at a time suffices: where it crosses the edge, and where the source's image
+ * lies. */
 #ifndef GD_FIELD_RAY_H
 #define GD_FIELD_RAY_H
 
 #include "field/trail.h"
 
-/* In the frame of a side of the face it is in: crosses the side at t, its source's image lies across at (x, -y), or, of a segment, in that
- * direction. */
+/* In the frame of a side of the face it is in: crosses the side at t, its source's image lies
+ * across at (x, -y), or, of a segment, in that direction. */
 struct gd__ray {
     uint32_t side, source;
     double t, x, y;
@@ -47,13 +48,16 @@ static inline struct gd__stop gd__stop_failed(struct gd__trail *trail, enum gd_s
 /* Appends where the ray crosses edges until it reaches its source or passes through a vertex. */
 struct gd__stop gd__ray_follow(struct gd__trail *trail, struct gd__ray ray);
 
-/* Is the source, a vertex or a point, in the face of `side`, and there at (x, y)? Then the leg ends. */
-bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x, double y, uint32_t source);
+/* Is the source, a vertex or a point, in the face of `side`, and there at (x, y)? Then the leg
+ * ends. */
+bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x, double y,
+                         uint32_t source);
 
 /* Appends the source. */
 struct gd__stop gd__ray_arrive(struct gd__trail *trail, uint32_t face, uint32_t source);
 
-/* Appends the foot of the perpendicular from the last point, which lies in the segment's face, on the segment. */
+/* Appends the foot of the perpendicular from the last point, which lies in the segment's face, on
+ * the segment. */
 struct gd__stop gd__ray_arrive_at_chord(struct gd__trail *trail, uint32_t seed, uint32_t face);
 
 #endif

@@ -3,20 +3,27 @@
 
 #include "field/layout.h"
 
-/* What two wavefronts gain (doc 011) outweighs what a partial field has while it has less than this part of the vertices. */
+/* What two wavefronts gain (doc 011) outweighs what a partial field has while it has less than this
+ * part of the vertices. */
 #define PART_WORTH_KEEPING 0.5
 
 static enum gd_status check(const struct gd_field *partial, double radius, struct gd_detail *detail)
 {
-    if (!(radius >= 0)) return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
+    if (!(radius >= 0))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
     if (partial->reach >= GD__FAR)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the field is complete: there is nothing to resume");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the field is complete: there is nothing to resume");
     if (radius > 0 && radius / partial->mesh->unit <= partial->reach)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius %g must be greater than the field's reach, %g", radius,
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the radius %g must be greater than the field's reach, %g", radius,
                        gd_field_reach(partial));
     bool is_sound = partial->reach >= 0;
-    for (uint32_t v = 0; v < partial->mesh->vertex_count; v++) is_sound &= partial->distance[v] >= 0;
-    if (!is_sound) return gd_fail(detail, GD_INVALID_ARGUMENT, "the field is damaged: it has distances below zero");
+    for (uint32_t v = 0; v < partial->mesh->vertex_count; v++)
+        is_sound &= partial->distance[v] >= 0;
+    if (!is_sound)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the field is damaged: it has distances below zero");
     return GD_OK;
 }
 
@@ -36,8 +43,8 @@ static bool has_little(const struct gd_field *partial)
     return within < PART_WORTH_KEEPING * vertices;
 }
 
-/* Wedges' ends are stored to 2^-32 of their edges: where the reach or the shortest edge is small for the
- * longest one, that is more than rounding to the windows that are cast from them again. */
+/* Wedges' ends are stored to 2^-32 of their edges: where the reach or the shortest edge is small
+ * for the longest one, that is more than rounding to the windows that are cast from them again. */
 static bool is_coarse(const struct gd_field *partial)
 {
     const struct gd_mesh *mesh = partial->mesh;
@@ -68,7 +75,8 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
                                     .wedge_count = partial->statistics.wedges};
     struct gd__propagation propagation = {.seeds = field->seeds,
                                           .seed_count = field->seed_count,
-                                          .radius = radius > 0 ? radius / field->mesh->unit : GD__FAR};
+                                          .radius =
+                                              radius > 0 ? radius / field->mesh->unit : GD__FAR};
     bool pays = executor && executor->width > 1 && has_little(partial) &&
                 gd__domain_is_worth_it(field->mesh, &propagation, control);
     bool anew = pays || is_coarse(partial);
@@ -78,8 +86,9 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
     return status;
 }
 
-enum gd_status gd_field_resume(const struct gd_field *partial, double radius, const struct gd_control *control,
-                               const struct gd_executor *executor, struct gd_field **out, struct gd_detail *detail)
+enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
+                               const struct gd_control *control, const struct gd_executor *executor,
+                               struct gd_field **out, struct gd_detail *detail)
 {
     enum gd_status status = check(partial, radius, detail);
     if (status) return status;

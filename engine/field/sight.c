@@ -13,7 +13,8 @@ gd__sight_kernel *gd__sight_kernel_in_use(bool linear)
     return linear ? gd__sight_plain_linear : gd__sight_plain;
 }
 
-/* Measured from the end of the leg that is nearer to the edge: the rounding is relative to that end. */
+/* Measured from the end of the leg that is nearer to the edge: the rounding is relative to that
+ * end. */
 static double straight_crossing(const struct gd__sight *sight, const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return sight->x + w->x * (sight->y / w->y);
@@ -24,7 +25,9 @@ static double straight_crossing(const struct gd__sight *sight, const struct gd__
 
 double gd__sight_crossing(const struct gd__sight *sight, const struct gd__window *wedge)
 {
-    double length = sight->length, more = gd__window_is_linear(wedge) ? 0 : 2 * length * GD__WEDGE_UNIT;
-    double from = fmax(wedge->b0 - more, 0), to = fmin(wedge->b1 + more, length), t = straight_crossing(sight, wedge);
+    double length = sight->length,
+           more = gd__window_is_linear(wedge) ? 0 : 2 * length * GD__WEDGE_UNIT;
+    double from = fmax(wedge->b0 - more, 0), to = fmin(wedge->b1 + more, length),
+           t = straight_crossing(sight, wedge);
     return t < from ? from : t > to ? to : t;
 }

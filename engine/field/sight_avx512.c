@@ -8,12 +8,14 @@ static inline lanes load_first(const double *p, uint32_t count)
 
 static inline lanes starts_first(const uint64_t *p, uint32_t count)
 {
-    return _mm512_cvtepu32_pd(_mm512_cvtepi64_epi32(_mm512_maskz_loadu_epi64(first_lanes(count), p)));
+    return _mm512_cvtepu32_pd(
+        _mm512_cvtepi64_epi32(_mm512_maskz_loadu_epi64(first_lanes(count), p)));
 }
 
 static inline ids sources_first(const uint64_t *p, uint32_t count)
 {
-    return _mm512_cvtepi64_epi32(_mm512_srli_epi64(_mm512_maskz_loadu_epi64(first_lanes(count), p), 32));
+    return _mm512_cvtepi64_epi32(
+        _mm512_srli_epi64(_mm512_maskz_loadu_epi64(first_lanes(count), p), 32));
 }
 
 static inline mask ids_below(ids a, uint32_t limit)
@@ -23,7 +25,8 @@ static inline mask ids_below(ids a, uint32_t limit)
 
 static inline ids ids_scaled(ids a, uint32_t from, uint32_t by)
 {
-    return _mm256_mullo_epi32(_mm256_sub_epi32(a, _mm256_set1_epi32((int)from)), _mm256_set1_epi32((int)by));
+    return _mm256_mullo_epi32(_mm256_sub_epi32(a, _mm256_set1_epi32((int)from)),
+                              _mm256_set1_epi32((int)by));
 }
 
 static inline lanes gather(mask m, const double *from, ids at)

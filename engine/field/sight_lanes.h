@@ -1,7 +1,8 @@
-/* The sight's kernel for one set of lanes; included by sight_plain.c, sight_avx2.c and sight_avx512.c behind their lanes (wedge/lanes_*.h) and
- * what they add: load_first, starts_first and sources_first read the first lanes only, `gather` reads an array at the ids of a mask's lanes and
- * gives zero in the others, ids_below compares without signs, ids_scaled gives (a - from) * by, least_of the least of all lanes, `ordinals`
- * the lanes' numbers.
+/* The sight's kernel for one set of lanes; included by sight_plain.c, sight_avx2.c and
+ * sight_avx512.c behind their lanes (wedge/lanes_*.h) and what they add: load_first, starts_first
+ * and sources_first read the first lanes only, `gather` reads an array at the ids of a mask's lanes
+ * and gives zero in the others, ids_below compares without signs, ids_scaled gives (a - from) * by,
+ * least_of the least of all lanes, `ordinals` the lanes' numbers.
  *
  * In the frame of the point's side a source is at (x, -y), the point at (px, py). */
 #include "field/sight.h"
@@ -32,7 +33,8 @@ static inline struct group load_group(const struct gd__sight *sight, uint32_t at
     uint32_t count = sight->chunk->count - at;
     struct group g;
     lanes unit = all(sight->length * GD__WEDGE_UNIT), length = all(sight->length);
-    lanes next = pick(first_lanes(count - 1), starts_first(wedges.start + at + 1, count - 1), all(GD__WEDGE_UNITS));
+    lanes next = pick(first_lanes(count - 1), starts_first(wedges.start + at + 1, count - 1),
+                      all(GD__WEDGE_UNITS));
     g.here = first_lanes(count);
     g.x = load_first(wedges.x + at, count);
     g.y = magnitude(load_first(wedges.y + at, count));
@@ -56,14 +58,17 @@ static inline lanes distances_of_points(const struct gd_field *field, const stru
     lanes unit = all(sight->length * GD__WEDGE_UNIT), from = greater(g->b0 - (unit + unit), all(0)),
           to = lesser(g->b1 + (unit + unit), all(sight->length));
     lanes px = all(sight->x), py = all(sight->y), dx = px - x, dy = py + y;
-    lanes straight = pick(lt(all(0), dy), x + dx * (y / dy), px); /* sight.c has the same for one wedge */
+    /* sight.c has the same for one wedge */
+    lanes straight = pick(lt(all(0), dy), x + dx * (y / dy), px);
     lanes bend = lesser(greater(straight, from), to), ex = bend - x, fx = px - bend;
     mask bends = either(lt(straight, from), lt(to, straight));
-    lanes to_bend = pick(bends, ex * ex + y * y, dx * dx + dy * dy), onwards = pick(bends, fx * fx + py * py, all(0));
+    lanes to_bend = pick(bends, ex * ex + y * y, dx * dx + dy * dy),
+          onwards = pick(bends, fx * fx + py * py, all(0));
     return sigmas(field, g->source, g->here) + root(to_bend) + root(onwards);
 }
 
-/* Of ways through linear ones: the direction from its half angle's tangent, the distance at the edge's origin. */
+/* Of ways through linear ones: the direction from its half angle's tangent, the distance at the
+ * edge's origin. */
 static inline lanes distances_of_lines(const struct gd__sight *sight, const struct group *g)
 {
     lanes scale = all(1) / (all(1) + g->y * g->y), x = (all(1) - g->y) * (all(1) + g->y) * scale,
@@ -81,8 +86,10 @@ static inline lanes distances_of_lines(const struct gd__sight *sight, const stru
 /* What is compiled once for wedges of points only, and once for linear ones too. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
-/* Distances of the sight's point through the wedges from place `at` on; GD__FAR of gaps and behind the last. */
-BOTH_KINDS lanes distances(const struct gd_field *field, const struct gd__sight *sight, uint32_t at, bool linear)
+/* Distances of the sight's point through the wedges from place `at` on; GD__FAR of gaps and behind
+ * the last. */
+BOTH_KINDS lanes distances(const struct gd_field *field, const struct gd__sight *sight, uint32_t at,
+                           bool linear)
 {
     struct group g = load_group(sight, at);
     lanes distance = distances_of_points(field, sight, &g);
@@ -94,8 +101,8 @@ BOTH_KINDS lanes distances(const struct gd_field *field, const struct gd__sight 
 }
 
 /* Nothing here branches on distances: none of it could be foreseen, and so queries overlap. */
-BOTH_KINDS struct gd__seen look(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
-                                double known, bool linear)
+BOTH_KINDS struct gd__seen look(const struct gd_field *field, const struct gd__sight *sights,
+                                uint32_t count, double known, bool linear)
 {
     lanes best = all(known), place = all(0);
     uint32_t before = 0;
@@ -114,14 +121,14 @@ BOTH_KINDS struct gd__seen look(const struct gd_field *field, const struct gd__s
     return (struct gd__seen){least, least < known ? (uint32_t)first : GD_NONE};
 }
 
-struct gd__seen KERNEL(sight)(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
-                              double known)
+struct gd__seen KERNEL(sight)(const struct gd_field *field, const struct gd__sight *sights,
+                              uint32_t count, double known)
 {
     return look(field, sights, count, known, false);
 }
 
-struct gd__seen KERNEL_LINEAR(sight)(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
-                                     double known)
+struct gd__seen KERNEL_LINEAR(sight)(const struct gd_field *field, const struct gd__sight *sights,
+                                     uint32_t count, double known)
 {
     return look(field, sights, count, known, true);
 }

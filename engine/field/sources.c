@@ -19,8 +19,8 @@ void gd__sources_destroy(struct gd__sources *sources)
     *sources = (struct gd__sources){0};
 }
 
-bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t i, uint32_t side,
-                        struct gd__window *out)
+bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t i,
+                        uint32_t side, struct gd__window *out)
 {
     double length = field->mesh->side[side].length,
            more = gd__stored_slack(length); /* it ties with its neighbour there */
@@ -34,23 +34,28 @@ bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *ch
     return true;
 }
 
-/* The unit normal (x, y) of a line in the frame of side k, turned into the face's. A source at its wedge's very end sees all that is above. */
+/* The unit normal (x, y) of a line in the frame of side k, turned into the face's. A source at its
+ * wedge's very end sees all that is above. */
 static struct gd__local normal(const struct gd__frame *frame, int k, double x, double y)
 {
     double length = sqrt(x * x + y * y);
-    return length > 0 ? gd__frame_turn(frame, k, x / length, y / length) : gd__frame_turn(frame, k, 0, 1);
+    return length > 0 ? gd__frame_turn(frame, k, x / length, y / length)
+                      : gd__frame_turn(frame, k, 0, 1);
 }
 
 /* A linear source's sigma from its distance at a place. */
-static void set_gradient(struct gd__source *source, struct gd__local gradient, struct gd__local at, double distance)
+static void set_gradient(struct gd__source *source, struct gd__local gradient, struct gd__local at,
+                         double distance)
 {
     source->linear = source->has_sector = true;
     source->gradient = gradient;
     source->sigma = distance - (gradient.x * at.x + gradient.y * at.y);
 }
 
-/* A window that looks into the face across its side k. In homogeneous coordinates (window.h) its sector's normals are alike for both kinds. */
-static struct gd__source source_of_window(const struct gd__frame *frame, int k, const struct gd__window *w)
+/* A window that looks into the face across its side k. In homogeneous coordinates (window.h) its
+ * sector's normals are alike for both kinds. */
+static struct gd__source source_of_window(const struct gd__frame *frame, int k,
+                                          const struct gd__window *w)
 {
     bool linear = gd__window_is_linear(w);
     double b0 = linear ? 0 : w->b0, b1 = linear ? 0 : w->b1;
@@ -75,11 +80,13 @@ static struct gd__source source_of_window(const struct gd__frame *frame, int k, 
     return source;
 }
 
-static enum gd_status append_wedges(const struct gd_field *field, int k, double most, struct gd__sources *out)
+static enum gd_status append_wedges(const struct gd_field *field, int k, double most,
+                                    struct gd__sources *out)
 {
     uint32_t side = field->mesh->face_side[out->face][k];
     const uint32_t across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
-    for (uint32_t at = field->newest[side >> 1]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+    for (uint32_t at = field->newest[side >> 1]; at != GD_NONE;
+         at = gd__field_chunk(field, at)->previous) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         for (uint32_t i = 0; i < chunk->count; i++) {
             struct gd__window w;
@@ -93,12 +100,14 @@ static enum gd_status append_wedges(const struct gd_field *field, int k, double 
     return GD_OK;
 }
 
-static enum gd_status append_point(const struct gd_field *field, uint32_t seed, struct gd__sources *out)
+static enum gd_status append_point(const struct gd_field *field, uint32_t seed,
+                                   struct gd__sources *out)
 {
     const struct gd__seed *s = &field->seeds[seed];
     double weight[3];
     gd__point_weights(field->mesh, &s->point, out->face, weight);
-    struct gd__local place = gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight);
+    struct gd__local place =
+        gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight);
     return append(out, &(struct gd__source){.at = place,
                                             .sigma = s->offset,
                                             .left_at = place,
@@ -124,7 +133,8 @@ static struct gd__source source_of_chord(const struct gd__chord *chord, int left
 }
 
 /* A segment along an edge sees the face on one side of it only. */
-static enum gd_status append_chord(const struct gd_field *field, uint32_t seed, struct gd__sources *out)
+static enum gd_status append_chord(const struct gd_field *field, uint32_t seed,
+                                   struct gd__sources *out)
 {
     const struct gd__seed *s = &field->seeds[seed];
     const struct gd__local *corner = out->frame.corner;
@@ -132,7 +142,8 @@ static enum gd_status append_chord(const struct gd_field *field, uint32_t seed, 
     struct gd__chord chord = gd__chord(field->mesh, out->face, 0, &s->point, &s->end);
     struct gd__local middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
                                (corner[0].y + corner[1].y + corner[2].y) / 3};
-    bool is_inside = gd__segment_home(field->mesh, &s->point, &s->end, &home) && home.edge == GD_NONE,
+    bool is_inside =
+             gd__segment_home(field->mesh, &s->point, &s->end, &home) && home.edge == GD_NONE,
          has_middle_on_left = gd__chord_height(&chord, middle) > 0;
     enum gd_status status = GD_OK;
     for (int left = -1; left <= 1 && !status; left += 2) {
@@ -144,7 +155,8 @@ static enum gd_status append_chord(const struct gd_field *field, uint32_t seed, 
     return status;
 }
 
-static enum gd_status append_seeds(const struct gd_field *field, double most, struct gd__sources *out)
+static enum gd_status append_seeds(const struct gd_field *field, double most,
+                                   struct gd__sources *out)
 {
     enum gd_status status = GD_OK;
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
@@ -152,12 +164,14 @@ static enum gd_status append_seeds(const struct gd_field *field, double most, st
          f < end && f->face == out->face && !status; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
         if (seed->offset >= most) continue;
-        status = seed->is_segment ? append_chord(field, f->seed, out) : append_point(field, f->seed, out);
+        status = seed->is_segment ? append_chord(field, f->seed, out)
+                                  : append_point(field, f->seed, out);
     }
     return status;
 }
 
-static enum gd_status append_corners(const struct gd_field *field, double most, struct gd__sources *out)
+static enum gd_status append_corners(const struct gd_field *field, double most,
+                                     struct gd__sources *out)
 {
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++) {
@@ -175,7 +189,8 @@ static enum gd_status append_corners(const struct gd_field *field, double most, 
     return status;
 }
 
-enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, double most, struct gd__sources *out)
+enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, double most,
+                                  struct gd__sources *out)
 {
     out->face = face;
     out->frame = gd__frame_of_face(field->mesh, face);

@@ -7,7 +7,8 @@ struct gd__turn gd__turn_around(double phi, double q)
     if (q <= -1) return gd__turn_all;
     if (!(q < 1)) return (struct gd__turn){0};
     double half = acos(q), from = phi - half, to = phi + half;
-    if (from < -M_PI) return (struct gd__turn){2, {{-M_PI, to, 0, 0}, {from + 2 * M_PI, M_PI, 0, 0}}};
+    if (from < -M_PI)
+        return (struct gd__turn){2, {{-M_PI, to, 0, 0}, {from + 2 * M_PI, M_PI, 0, 0}}};
     if (to > M_PI) return (struct gd__turn){2, {{-M_PI, to - 2 * M_PI, 0, 0}, {from, M_PI, 0, 0}}};
     return (struct gd__turn){1, {{from, to, 0, 0}}};
 }
@@ -17,7 +18,8 @@ struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b
     struct gd__turn common = {0};
     for (int i = 0; i < a->count; i++) {
         for (int k = 0; k < b->count; k++) {
-            double from = fmax(a->part[i].from, b->part[k].from), to = fmin(a->part[i].to, b->part[k].to);
+            double from = fmax(a->part[i].from, b->part[k].from),
+                   to = fmin(a->part[i].to, b->part[k].to);
             if (from < to && common.count < GD__TURN_PARTS)
                 common.part[common.count++] = (struct gd__span){.from = from, .to = to};
         }
@@ -27,7 +29,8 @@ struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b
 
 static enum gd_status append(struct gd__spans *spans, struct gd__span span)
 {
-    struct gd__span *grown = gd__array_reserve(spans->span, &spans->capacity, spans->count + 1, sizeof span);
+    struct gd__span *grown =
+        gd__array_reserve(spans->span, &spans->capacity, spans->count + 1, sizeof span);
     if (!grown) return GD_NO_MEMORY;
     spans->span = grown;
     spans->span[spans->count++] = span;
@@ -56,8 +59,10 @@ static void sort_by_start(struct gd__spans *spans)
 
 enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out)
 {
-    struct gd__span free = {.from = -M_PI, .from_by = GD__SPAN_OPEN}; /* from what is covered so far */
-    enum gd_status status = append(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
+    /* from what is covered so far */
+    struct gd__span free = {.from = -M_PI, .from_by = GD__SPAN_OPEN};
+    enum gd_status status =
+        append(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
     if (status) return status;
     sort_by_start(covered);
     out->count = 0;

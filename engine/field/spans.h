@@ -36,12 +36,15 @@ struct gd__spans {
 };
 
 /* Appends the parts of a turn, as put there by `by`. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by);
+GD_MUST_USE enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn,
+                                         uint32_t by);
 
-/* What the spans leave of [-pi, pi], without what is no wider than `least`: bounded by who put the spans on either side, GD__SPAN_OPEN where there
- * is none. Sorts `covered`. GD_NO_MEMORY. O(n^2) at worst. */
+/* What the spans leave of [-pi, pi], without what is no wider than `least`: bounded by who put the
+ * spans on either side, GD__SPAN_OPEN where there is none. Sorts `covered`. GD_NO_MEMORY. O(n^2) at
+ * worst. */
 #define GD__SPAN_OPEN UINT32_MAX
-GD_MUST_USE enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out);
+GD_MUST_USE enum gd_status gd__spans_invert(struct gd__spans *covered, double least,
+                                            struct gd__spans *out);
 
 /* Makes a first and a last span that meet at pi one, which then reaches beyond pi. */
 void gd__spans_join(struct gd__spans *spans);

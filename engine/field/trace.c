@@ -6,23 +6,26 @@
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 
-/* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by the births, until a seed is reached. */
+/* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by
+ * the births, until a seed is reached. */
 
-/* --- from stop to stop --------------------------------------------------------------------------------------------------- */
+/* --- from stop to stop ------------------------------------------------------------------------ */
 
 static struct gd__stop go_along_edge(struct gd__trail *trail, uint32_t vertex, uint32_t source)
 {
     const struct gd_mesh *mesh = trail->mesh;
     if (source < mesh->vertex_count) {
-        gd__trail_append(trail, gd__point_of_vertex(source), mesh->side[gd__side_between(mesh, vertex, source)].length);
+        gd__trail_append(trail, gd__point_of_vertex(source),
+                         mesh->side[gd__side_between(mesh, vertex, source)].length);
         return gd__stop_at_vertex(source);
     }
-    if (source == GD_NONE)
-        return gd__stop_failed(trail, GD_INTERNAL); /* the path leads to a vertex that was not reached */
+    if (source == GD_NONE) /* the path leads to a vertex that was not reached */
+        return gd__stop_failed(trail, GD_INTERNAL);
     const struct gd_point *seed = &trail->field->seeds[source - mesh->vertex_count].point;
     if (seed->kind == GD_POINT_EDGE) {
         uint32_t side = 2 * seed->element;
-        gd__trail_append_in_face(trail, *seed, mesh->side_face[gd__side_is_boundary(mesh, side) ? side ^ 1 : side]);
+        gd__trail_append_in_face(
+            trail, *seed, mesh->side_face[gd__side_is_boundary(mesh, side) ? side ^ 1 : side]);
     }
     return gd__stop_at_seed(source - mesh->vertex_count);
 }
@@ -32,10 +35,12 @@ static bool is_along(const struct gd__trail *trail, uint32_t source, uint32_t ed
 {
     struct gd__home home;
     const struct gd__seed *s = &trail->field->seeds[gd__field_seed_of(trail->field, source)];
-    return gd__segment_home(trail->mesh, &s->point, &s->end, &home) && home.edge == edge && home.face == face;
+    return gd__segment_home(trail->mesh, &s->point, &s->end, &home) && home.edge == edge &&
+           home.face == face;
 }
 
-/* From a vertex at right angles towards a segment, which may lie in the face that the leg came through. */
+/* From a vertex at right angles towards a segment, which may lie in the face that the leg came
+ * through. */
 static struct gd__stop go_to_segment(struct gd__trail *trail, struct gd__birth birth)
 {
     const struct gd_mesh *mesh = trail->mesh;
@@ -45,7 +50,8 @@ static struct gd__stop go_to_segment(struct gd__trail *trail, struct gd__birth b
         return gd__ray_arrive_at_chord(trail, gd__field_seed_of(trail->field, birth.source), face);
     double t = s->left_length * s->left_x + birth.x * (s->left_length * s->left_y / birth.y);
     return gd__ray_follow(
-        trail, (struct gd__ray){.side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
+        trail, (struct gd__ray){
+                   .side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
 }
 
 /* From a vertex by its birth. */
@@ -65,9 +71,11 @@ static struct gd__stop go_from_vertex(struct gd__trail *trail, uint32_t vertex)
         return gd__ray_arrive(trail, mesh->side_face[birth.side], birth.source);
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, height = birth.y + py;
     double across = px - birth.x, t = birth.x;
-    if (height > 0) t = birth.y < py ? birth.x + across * (birth.y / height) : px - across * (py / height);
+    if (height > 0)
+        t = birth.y < py ? birth.x + across * (birth.y / height) : px - across * (py / height);
     return gd__ray_follow(
-        trail, (struct gd__ray){.side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
+        trail, (struct gd__ray){
+                   .side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
 }
 
 static struct gd__stop go_to_close_seed(struct gd__trail *trail, const struct gd__leg *leg)
@@ -75,7 +83,8 @@ static struct gd__stop go_to_close_seed(struct gd__trail *trail, const struct gd
     struct gd__close close;
     double weight[3];
     gd__point_weights(trail->mesh, &trail->path.points[trail->path.count - 1], leg->face, weight);
-    if (!gd__close_find(trail->field, leg->face, weight, GD__FAR, &close)) return gd__stop_failed(trail, GD_INTERNAL);
+    if (!gd__close_find(trail->field, leg->face, weight, GD__FAR, &close))
+        return gd__stop_failed(trail, GD_INTERNAL);
     gd__close_trace(trail, leg->face, &close);
     return gd__stop_at_seed(close.seed);
 }
@@ -88,15 +97,18 @@ static struct gd__stop go_by_leg(struct gd__trail *trail, const struct gd__leg *
         gd__trail_append_in_face(trail, gd__point_of_vertex(leg->from), leg->face);
         break;
     case GD__LEG_SEED:
-        if (trail->field->seeds[leg->from].is_segment) return gd__ray_arrive_at_chord(trail, leg->from, leg->face);
+        if (trail->field->seeds[leg->from].is_segment)
+            return gd__ray_arrive_at_chord(trail, leg->from, leg->face);
         gd__trail_append_seed(trail, leg->from, leg->face);
         return gd__stop_at_seed(leg->from);
     case GD__LEG_CLOSE:
         return go_to_close_seed(trail, leg);
     case GD__LEG_WEDGE:
-        return gd__ray_follow(
-            trail,
-            (struct gd__ray){.side = leg->side, .source = leg->source, .t = leg->parameter, .x = leg->x, .y = leg->y});
+        return gd__ray_follow(trail, (struct gd__ray){.side = leg->side,
+                                                      .source = leg->source,
+                                                      .t = leg->parameter,
+                                                      .x = leg->x,
+                                                      .y = leg->y});
     case GD__LEG_NONE:
         return gd__stop_failed(trail, GD_INTERNAL);
     }
@@ -111,7 +123,8 @@ struct beginning {
 };
 
 static struct gd__stop go_from_beginning(struct gd__trail *trail, const struct gd_point *point,
-                                         const struct gd__leg *first, const struct beginning *beginning)
+                                         const struct gd__leg *first,
+                                         const struct beginning *beginning)
 {
     if (beginning->via != GD_NONE) {
         gd__trail_append_in_face(trail, gd__point_of_vertex(beginning->via), beginning->face);
@@ -121,8 +134,9 @@ static struct gd__stop go_from_beginning(struct gd__trail *trail, const struct g
 }
 
 /* *seed: the one in which the path ends. */
-static void trace_back(struct gd__trail *trail, const struct gd_point *point, const struct gd__leg *first,
-                       const struct beginning *beginning, uint32_t *seed)
+static void trace_back(struct gd__trail *trail, const struct gd_point *point,
+                       const struct gd__leg *first, const struct beginning *beginning,
+                       uint32_t *seed)
 {
     gd__trail_append(trail, *point, 0);
     if (trail->status) return; /* what follows looks at the last point */
@@ -143,11 +157,12 @@ static void trace_back(struct gd__trail *trail, const struct gd_point *point, co
     if (!trail->status) *seed = stop.seed;
 }
 
-/* --- the path ------------------------------------------------------------------------------------------------------------ */
+/* --- the path --------------------------------------------------------------------------------- */
 
 /* One attempt; on success the path is the caller's, its length and the distance agree. */
-static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
-                               const struct beginning *beginning, struct gd_path *out, uint32_t *seed)
+static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point,
+                               const struct gd__leg *leg, const struct beginning *beginning,
+                               struct gd_path *out, uint32_t *seed)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__trail trail = {.field = field,
@@ -156,16 +171,19 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
                               .aside = beginning->aside,
                               .vertex = GD_NONE,
                               .nearest = leg->distance,
-                              .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
+                              .steps_left =
+                                  2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
     uint32_t end = 0;
     trace_back(&trail, point, leg, beginning, &end);
     double offset = field->seeds[end].offset, slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
-    if (!trail.status && !(fabs(trail.path.length + offset - leg->distance) <= slack)) trail.status = GD_INTERNAL;
+    if (!trail.status && !(fabs(trail.path.length + offset - leg->distance) <= slack))
+        trail.status = GD_INTERNAL;
     if (trail.status) {
         gd_path_free(&trail.path);
         return trail.status;
     }
-    trail.path.length = (leg->distance - offset) * mesh->unit; /* has digits that the sum has lost */
+    /* has digits that the sum has lost */
+    trail.path.length = (leg->distance - offset) * mesh->unit;
     *out = trail.path;
     *seed = end;
     return GD_OK;
@@ -173,10 +191,11 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
 
 enum { CAREFUL_ATTEMPTS = 7 };
 
-/* In faces as small as rounding a ray may turn in a circle. The way by a neighbour is as short there, if the
- * length passes the check; a longer one does not. */
+/* In faces as small as rounding a ray may turn in a circle. The way by a neighbour is as short
+ * there, if the length passes the check; a longer one does not. */
 static enum gd_status path_by_neighbours(const struct gd_field *field, const struct gd_point *point,
-                                         const struct gd__leg *leg, struct gd_path *out, uint32_t *seed)
+                                         const struct gd__leg *leg, struct gd_path *out,
+                                         uint32_t *seed)
 {
     const struct gd_mesh *mesh = field->mesh;
     enum gd_status status = GD_INTERNAL;
@@ -184,7 +203,8 @@ static enum gd_status path_by_neighbours(const struct gd_field *field, const str
     uint32_t first = is_vertex ? mesh->fan_first[point->element] : 0,
              end = is_vertex ? mesh->fan_first[point->element + 1] : 1;
     for (uint32_t i = first; i < end && status == GD_INTERNAL; i++) {
-        struct beginning beginning = {.face = is_vertex ? mesh->side_face[mesh->fan[i].side] : leg->face};
+        struct beginning beginning = {.face = is_vertex ? mesh->side_face[mesh->fan[i].side]
+                                                        : leg->face};
         for (int k = 0; k < 3 && status == GD_INTERNAL; k++) {
             beginning.via = mesh->origin[mesh->face_side[beginning.face][k]];
             bool is_far = field->distance[beginning.via] > leg->distance * (1 + GD_TOL_CHECK);
@@ -196,19 +216,20 @@ static enum gd_status path_by_neighbours(const struct gd_field *field, const str
 }
 
 /* The path whose first leg is known. */
-static enum gd_status path_by_leg(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
-                                  struct gd_path *out, uint32_t *seed)
+static enum gd_status path_by_leg(const struct gd_field *field, const struct gd_point *point,
+                                  const struct gd__leg *leg, struct gd_path *out, uint32_t *seed)
 {
     struct beginning beginning = {.via = GD_NONE};
     enum gd_status status = try_path(field, point, leg, &beginning, out, seed);
     beginning.aside = GD_TOL_ASIDE_LEAST;
-    for (int i = 0; i < CAREFUL_ATTEMPTS && status == GD_INTERNAL; i++, beginning.aside *= GD_TOL_ASIDE_STEP)
+    for (int i = 0; i < CAREFUL_ATTEMPTS && status == GD_INTERNAL;
+         i++, beginning.aside *= GD_TOL_ASIDE_STEP)
         status = try_path(field, point, leg, &beginning, out, seed);
     return status == GD_INTERNAL ? path_by_neighbours(field, point, leg, out, seed) : status;
 }
 
-enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct gd_point *point, struct gd_path *out,
-                                     uint32_t *seed)
+enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct gd_point *point,
+                                     struct gd_path *out, uint32_t *seed)
 {
     struct gd__leg leg = gd__field_leg(field, point);
     if (leg.distance > field->reach) return GD_BEYOND_REACH;
@@ -216,7 +237,8 @@ enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct 
     return path_by_leg(field, point, &leg, out, seed);
 }
 
-enum gd_status gd__field_distance_and_path(const struct gd_field *field, const struct gd_point *point, double *distance,
+enum gd_status gd__field_distance_and_path(const struct gd_field *field,
+                                           const struct gd_point *point, double *distance,
                                            struct gd_path *out)
 {
     struct gd__leg leg = gd__field_leg(field, point);
@@ -226,7 +248,8 @@ enum gd_status gd__field_distance_and_path(const struct gd_field *field, const s
     return leg.kind == GD__LEG_NONE ? GD_OK : path_by_leg(field, point, &leg, out, &seed);
 }
 
-enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)
+enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point,
+                             struct gd_path *out)
 {
     uint32_t seed;
     return gd_field_path_to_seed(field, point, out, &seed);

@@ -19,10 +19,12 @@ bool gd__trail_grow(struct gd__trail *trail)
     return true;
 }
 
-/* The same point, or one that rounding made of it: where a ray leaves the edge that it begins on. */
+/* The same point, or one that rounding made of it: where a ray leaves the edge that it begins on.
+ */
 static bool is_same_place(const struct gd_point *a, const struct gd_point *b)
 {
-    if (a->kind != GD_POINT_EDGE || b->kind != GD_POINT_EDGE || a->element != b->element) return gd_point_equal(a, b);
+    if (a->kind != GD_POINT_EDGE || b->kind != GD_POINT_EDGE || a->element != b->element)
+        return gd_point_equal(a, b);
     return fabs(a->weight[0] - b->weight[0]) <= GD_TOL_ON_BORDER;
 }
 
@@ -36,7 +38,8 @@ static void push(struct gd__trail *trail, struct gd_point point, double length)
 void gd__trail_append(struct gd__trail *trail, struct gd_point point, double length)
 {
     struct gd_path *path = &trail->path;
-    if (trail->status || (path->count && is_same_place(&path->points[path->count - 1], &point))) return;
+    if (trail->status || (path->count && is_same_place(&path->points[path->count - 1], &point)))
+        return;
     push(trail, point, length);
 }
 

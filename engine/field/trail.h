@@ -1,6 +1,7 @@
 /* Trail: the polyline that back-tracing makes, point by point (trace.c).
  *
- * Inside unit and numbering of the mesh. The first failure is kept in the status, and nothing is appended after it. */
+ * Inside unit and numbering of the mesh. The first failure is kept in the status, and nothing is
+ * appended after it. */
 #ifndef GD_FIELD_TRAIL_H
 #define GD_FIELD_TRAIL_H
 
@@ -11,11 +12,13 @@ struct gd__trail {
     const struct gd_mesh *mesh;
     struct gd_path path; /* the caller's in the end */
     uint32_t capacity;
-    double snap;         /* part of an edge within which a crossing is at its end */
-    double aside;        /* GD_TOL_ASIDE_LEAST or more: the rays are careful (ray.c); 0: they are not */
-    uint32_t vertex;     /* the last one that the path went through; GD_NONE: none yet */
-    double nearest;      /* distance of the point at which the leg began */
-    uint64_t steps_left; /* a shortest path crosses no face twice: more steps are an error, not a longer walk */
+    double snap; /* part of an edge within which a crossing is at its end */
+    /* GD_TOL_ASIDE_LEAST or more: the rays are careful (ray.c); 0: they are not */
+    double aside;
+    uint32_t vertex; /* the last one that the path went through; GD_NONE: none yet */
+    double nearest;  /* distance of the point at which the leg began */
+    /* a shortest path crosses no face twice: more steps are an error, not a longer walk */
+    uint64_t steps_left;
     enum gd_status status;
 };
 
@@ -34,8 +37,9 @@ void gd__trail_append(struct gd__trail *trail, struct gd_point point, double len
 /* Distance between a point of a face and the last point, which lies in that face too. */
 double gd__trail_run(const struct gd__trail *trail, const struct gd_point *point, uint32_t face);
 
-/* Appends a point of a face in which the last point lies too. The length is that of the segment itself, measured in the face: nothing of the
- * distances that the wedges gave enters it, so that the two can be compared. */
+/* Appends a point of a face in which the last point lies too. The length is that of the segment
+ * itself, measured in the face: nothing of the distances that the wedges gave enters it, so that
+ * the two can be compared. */
 void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, uint32_t face);
 
 /* Appends a point seed of such a face, the end of the path, however near it is. */

@@ -6,7 +6,8 @@
 #include "field/array.h"
 #include "field/voronoi_parts.h"
 
-/* The diagram: owners of vertices, switches along edges, strands in faces, and the lines that they form. */
+/* The diagram: owners of vertices, switches along edges, strands in faces, and the lines that they
+ * form. */
 
 enum {
     CHECK_INTERVAL = 16, /* edges or faces that see more than one member */
@@ -18,12 +19,13 @@ static const struct {
     double switches, strands, lines;
 } begun = {0.1, 0.3, 0.9};
 
-/* --- the graph -------------------------------------------------------------------------------------------------------------- */
+/* --- the graph -------------------------------------------------------------------------------- */
 
-enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd_point *point, uint32_t *out)
+enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd_point *point,
+                                    uint32_t *out)
 {
-    struct gd__node *grown =
-        gd__array_reserve(diagram->node, &diagram->node_capacity, diagram->node_count + 1, sizeof *grown);
+    struct gd__node *grown = gd__array_reserve(diagram->node, &diagram->node_capacity,
+                                               diagram->node_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     diagram->node = grown;
     *out = diagram->node_count++;
@@ -31,10 +33,11 @@ enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd
     return GD_OK;
 }
 
-enum gd_status gd__diagram_add_strand(struct gd__diagram *diagram, const struct gd__strand *strand, uint32_t *out)
+enum gd_status gd__diagram_add_strand(struct gd__diagram *diagram, const struct gd__strand *strand,
+                                      uint32_t *out)
 {
-    struct gd__strand *grown =
-        gd__array_reserve(diagram->strand, &diagram->strand_capacity, diagram->strand_count + 1, sizeof *grown);
+    struct gd__strand *grown = gd__array_reserve(diagram->strand, &diagram->strand_capacity,
+                                                 diagram->strand_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     diagram->strand = grown;
     *out = diagram->strand_count++;
@@ -56,7 +59,9 @@ static enum gd_status open_diagram(struct gd__diagram *diagram)
 static bool is_seed(const struct gd_field *field, uint32_t vertex)
 {
     struct gd__birth birth = field->birth[vertex];
-    if (birth.side != GD_NONE || birth.source == GD_NONE || birth.source < field->mesh->vertex_count) return false;
+    if (birth.side != GD_NONE || birth.source == GD_NONE ||
+        birth.source < field->mesh->vertex_count)
+        return false;
     return field->seeds[gd__field_seed_of(field, birth.source)].point.kind == GD_POINT_VERTEX;
 }
 
@@ -94,7 +99,7 @@ static void close_scratch(struct gd__voronoi_scratch *scratch)
     free(scratch->tie);
 }
 
-/* --- the steps --------------------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
 struct tracer {
     struct gd__diagram diagram;
@@ -106,7 +111,8 @@ struct tracer {
 /* What the diagram takes, and what it takes while an array grows. */
 static size_t held_by(const struct gd__diagram *diagram)
 {
-    return diagram->mesh->vertex_count * (sizeof *diagram->owner + sizeof *diagram->nearest + sizeof(uint32_t)) +
+    return diagram->mesh->vertex_count *
+               (sizeof *diagram->owner + sizeof *diagram->nearest + sizeof(uint32_t)) +
            diagram->mesh->edge_count * sizeof *diagram->first_switch +
            2 * (diagram->node_capacity * sizeof *diagram->node +
                 diagram->switch_capacity * sizeof *diagram->edge_switch +
@@ -176,7 +182,8 @@ static bool is_mixed_face(const struct gd__diagram *diagram, const bool *is_mixe
         if (is_mixed[mesh->face_side[face][k] >> 1]) return true;
     uint32_t member = diagram->owner[mesh->origin[mesh->face_side[face][0]]];
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face; f++)
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
+         f < end && f->face == face; f++)
         if (gd__member_of(&diagram->members, mesh->vertex_count + f->seed) != member) return true;
     return false;
 }
@@ -204,19 +211,22 @@ static enum gd_status trace(struct tracer *tracer, double tolerance, struct gd_v
     if (!status) status = settle_owners(tracer);
     if (!status) status = find_switches(tracer, is_mixed);
     if (!status) status = find_strands(tracer, is_mixed);
-    const struct gd__export export = {tolerance / diagram->mesh->unit, tracer->control, held_by(diagram), begun.lines};
+    const struct gd__export export = {tolerance / diagram->mesh->unit, tracer->control,
+                                      held_by(diagram), begun.lines};
     if (!status) status = gd__diagram_export(diagram, &export, out);
     free(is_mixed);
     return status;
 }
 
-enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *member_of_seed, double tolerance,
-                                const struct gd_control *control, struct gd_voronoi *out)
+enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *member_of_seed,
+                                double tolerance, const struct gd_control *control,
+                                struct gd_voronoi *out)
 {
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
-    struct tracer tracer = {.diagram = {.field = field, .mesh = field->mesh, .member_of_seed = member_of_seed},
-                            .control = control};
+    struct tracer tracer = {
+        .diagram = {.field = field, .mesh = field->mesh, .member_of_seed = member_of_seed},
+        .control = control};
     enum gd_status status = trace(&tracer, tolerance, out);
     close_diagram(&tracer.diagram);
     close_scratch(&tracer.scratch);

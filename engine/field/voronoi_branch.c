@@ -1,6 +1,9 @@
 #include "field/voronoi_branch.h"
 
-enum { STEPS = 8 /* of Newton's method, from places that are right but for rounding or a chord's height */ };
+enum {
+    STEPS =
+        8 /* of Newton's method, from places that are right but for rounding or a chord's height */
+};
 
 static double dot(struct gd__local a, struct gd__local b)
 {
@@ -23,14 +26,15 @@ static double norm(struct gd__local a)
     return sqrt(dot(a, a));
 }
 
-/* --- the branch ---------------------------------------------------------------------------------------------------------- */
+/* --- the branch ------------------------------------------------------------------------------- */
 
 static struct gd__local unit_vector(double angle)
 {
     return (struct gd__local){cos(angle), sin(angle)};
 }
 
-static bool from_point_to_point(const struct gd__focus *source, const struct gd__focus *other, struct gd__branch *out)
+static bool from_point_to_point(const struct gd__focus *source, const struct gd__focus *other,
+                                struct gd__branch *out)
 {
     struct gd__local a = minus(other->at, source->at);
     double k = other->sigma - source->sigma, apart = norm(a), excess = (apart - k) * (apart + k);
@@ -40,7 +44,8 @@ static bool from_point_to_point(const struct gd__focus *source, const struct gd_
     return true;
 }
 
-static bool from_point_to_line(const struct gd__focus *source, const struct gd__focus *line, struct gd__branch *out)
+static bool from_point_to_line(const struct gd__focus *source, const struct gd__focus *line,
+                               struct gd__branch *out)
 {
     double k = gd__focus_distance(line, source->at) - source->sigma;
     if (!(k > 0)) return false;
@@ -49,16 +54,17 @@ static bool from_point_to_line(const struct gd__focus *source, const struct gd__
     return true;
 }
 
-/* The line d p = k, d the difference of the gradients, from a place that lies `size` beside it. Gradients closer together than the nudge are those of
- * one line. */
-static bool between_lines(const struct gd__focus *source, const struct gd__focus *other, struct gd__local middle,
-                          double size, struct gd__branch *out)
+/* The line d p = k, d the difference of the gradients, from a place that lies `size` beside it.
+ * Gradients closer together than the nudge are those of one line. */
+static bool between_lines(const struct gd__focus *source, const struct gd__focus *other,
+                          struct gd__local middle, double size, struct gd__branch *out)
 {
     struct gd__local d = minus(source->gradient, other->gradient);
     double steepness = norm(d);
     if (!(steepness > GD_TOL_TIE)) return false;
     struct gd__local m = {d.x / steepness, d.y / steepness};
-    double off = (gd__focus_distance(source, middle) - gd__focus_distance(other, middle)) / steepness;
+    double off =
+        (gd__focus_distance(source, middle) - gd__focus_distance(other, middle)) / steepness;
     out->centre = along(middle, -off - size, m);
     out->slope = (struct gd__local){m.x / size, m.y / size};
     out->rest = 0;
@@ -66,11 +72,12 @@ static bool between_lines(const struct gd__focus *source, const struct gd__focus
     return true;
 }
 
-bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *other, struct gd__local middle,
-                        double size, struct gd__branch *out)
+bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *other,
+                        struct gd__local middle, double size, struct gd__branch *out)
 {
     struct gd__local towards = minus(middle, source->at);
-    struct gd__branch branch = {.source = *source, .centre = source->at, .zero = atan2(towards.y, towards.x)};
+    struct gd__branch branch = {
+        .source = *source, .centre = source->at, .zero = atan2(towards.y, towards.x)};
     bool is_there = source->linear  ? between_lines(source, other, middle, size, &branch)
                     : other->linear ? from_point_to_line(source, other, &branch)
                                     : from_point_to_point(source, other, &branch);
@@ -91,7 +98,7 @@ struct gd__local gd__branch_place(const struct gd__branch *branch, double angle)
     return along(branch->centre, 1 / (dot(branch->slope, u) + branch->rest), u);
 }
 
-/* --- parts of the turn --------------------------------------------------------------------------------------------------- */
+/* --- parts of the turn ------------------------------------------------------------------------ */
 
 /* Where m u >= h for the unit vector u of the angle. */
 static struct gd__turn where(const struct gd__branch *branch, struct gd__local m, double h)
@@ -113,13 +120,15 @@ struct gd__turn gd__branch_turn(const struct gd__branch *branch)
     return where(branch, branch->slope, -branch->rest);
 }
 
-struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__local normal, struct gd__local through)
+struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__local normal,
+                                  struct gd__local through)
 {
     return where_beyond(branch, normal, dot(normal, minus(through, branch->centre)));
 }
 
 /* |r u - b| < r - l, squared and divided by r: 2 (b u - l) > (b b - l^2) / r. */
-static struct gd__turn point_lost_to_point(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+static struct gd__turn point_lost_to_point(const struct gd__branch *branch,
+                                           const struct gd__focus *third, double slack)
 {
     struct gd__local b = minus(third->at, branch->centre);
     double l = third->sigma + slack - branch->source.sigma, apart = norm(b);
@@ -130,21 +139,26 @@ static struct gd__turn point_lost_to_point(const struct gd__branch *branch, cons
 }
 
 /* l + r g u < r, where l is how much farther the line is at the point: 1 - g u > l / r. */
-static struct gd__turn point_lost_to_line(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+static struct gd__turn point_lost_to_line(const struct gd__branch *branch,
+                                          const struct gd__focus *third, double slack)
 {
     struct gd__local towards = {-third->gradient.x, -third->gradient.y};
     double l = gd__focus_distance(third, branch->centre) + slack - branch->source.sigma;
     return where(branch, along(towards, -l, branch->slope), l * branch->rest - 1);
 }
 
-static struct gd__turn line_lost_to_line(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+static struct gd__turn line_lost_to_line(const struct gd__branch *branch,
+                                         const struct gd__focus *third, double slack)
 {
-    double l = gd__focus_distance(third, branch->centre) + slack - gd__focus_distance(&branch->source, branch->centre);
+    double l = gd__focus_distance(third, branch->centre) + slack -
+               gd__focus_distance(&branch->source, branch->centre);
     return where_beyond(branch, minus(branch->source.gradient, third->gradient), l);
 }
 
-/* Along the line, s from the foot of the point's perpendicular, which is y long: s^2 + y^2 < (a + b s)^2 and a + b s > 0. */
-static struct gd__turn line_lost_to_point(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+/* Along the line, s from the foot of the point's perpendicular, which is y long: s^2 + y^2 < (a + b
+ * s)^2 and a + b s > 0. */
+static struct gd__turn line_lost_to_point(const struct gd__branch *branch,
+                                          const struct gd__focus *third, double slack)
 {
     struct gd__local m = branch->towards, onwards = {-m.y, m.x};
     double beside = 1 / dot(branch->slope, m);
@@ -155,17 +169,21 @@ static struct gd__turn line_lost_to_point(const struct gd__branch *branch, const
     double discriminant = a * a - square * y * y;
     if (!(a > 0 && discriminant > 0)) return (struct gd__turn){0};
     double from = (a * b - sqrt(discriminant)) / square, to = (a * b + sqrt(discriminant)) / square;
-    return (struct gd__turn){1, {{.from = atan((foot + from) / beside), .to = atan((foot + to) / beside)}}};
+    return (struct gd__turn){
+        1, {{.from = atan((foot + from) / beside), .to = atan((foot + to) / beside)}}};
 }
 
-struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third,
+                                   double slack)
 {
     if (branch->source.linear)
-        return third->linear ? line_lost_to_line(branch, third, slack) : line_lost_to_point(branch, third, slack);
-    return third->linear ? point_lost_to_line(branch, third, slack) : point_lost_to_point(branch, third, slack);
+        return third->linear ? line_lost_to_line(branch, third, slack)
+                             : line_lost_to_point(branch, third, slack);
+    return third->linear ? point_lost_to_line(branch, third, slack)
+                         : point_lost_to_point(branch, third, slack);
 }
 
-/* --- places by Newton's method ------------------------------------------------------------------------------------------- */
+/* --- places by Newton's method ---------------------------------------------------------------- */
 
 static struct gd__local direction_from(const struct gd__focus *focus, struct gd__local at)
 {
@@ -176,8 +194,8 @@ static struct gd__local direction_from(const struct gd__focus *focus, struct gd_
 }
 
 /* How much farther the first source is than another, and which way that grows. */
-static double difference(const struct gd__focus *first, const struct gd__focus *other, struct gd__local at,
-                         struct gd__local *gradient)
+static double difference(const struct gd__focus *first, const struct gd__focus *other,
+                         struct gd__local at, struct gd__local *gradient)
 {
     *gradient = minus(direction_from(first, at), direction_from(other, at));
     return gd__focus_distance(first, at) - gd__focus_distance(other, at);
@@ -188,7 +206,8 @@ struct gd__local gd__between_two(const struct gd__focus focus[2], struct gd__loc
     struct gd__local place = at;
     for (int i = 0; i < STEPS; i++) {
         struct gd__local gradient;
-        double off = difference(&focus[0], &focus[1], place, &gradient), slope = dot(gradient, gradient);
+        double off = difference(&focus[0], &focus[1], place, &gradient),
+               slope = dot(gradient, gradient);
         if (off == 0) break;
         place = along(place, -off / slope, gradient);
         if (!(norm(minus(place, at)) <= reach)) return at;
@@ -196,14 +215,17 @@ struct gd__local gd__between_two(const struct gd__focus focus[2], struct gd__loc
     return place;
 }
 
-struct gd__local gd__between_three(const struct gd__focus focus[3], struct gd__local at, double reach)
+struct gd__local gd__between_three(const struct gd__focus focus[3], struct gd__local at,
+                                   double reach)
 {
     struct gd__local place = at;
     for (int i = 0; i < STEPS; i++) {
         struct gd__local m, n;
-        double f = difference(&focus[0], &focus[1], place, &m), g = difference(&focus[0], &focus[2], place, &n);
+        double f = difference(&focus[0], &focus[1], place, &m),
+               g = difference(&focus[0], &focus[2], place, &n);
         double area = m.x * n.y - m.y * n.x;
-        if (!(fabs(area) > GD_TOL_TANGENT * norm(m) * norm(n))) return gd__between_two(focus, at, reach);
+        if (!(fabs(area) > GD_TOL_TANGENT * norm(m) * norm(n)))
+            return gd__between_two(focus, at, reach);
         if (f == 0 && g == 0) break;
         place.x -= (f * n.y - g * m.y) / area;
         place.y -= (g * m.x - f * n.x) / area;

@@ -4,7 +4,8 @@
 #include "field/voronoi_parts.h"
 #include "mesh/canonical.h"
 
-/* Along an edge: whose its points are, by the lower envelope of all windows that look across it, its ends, and the seeds on it. */
+/* Along an edge: whose its points are, by the lower envelope of all windows that look across it,
+ * its ends, and the seeds on it. */
 
 enum { STEPS = 8 /* of Newton's method, from places that are right but for the nudge */ };
 
@@ -18,22 +19,26 @@ static uint32_t member_of(const struct gd__diagram *diagram, uint32_t source)
     return gd__member_of(&diagram->members, source);
 }
 
-/* --- seeds on an edge ------------------------------------------------------------------------------------------------------ */
+/* --- seeds on an edge ------------------------------------------------------------------------- */
 
 /* They are known by either of its faces: the first of one's, which is `face`. */
-static const struct gd__face_seed *seeds_beside(const struct gd__diagram *diagram, uint32_t edge, uint32_t *face)
+static const struct gd__face_seed *seeds_beside(const struct gd__diagram *diagram, uint32_t edge,
+                                                uint32_t *face)
 {
     const struct gd_mesh *mesh = diagram->mesh;
     *face = mesh->side_face[gd__side_is_boundary(mesh, 2 * edge) ? 2 * edge + 1 : 2 * edge];
     return gd__field_seeds_in(diagram->field, *face);
 }
 
-/* What a point seed sees of the edge that it lies on; false: it lies elsewhere. A segment along the edge has wedges of it, as all that look across. */
-static bool seen_by_seed(const struct gd__diagram *diagram, uint32_t edge, uint32_t number, struct gd__window *out)
+/* What a point seed sees of the edge that it lies on; false: it lies elsewhere. A segment along the
+ * edge has wedges of it, as all that look across. */
+static bool seen_by_seed(const struct gd__diagram *diagram, uint32_t edge, uint32_t number,
+                         struct gd__window *out)
 {
     const struct gd__seed *seed = &diagram->field->seeds[number];
     double length = diagram->mesh->side[2 * edge].length;
-    if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge) return false;
+    if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge)
+        return false;
     *out = (struct gd__window){.b1 = length,
                                .x = seed->point.weight[0] * length,
                                .sigma = seed->offset,
@@ -45,9 +50,11 @@ static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge
 {
     uint32_t face;
     const struct gd__face_seed *end = diagram->field->face_seeds + diagram->field->face_seed_count;
-    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face); f < end && f->face == face; f++) {
+    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face);
+         f < end && f->face == face; f++) {
         struct gd__window w;
-        if (seen_by_seed(diagram, edge, f->seed, &w) && member_of(diagram, w.source) != member) return true;
+        if (seen_by_seed(diagram, edge, f->seed, &w) && member_of(diagram, w.source) != member)
+            return true;
     }
     return false;
 }
@@ -55,7 +62,8 @@ static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge
 bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
 {
     uint32_t member = member_of(diagram, end_of(diagram, edge, 0));
-    if (diagram->owner[end_of(diagram, edge, 0)] != member || diagram->owner[end_of(diagram, edge, 1)] != member)
+    if (diagram->owner[end_of(diagram, edge, 0)] != member ||
+        diagram->owner[end_of(diagram, edge, 1)] != member)
         return true;
     if (has_seed_of_another(diagram, edge, member)) return true;
     for (uint32_t at = diagram->field->newest[edge]; at != GD_NONE;) {
@@ -70,7 +78,7 @@ bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
     return false;
 }
 
-/* --- the envelope ---------------------------------------------------------------------------------------------------------- */
+/* --- the envelope ----------------------------------------------------------------------------- */
 
 static void lengthen(struct gd__window *w, double offset, double length)
 {
@@ -98,19 +106,21 @@ static enum gd_status push_windows(const struct gd__diagram *diagram, uint32_t e
         const struct gd__chunk *chunk = gd__field_chunk(diagram->field, at);
         for (uint32_t i = 0; i < chunk->count && !status; i++) {
             struct gd__window w;
-            if (gd__sources_window(diagram->field, chunk, i, 2 * edge, &w)) status = push(diagram, edge, w, scratch);
+            if (gd__sources_window(diagram->field, chunk, i, 2 * edge, &w))
+                status = push(diagram, edge, w, scratch);
         }
     }
     return status;
 }
 
-static enum gd_status push_seeds(const struct gd__diagram *diagram, uint32_t edge, struct gd__voronoi_scratch *scratch)
+static enum gd_status push_seeds(const struct gd__diagram *diagram, uint32_t edge,
+                                 struct gd__voronoi_scratch *scratch)
 {
     uint32_t face;
     enum gd_status status = GD_OK;
     const struct gd__face_seed *end = diagram->field->face_seeds + diagram->field->face_seed_count;
-    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face); f < end && f->face == face && !status;
-         f++) {
+    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face);
+         f < end && f->face == face && !status; f++) {
         struct gd__window w;
         if (seen_by_seed(diagram, edge, f->seed, &w)) status = push(diagram, edge, w, scratch);
     }
@@ -131,9 +141,10 @@ static enum gd_status find_envelope(const struct gd__diagram *diagram, uint32_t 
     return status ? status : push_seeds(diagram, edge, scratch);
 }
 
-/* --- owners of its ends ---------------------------------------------------------------------------------------------------- */
+/* --- owners of its ends ----------------------------------------------------------------------- */
 
-static void offer(struct gd__diagram *diagram, uint32_t vertex, const struct gd__window *w, double t)
+static void offer(struct gd__diagram *diagram, uint32_t vertex, const struct gd__window *w,
+                  double t)
 {
     if (t < w->b0 || t > w->b1) return;
     uint32_t member = member_of(diagram, w->source);
@@ -147,7 +158,8 @@ static void offer(struct gd__diagram *diagram, uint32_t vertex, const struct gd_
 void gd__edge_own_ends(struct gd__diagram *diagram, uint32_t edge)
 {
     const struct gd_field *field = diagram->field;
-    for (uint32_t at = field->newest[edge]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+    for (uint32_t at = field->newest[edge]; at != GD_NONE;
+         at = gd__field_chunk(field, at)->previous) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         for (uint32_t i = 0; i < chunk->count; i++) {
             struct gd__window w;
@@ -158,16 +170,18 @@ void gd__edge_own_ends(struct gd__diagram *diagram, uint32_t edge)
     }
 }
 
-/* --- switches -------------------------------------------------------------------------------------------------------------- */
+/* --- switches --------------------------------------------------------------------------------- */
 
-static enum gd_status append(struct gd__diagram *diagram, uint32_t edge, double t, uint32_t before, uint32_t after)
+static enum gd_status append(struct gd__diagram *diagram, uint32_t edge, double t, uint32_t before,
+                             uint32_t after)
 {
     if (before == after) return GD_OK;
-    struct gd__switch *grown =
-        gd__array_reserve(diagram->edge_switch, &diagram->switch_capacity, diagram->switch_count + 1, sizeof *grown);
+    struct gd__switch *grown = gd__array_reserve(diagram->edge_switch, &diagram->switch_capacity,
+                                                 diagram->switch_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     diagram->edge_switch = grown;
-    struct gd_point point = gd__point_of_edge(diagram->mesh, edge, t / diagram->mesh->side[2 * edge].length);
+    struct gd_point point =
+        gd__point_of_edge(diagram->mesh, edge, t / diagram->mesh->side[2 * edge].length);
     struct gd__switch found = {.t = t, .before = before, .after = after};
     enum gd_status status = gd__diagram_add_node(diagram, &point, &found.node);
     if (!status) grown[diagram->switch_count++] = found;
@@ -187,9 +201,10 @@ static double slope_of(const struct gd__window *w, double t)
     return distance > 0 ? dx / distance : 0;
 }
 
-/* Where two windows that take turns at t give the same distance; t itself if that is not close by. */
-static double refine(const struct gd__diagram *diagram, const struct gd__window *a, const struct gd__window *b,
-                     double t, double length)
+/* Where two windows that take turns at t give the same distance; t itself if that is not close by.
+ */
+static double refine(const struct gd__diagram *diagram, const struct gd__window *a,
+                     const struct gd__window *b, double t, double length)
 {
     double place = t;
     for (int i = 0; i < STEPS; i++) {
@@ -201,21 +216,26 @@ static double refine(const struct gd__diagram *diagram, const struct gd__window 
     return fmin(fmax(place, 0), length);
 }
 
-/* At a seed's vertex, which has one owner, what is no longer than a bisector that is none is of the others that begin there. */
+/* At a seed's vertex, which has one owner, what is no longer than a bisector that is none is of the
+ * others that begin there. */
 static void drop_ends(const struct gd__diagram *diagram, uint32_t edge, struct gd__stack *envelope)
 {
-    double length = diagram->mesh->side[2 * edge].length, least = GD_TOL_CHECK * diagram->members.farthest;
+    double length = diagram->mesh->side[2 * edge].length,
+           least = GD_TOL_CHECK * diagram->members.farthest;
     uint32_t first = 0;
     if (diagram->nearest[end_of(diagram, edge, 0)] == 0)
         while (first < envelope->count && envelope->windows[first].b1 <= least) first++;
     if (diagram->nearest[end_of(diagram, edge, 1)] == 0)
-        while (envelope->count > first && envelope->windows[envelope->count - 1].b0 >= length - least)
+        while (envelope->count > first &&
+               envelope->windows[envelope->count - 1].b0 >= length - least)
             envelope->count--;
     envelope->count -= first;
-    memmove(envelope->windows, envelope->windows + first, envelope->count * sizeof *envelope->windows);
+    memmove(envelope->windows, envelope->windows + first,
+            envelope->count * sizeof *envelope->windows);
 }
 
-enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge, struct gd__voronoi_scratch *scratch)
+enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge,
+                               struct gd__voronoi_scratch *scratch)
 {
     double length = diagram->mesh->side[2 * edge].length;
     uint32_t owner = diagram->owner[end_of(diagram, edge, 0)];
@@ -227,9 +247,11 @@ enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge, struc
         const struct gd__window *w = &scratch->envelope.windows[i];
         uint32_t member = member_of(diagram, w->source);
         if (member != owner)
-            reached = fmax(reached, i ? refine(diagram, w - 1, w, 0.5 * (w[-1].b1 + w->b0), length) : 0);
+            reached =
+                fmax(reached, i ? refine(diagram, w - 1, w, 0.5 * (w[-1].b1 + w->b0), length) : 0);
         status = append(diagram, edge, reached, owner, member);
         owner = member;
     }
-    return status ? status : append(diagram, edge, length, owner, diagram->owner[end_of(diagram, edge, 1)]);
+    return status ? status
+                  : append(diagram, edge, length, owner, diagram->owner[end_of(diagram, edge, 1)]);
 }

@@ -3,7 +3,8 @@
 #include "field/array.h"
 #include "field/voronoi_parts.h"
 
-/* Bisectors as polylines: strand after strand, each with as many points as the tolerance asks for. */
+/* Bisectors as polylines: strand after strand, each with as many points as the tolerance asks for.
+ */
 
 enum {
     HALVINGS_MOST = 10,   /* of a quarter of a turn of a branch */
@@ -28,11 +29,12 @@ struct writer {
     enum gd_status status;
 };
 
-/* --- points ---------------------------------------------------------------------------------------------------------------- */
+/* --- points ----------------------------------------------------------------------------------- */
 
 static enum gd_status check(const struct writer *writer)
 {
-    double done = (double)writer->strands_done / writer->diagram->strand_count, begun = writer->how->begun;
+    double done = (double)writer->strands_done / writer->diagram->strand_count,
+           begun = writer->how->begun;
     size_t points = 2 * sizeof *writer->point * ((size_t)writer->point_count + CHECK_INTERVAL);
     enum gd_status status = gd_control_afford(writer->how->control, writer->how->held + points);
     return status ? status : gd_control_check(writer->how->control, begun + (1 - begun) * done);
@@ -40,10 +42,11 @@ static enum gd_status check(const struct writer *writer)
 
 static void append_point(struct writer *writer, const struct gd_point *point)
 {
-    if (!writer->status && writer->point_count % CHECK_INTERVAL == 0) writer->status = check(writer);
+    if (!writer->status && writer->point_count % CHECK_INTERVAL == 0)
+        writer->status = check(writer);
     if (writer->status) return;
-    struct gd_point *grown =
-        gd__array_reserve(writer->point, &writer->point_capacity, writer->point_count + 1, sizeof *grown);
+    struct gd_point *grown = gd__array_reserve(writer->point, &writer->point_capacity,
+                                               writer->point_count + 1, sizeof *grown);
     if (!grown) {
         writer->status = GD_NO_MEMORY;
         return;
@@ -59,7 +62,8 @@ struct leg {
     struct gd__local at; /* the last point */
 };
 
-static struct gd__local place_of(const struct writer *writer, uint32_t face, const struct gd_point *point)
+static struct gd__local place_of(const struct writer *writer, uint32_t face,
+                                 const struct gd_point *point)
 {
     const struct gd_mesh *mesh = writer->diagram->mesh;
     double weight[3];
@@ -83,33 +87,40 @@ static void go_to_place(struct writer *writer, struct leg *leg, struct gd__local
     go_to(writer, leg, &point);
 }
 
-/* --- a strand -------------------------------------------------------------------------------------------------------------- */
+/* --- a strand --------------------------------------------------------------------------------- */
 
-/* What lies between two places of a branch less than a quarter of a turn apart; the branch is highest above the chord near its middle. */
-static void flatten(struct writer *writer, struct leg *leg, const struct gd__focus focus[2], struct gd__local from,
-                    struct gd__local to, int halvings_left)
+/* What lies between two places of a branch less than a quarter of a turn apart; the branch is
+ * highest above the chord near its middle. */
+static void flatten(struct writer *writer, struct leg *leg, const struct gd__focus focus[2],
+                    struct gd__local from, struct gd__local to, int halvings_left)
 {
     struct gd__local middle = {0.5 * (from.x + to.x), 0.5 * (from.y + to.y)};
     double chord = hypot(to.x - from.x, to.y - from.y);
     struct gd__local at = gd__between_two(focus, middle, chord);
-    if (writer->status || !halvings_left || hypot(at.x - middle.x, at.y - middle.y) <= writer->how->tolerance) return;
+    if (writer->status || !halvings_left ||
+        hypot(at.x - middle.x, at.y - middle.y) <= writer->how->tolerance)
+        return;
     flatten(writer, leg, focus, from, at, halvings_left - 1);
     go_to_place(writer, leg, at);
     flatten(writer, leg, focus, at, to, halvings_left - 1);
 }
 
 /* The branch without the nudge, at most a quarter of a turn at a time. */
-static void flatten_strand(struct writer *writer, struct leg *leg, const struct gd__strand *strand, bool reversed,
-                           const struct gd_point *stop)
+static void flatten_strand(struct writer *writer, struct leg *leg, const struct gd__strand *strand,
+                           bool reversed, const struct gd_point *stop)
 {
     struct gd__branch branch;
     struct gd__local from = leg->at, to = place_of(writer, leg->face, stop), origin = {0, 0};
     double size = leg->frame.size;
-    double start = reversed ? strand->to : strand->from, turn = (strand->to - strand->from) * (reversed ? -1 : 1);
+    double start = reversed ? strand->to : strand->from,
+           turn = (strand->to - strand->from) * (reversed ? -1 : 1);
     uint32_t parts = (uint32_t)(fabs(turn) / M_PI_2) + 1;
-    if (parts > 1 && !gd__branch_between(&strand->focus[0], &strand->focus[1], origin, size, &branch)) parts = 1;
+    if (parts > 1 &&
+        !gd__branch_between(&strand->focus[0], &strand->focus[1], origin, size, &branch))
+        parts = 1;
     for (uint32_t i = 1; i <= parts; i++) {
-        struct gd__local next = i < parts ? gd__branch_place(&branch, start + turn * i / parts - branch.zero) : to;
+        struct gd__local next =
+            i < parts ? gd__branch_place(&branch, start + turn * i / parts - branch.zero) : to;
         flatten(writer, leg, strand->focus, from, next, HALVINGS_MOST);
         if (i < parts) go_to_place(writer, leg, next);
         from = next;
@@ -128,11 +139,12 @@ static void go_along(struct writer *writer, const struct gd__strand *strand, boo
     go_to(writer, &leg, stop);
 }
 
-/* --- lines ----------------------------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
 static void append_line(struct writer *writer, const struct line *line)
 {
-    struct line *grown = gd__array_reserve(writer->line, &writer->line_capacity, writer->line_count + 1, sizeof *grown);
+    struct line *grown = gd__array_reserve(writer->line, &writer->line_capacity,
+                                           writer->line_count + 1, sizeof *grown);
     if (!grown) {
         writer->status = GD_NO_MEMORY;
         return;
@@ -154,7 +166,8 @@ static void write_line(struct writer *writer, uint32_t strand, uint32_t node)
 {
     const struct gd__diagram *diagram = writer->diagram;
     const struct gd__strand *first = &diagram->strand[strand];
-    struct line line = {.first = writer->point_count, .bisector = {.members = {first->member[0], first->member[1]}}};
+    struct line line = {.first = writer->point_count,
+                        .bisector = {.members = {first->member[0], first->member[1]}}};
     uint32_t start = node;
     writer->length = 0;
     append_point(writer, &diagram->node[node].point);
@@ -201,21 +214,24 @@ static enum gd_status hand_over(struct writer *writer, struct gd_voronoi *out)
 {
     struct gd_bisector *bisectors = malloc(sizeof *bisectors * ((size_t)writer->line_count + 1));
     if (!bisectors) return GD_NO_MEMORY;
-    if (writer->line_count) qsort(writer->line, writer->line_count, sizeof *writer->line, by_members);
+    if (writer->line_count)
+        qsort(writer->line, writer->line_count, sizeof *writer->line, by_members);
     for (uint32_t i = 0; i < writer->line_count; i++) {
         bisectors[i] = writer->line[i].bisector;
         bisectors[i].points = writer->point + writer->line[i].first;
     }
-    size_t bytes =
-        sizeof *bisectors * ((size_t)writer->line_count + 1) + sizeof *writer->point * writer->point_capacity;
+    size_t bytes = sizeof *bisectors * ((size_t)writer->line_count + 1) +
+                   sizeof *writer->point * writer->point_capacity;
     *out = (struct gd_voronoi){writer->line_count, bisectors, writer->point, bytes};
     writer->point = NULL;
     return GD_OK;
 }
 
-enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__export *how, struct gd_voronoi *out)
+enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__export *how,
+                                  struct gd_voronoi *out)
 {
-    struct writer writer = {.diagram = diagram, .how = how, .least = GD_TOL_CHECK * diagram->members.farthest};
+    struct writer writer = {
+        .diagram = diagram, .how = how, .least = GD_TOL_CHECK * diagram->members.farthest};
     writer.visited = calloc((size_t)diagram->strand_count + 1, sizeof *writer.visited);
     if (!writer.visited) return GD_NO_MEMORY;
     write_lines(&writer);

@@ -3,7 +3,8 @@
 #include "field/array.h"
 #include "field/voronoi_parts.h"
 
-/* Loose ends of a face get their nodes: those of a triple point one in common, the others two by two. */
+/* Loose ends of a face get their nodes: those of a triple point one in common, the others two by
+ * two. */
 
 static double apart(const struct gd__loose *a, const struct gd__loose *b)
 {
@@ -24,7 +25,7 @@ struct work {
     double reach; /* ends no farther apart are one place, but for rounding */
 };
 
-/* --- places ---------------------------------------------------------------------------------------------------------------- */
+/* --- places ----------------------------------------------------------------------------------- */
 
 static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
 {
@@ -36,9 +37,11 @@ static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
     return is_inside;
 }
 
-/* Where three sources are as near. A line and its end are so along all of the line's perpendicular, and so are a vertex and a source behind it: that
- * may lead out of the face, back into which the nearest place is not as far from all. */
-static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3], struct gd__local at)
+/* Where three sources are as near. A line and its end are so along all of the line's perpendicular,
+ * and so are a vertex and a source behind it: that may lead out of the face, back into which the
+ * nearest place is not as far from all. */
+static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3],
+                                        struct gd__local at)
 {
     struct gd__local place = gd__between_three(focus, at, work->reach);
     return is_in_face(&work->scratch->sources.frame, place) ? place : at;
@@ -50,7 +53,8 @@ static void refine(const struct work *work, struct gd__loose *loose)
     if (has_node(loose)) return;
     const struct gd__focus *focus = work->diagram->strand[loose->strand].focus;
     if (loose->third != GD_NONE) {
-        struct gd__focus three[3] = {focus[0], focus[1], gd__focus_of(&work->scratch->sources.source[loose->third])};
+        struct gd__focus three[3] = {focus[0], focus[1],
+                                     gd__focus_of(&work->scratch->sources.source[loose->third])};
         loose->at = refine_takeover(work, three, loose->at);
     }
     if (!loose->is_triple) loose->at = gd__between_two(focus, loose->at, work->reach);
@@ -59,7 +63,8 @@ static void refine(const struct work *work, struct gd__loose *loose)
 static enum gd_status make_node(const struct work *work, struct gd__local at, uint32_t *out)
 {
     const struct gd__sources *sources = &work->scratch->sources;
-    struct gd_point point = gd__frame_point(work->diagram->mesh, sources->face, &sources->frame, at);
+    struct gd_point point =
+        gd__frame_point(work->diagram->mesh, sources->face, &sources->frame, at);
     return gd__diagram_add_node(work->diagram, &point, out);
 }
 
@@ -81,7 +86,7 @@ static void attach(const struct work *work, struct gd__loose *loose, uint32_t no
     meet(work->diagram, loose->strand, loose->end, node);
 }
 
-/* --- triple points --------------------------------------------------------------------------------------------------------- */
+/* --- triple points ---------------------------------------------------------------------------- */
 
 struct triple {
     uint32_t member[3]; /* ascending */
@@ -89,7 +94,8 @@ struct triple {
 
 static struct triple triple_of(const struct work *work, const struct gd__loose *loose)
 {
-    uint32_t third = gd__member_of(&work->diagram->members, work->scratch->sources.source[loose->third].pseudo);
+    uint32_t third =
+        gd__member_of(&work->diagram->members, work->scratch->sources.source[loose->third].pseudo);
     uint32_t a = loose->member[0], b = loose->member[1];
     if (third < a) return (struct triple){{third, a, b}};
     if (third < b) return (struct triple){{a, third, b}};
@@ -111,8 +117,8 @@ static bool are_of_same_two(const struct gd__loose *a, const struct gd__loose *b
     return a->member[0] == b->member[0] && a->member[1] == b->member[1];
 }
 
-/* The nearest end with the same three members, but other two of them than `first` and `second` (NULL: than the first); NULL: there is none within
- * reach. */
+/* The nearest end with the same three members, but other two of them than `first` and `second`
+ * (NULL: than the first); NULL: there is none within reach. */
 static struct gd__loose *find_partner(const struct work *work, const struct gd__loose *first,
                                       const struct gd__loose *second)
 {
@@ -130,17 +136,19 @@ static struct gd__loose *find_partner(const struct work *work, const struct gd__
     return best;
 }
 
-/* Two of a triple point's members whose strand was not found: it is to be bridged, or ends elsewhere by rounding. */
-static enum gd_status await_two(const struct work *work, const struct gd__loose *first, uint32_t a, uint32_t b,
-                                uint32_t node)
+/* Two of a triple point's members whose strand was not found: it is to be bridged, or ends
+ * elsewhere by rounding. */
+static enum gd_status await_two(const struct work *work, const struct gd__loose *first, uint32_t a,
+                                uint32_t b, uint32_t node)
 {
     return gd__loose_append(
         work->scratch,
-        (struct gd__loose){.at = first->at, .member = {a, b}, .third = GD_NONE, .strand = GD_NONE, .node = node});
+        (struct gd__loose){
+            .at = first->at, .member = {a, b}, .third = GD_NONE, .strand = GD_NONE, .node = node});
 }
 
-static enum gd_status await(const struct work *work, struct gd__loose first, const struct gd__loose *second,
-                            uint32_t node)
+static enum gd_status await(const struct work *work, struct gd__loose first,
+                            const struct gd__loose *second, uint32_t node)
 {
     struct triple triple = triple_of(work, &first);
     struct gd__loose found = second ? *second : first;
@@ -167,7 +175,7 @@ static enum gd_status match_triple(const struct work *work, struct gd__loose *fi
     return third ? GD_OK : await(work, *first, second, node);
 }
 
-/* --- two by two ------------------------------------------------------------------------------------------------------------ */
+/* --- two by two ------------------------------------------------------------------------------- */
 
 static int by_distance(const void *a, const void *b)
 {
@@ -179,11 +187,12 @@ static int by_distance(const void *a, const void *b)
 
 static enum gd_status append_tie(struct gd__voronoi_scratch *scratch, uint32_t a, uint32_t b)
 {
-    struct gd__tie *grown =
-        gd__array_reserve(scratch->tie, &scratch->tie_capacity, scratch->tie_count + 1, sizeof *grown);
+    struct gd__tie *grown = gd__array_reserve(scratch->tie, &scratch->tie_capacity,
+                                              scratch->tie_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     scratch->tie = grown;
-    scratch->tie[scratch->tie_count++] = (struct gd__tie){apart(&scratch->loose[a], &scratch->loose[b]), a, b};
+    scratch->tie[scratch->tie_count++] =
+        (struct gd__tie){apart(&scratch->loose[a], &scratch->loose[b]), a, b};
     return GD_OK;
 }
 
@@ -199,15 +208,19 @@ static enum gd_status find_ties(struct gd__voronoi_scratch *scratch)
             if (are_of_same_two(a, b)) status = append_tie(scratch, i, k);
         }
     }
-    if (scratch->tie_count) qsort(scratch->tie, scratch->tie_count, sizeof *scratch->tie, by_distance);
+    if (scratch->tie_count)
+        qsort(scratch->tie, scratch->tie_count, sizeof *scratch->tie, by_distance);
     return status;
 }
 
 /* A straight strand between two nodes. */
-static enum gd_status bridge(const struct work *work, const uint32_t member[2], uint32_t from, uint32_t to)
+static enum gd_status bridge(const struct work *work, const uint32_t member[2], uint32_t from,
+                             uint32_t to)
 {
-    struct gd__strand strand = {
-        .face = work->scratch->sources.face, .member = {member[0], member[1]}, .node = {from, to}, .is_straight = true};
+    struct gd__strand strand = {.face = work->scratch->sources.face,
+                                .member = {member[0], member[1]},
+                                .node = {from, to},
+                                .is_straight = true};
     uint32_t number;
     enum gd_status status = gd__diagram_add_strand(work->diagram, &strand, &number);
     if (status) return status;
@@ -232,7 +245,8 @@ static enum gd_status match_two(const struct work *work, struct gd__loose *a, st
     if (is_one && has_node(a)) attach(work, b, a->node);
     if (is_one && has_node(b)) attach(work, a, b->node);
     if (is_one && (has_node(a) || has_node(b))) return GD_OK;
-    bool second = is_one && a->third == GD_NONE; /* where a source takes over, the place is the more exact one */
+    /* where a source takes over, the place is the more exact one */
+    bool second = is_one && a->third == GD_NONE;
     enum gd_status status = give_node(work, second ? b : a);
     if (is_one && !status) attach(work, second ? a : b, second ? b->node : a->node);
     if (is_one || status) return status;
@@ -254,15 +268,17 @@ static enum gd_status match_pairs(const struct work *work)
     return status;
 }
 
-/* --- what is left ---------------------------------------------------------------------------------------------------------- */
+/* --- what is left ----------------------------------------------------------------------------- */
 
 static bool waits(const struct gd__loose *loose)
 {
     return !loose->is_triple && !loose->is_matched;
 }
 
-/* The two members of three that `a` and `b`, which have one in common, are not both between; false: they have none, or both. */
-static bool find_other_two(const struct gd__loose *a, const struct gd__loose *b, struct gd__loose *out)
+/* The two members of three that `a` and `b`, which have one in common, are not both between; false:
+ * they have none, or both. */
+static bool find_other_two(const struct gd__loose *a, const struct gd__loose *b,
+                           struct gd__loose *out)
 {
     if (are_of_same_two(a, b)) return false;
     for (int i = 0; i < 2; i++) {
@@ -278,10 +294,12 @@ static bool find_other_two(const struct gd__loose *a, const struct gd__loose *b,
 }
 
 /* The end that waits for the other two members of two ends in one place; NULL: there is none. */
-static struct gd__loose *find_third(const struct work *work, const struct gd__loose *a, const struct gd__loose *b)
+static struct gd__loose *find_third(const struct work *work, const struct gd__loose *a,
+                                    const struct gd__loose *b)
 {
     struct gd__loose wanted;
-    if (!waits(a) || !waits(b) || apart(a, b) > work->reach || !find_other_two(a, b, &wanted)) return NULL;
+    if (!waits(a) || !waits(b) || apart(a, b) > work->reach || !find_other_two(a, b, &wanted))
+        return NULL;
     for (uint32_t i = 0; i < work->scratch->loose_count; i++) {
         struct gd__loose *loose = &work->scratch->loose[i];
         if (waits(loose) && are_of_same_two(loose, &wanted)) return loose;
@@ -290,8 +308,8 @@ static struct gd__loose *find_third(const struct work *work, const struct gd__lo
 }
 
 /* A triple point of which one line is the edge of a shadow, which has no strand: it is bridged. */
-static enum gd_status match_corner(const struct work *work, struct gd__loose *a, struct gd__loose *b,
-                                   struct gd__loose *third)
+static enum gd_status match_corner(const struct work *work, struct gd__loose *a,
+                                   struct gd__loose *b, struct gd__loose *third)
 {
     a->is_matched = b->is_matched = third->is_matched = true;
     enum gd_status status = give_node(work, a);
@@ -310,14 +328,15 @@ static enum gd_status match_corners(const struct work *work)
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < scratch->loose_count; i++) {
         for (uint32_t k = i + 1; k < scratch->loose_count && !status; k++) {
-            struct gd__loose *a = &scratch->loose[i], *b = &scratch->loose[k], *third = find_third(work, a, b);
+            struct gd__loose *a = &scratch->loose[i], *b = &scratch->loose[k],
+                             *third = find_third(work, a, b);
             if (third) status = match_corner(work, a, b, third);
         }
     }
     return status;
 }
 
-/* --- all ------------------------------------------------------------------------------------------------------------------- */
+/* --- all -------------------------------------------------------------------------------------- */
 
 enum gd_status gd__face_match(struct gd__diagram *diagram, struct gd__voronoi_scratch *scratch)
 {

@@ -3,13 +3,15 @@
 #include "field/voronoi_parts.h"
 #include "mesh/segment.h"
 
-/* Whose the pseudo-sources are: seeds are told by the caller; each vertex's way back to its seed is followed once, as far as one whose member is known. */
+/* Whose the pseudo-sources are: seeds are told by the caller; each vertex's way back to its seed is
+ * followed once, as far as one whose member is known. */
 
-/* --- seeds that coincide --------------------------------------------------------------------------------------------------- */
+/* --- seeds that coincide ---------------------------------------------------------------------- */
 
 /* A seed, or the end of one that is a segment. */
 struct place {
-    const struct gd_point *at, *end; /* end: of a segment, the later one of its two; NULL: a point */
+    /* end: of a segment, the later one of its two; NULL: a point */
+    const struct gd_point *at, *end;
     double offset;
     uint32_t member;
     uint32_t number; /* of the seed; GD_NONE: a segment's end */
@@ -25,7 +27,8 @@ static int by_point(const struct gd_point *a, const struct gd_point *b)
     if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
     if (a->element != b->element) return a->element < b->element ? -1 : 1;
     int order = 0;
-    for (int i = 0; i < 3 && !order && a->kind != GD_POINT_VERTEX; i++) order = compare(a->weight[i], b->weight[i]);
+    for (int i = 0; i < 3 && !order && a->kind != GD_POINT_VERTEX; i++)
+        order = compare(a->weight[i], b->weight[i]);
     return order;
 }
 
@@ -45,8 +48,8 @@ static int by_claim(const void *a, const void *b)
     return order ? order : (x->member > y->member) - (x->member < y->member);
 }
 
-/* Of seeds at one place, sorted, whose they are: of the members with the least offset the one with the most segments that end there, as a point on a way
- * has nothing of its own; else the first. */
+/* Of seeds at one place, sorted, whose they are: of the members with the least offset the one with
+ * the most segments that end there, as a point on a way has nothing of its own; else the first. */
 static uint32_t member_with_best_claim(const struct place *places, uint32_t count)
 {
     uint32_t best = places[0].member, most = 0, ends = 0;
@@ -64,7 +67,8 @@ static void assign_places(struct place *places, uint32_t count, uint32_t *of)
 {
     qsort(places, count, sizeof *places, by_claim);
     for (uint32_t first = 0, behind; first < count; first = behind) {
-        for (behind = first + 1; behind < count && by_extent(&places[first], &places[behind]) == 0;) behind++;
+        for (behind = first + 1; behind < count && by_extent(&places[first], &places[behind]) == 0;)
+            behind++;
         uint32_t member = member_with_best_claim(places + first, behind - first);
         for (uint32_t i = first; i < behind; i++)
             if (places[i].number != GD_NONE) of[places[i].number] = member;
@@ -72,7 +76,8 @@ static void assign_places(struct place *places, uint32_t count, uint32_t *of)
 }
 
 /* A seed's places, returns how many. */
-static uint32_t places_of(const struct gd__seed *seed, uint32_t number, uint32_t member, struct place places[3])
+static uint32_t places_of(const struct gd__seed *seed, uint32_t number, uint32_t member,
+                          struct place places[3])
 {
     places[0] = (struct place){&seed->point, NULL, seed->offset, member, number};
     if (!seed->is_segment) return 1;
@@ -87,7 +92,8 @@ static uint32_t places_of(const struct gd__seed *seed, uint32_t number, uint32_t
 }
 
 /* Of all seeds. */
-static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t *member_of_seed, uint32_t *of)
+static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t *member_of_seed,
+                                   uint32_t *of)
 {
     uint32_t count = field->seed_count, found = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -95,13 +101,14 @@ static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t 
     struct place *places = malloc(sizeof *places * 3 * count);
     if (!places) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < count; i++)
-        found += places_of(&field->seeds[i], i, member_of_seed ? member_of_seed[i] : i, places + found);
+        found +=
+            places_of(&field->seeds[i], i, member_of_seed ? member_of_seed[i] : i, places + found);
     assign_places(places, found, of);
     free(places);
     return GD_OK;
 }
 
-/* --- vertices -------------------------------------------------------------------------------------------------------------- */
+/* --- vertices --------------------------------------------------------------------------------- */
 
 /* Without the mark of a linear one; GD_NONE: none. */
 static uint32_t source_behind(const struct gd_field *field, uint32_t vertex)
@@ -110,7 +117,8 @@ static uint32_t source_behind(const struct gd_field *field, uint32_t vertex)
     return source == GD_NONE ? GD_NONE : source & ~GD__SOURCE_LINEAR;
 }
 
-/* From a vertex to a pseudo-source whose member is known, and once more to tell all on the way. No path bends at a vertex twice. */
+/* From a vertex to a pseudo-source whose member is known, and once more to tell all on the way. No
+ * path bends at a vertex twice. */
 static enum gd_status follow(const struct gd_field *field, uint32_t vertex, uint32_t *of)
 {
     uint32_t source = vertex, steps_left = field->mesh->vertex_count;
@@ -137,7 +145,7 @@ static enum gd_status find_owners(const struct gd_field *field, uint32_t *of)
     return status;
 }
 
-/* --- nudges ---------------------------------------------------------------------------------------------------------------- */
+/* --- nudges ----------------------------------------------------------------------------------- */
 
 /* Differs from member to member without rule, in [0, 1). */
 static double scatter(uint32_t member)
@@ -153,12 +161,15 @@ static void find_nudges(const struct gd_field *field, struct gd__members *member
     const struct gd_mesh *mesh = field->mesh;
     for (uint32_t side = 0; side < 2 * mesh->edge_count; side++) {
         double distance = field->distance[mesh->origin[side]];
-        if (distance < GD__FAR) members->farthest = fmax(members->farthest, distance + mesh->side[side].length);
+        if (distance < GD__FAR)
+            members->farthest = fmax(members->farthest, distance + mesh->side[side].length);
     }
-    for (uint32_t i = 0; i < field->seed_count; i++) members->nudge[i] = GD_TOL_TIE * members->farthest * scatter(i);
+    for (uint32_t i = 0; i < field->seed_count; i++)
+        members->nudge[i] = GD_TOL_TIE * members->farthest * scatter(i);
 }
 
-enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed, struct gd__members *out)
+enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed,
+                                struct gd__members *out)
 {
     size_t sources = (size_t)field->mesh->vertex_count + field->seed_count;
     struct gd__members members = {.of = malloc(sizeof *members.of * sources),
@@ -177,18 +188,20 @@ enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *me
     return GD_OK;
 }
 
-enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *owner, struct gd__members *members)
+enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *owner,
+                                  struct gd__members *members)
 {
     for (uint32_t v = 0; v < field->mesh->vertex_count; v++)
         members->of[v] = owner[v] == members->of[v] ? GD_NONE : owner[v];
     return find_owners(field, members->of);
 }
 
-/* --- points on segments ---------------------------------------------------------------------------------------------------- */
+/* --- points on segments ----------------------------------------------------------------------- */
 
 enum { CHECK_INTERVAL = 4096 /* pairs of seeds */ };
 
-/* Is a point on a segment, both in that face, and no nearer to anything than it, but for the nudge? */
+/* Is a point on a segment, both in that face, and no nearer to anything than it, but for the nudge?
+ */
 static bool is_covered(const struct gd_field *field, uint32_t face, const struct gd__seed *point,
                        const struct gd__seed *segment, double slack)
 {
@@ -198,7 +211,8 @@ static bool is_covered(const struct gd_field *field, uint32_t face, const struct
     struct gd__local at = gd__face_local(mesh, mesh->face_side[face][0], weight);
     struct gd__chord chord = gd__chord(mesh, face, 0, &segment->point, &segment->end);
     double foot = gd__chord_foot(&chord, at), height = fabs(gd__chord_height(&chord, at));
-    return foot >= 0 && foot <= chord.length && height <= slack && segment->offset + height <= point->offset + slack;
+    return foot >= 0 && foot <= chord.length && height <= slack &&
+           segment->offset + height <= point->offset + slack;
 }
 
 /* A control that is looked at now and then. */
@@ -218,7 +232,8 @@ static enum gd_status settle_point(const struct gd_field *field, const struct gd
         const struct gd__seed *segment = &field->seeds[f->seed];
         if (watch->work++ % CHECK_INTERVAL == 0) status = gd_control_check(watch->control, 0);
         if (!segment->is_segment || of[f->seed] == of[point->seed]) continue;
-        if (!is_covered(field, point->face, &field->seeds[point->seed], segment, GD_TOL_TIE * members->farthest))
+        if (!is_covered(field, point->face, &field->seeds[point->seed], segment,
+                        GD_TOL_TIE * members->farthest))
             continue;
         of[point->seed] = of[f->seed];
         *changed = true;
@@ -248,9 +263,10 @@ void gd__members_destroy(struct gd__members *members)
     *members = (struct gd__members){0};
 }
 
-/* --- labels ---------------------------------------------------------------------------------------------------------------- */
+/* --- labels ----------------------------------------------------------------------------------- */
 
-enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *member_of_seed, uint32_t *out)
+enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *member_of_seed,
+                                 uint32_t *out)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__members members;

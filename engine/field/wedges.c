@@ -3,9 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The wedges of an edge as one list: its chunks merged by contest, as the paper's final stage has them. */
+/* The wedges of an edge as one list: its chunks merged by contest, as the paper's final stage has
+ * them. */
 
-/* Ends of wedges are stored to one unit: two that were one may lie so far apart, and nothing is to be seen between them. */
+/* Ends of wedges are stored to one unit: two that were one may lie so far apart, and nothing is to
+ * be seen between them. */
 #define ROUNDED (2 * GD__WEDGE_UNIT)
 
 struct merger {
@@ -19,25 +21,28 @@ static void close_merger(struct merger *merger)
     gd__stack_destroy(&merger->merged);
 }
 
-static enum gd_status merge_chunk(const struct gd_field *field, const struct gd__chunk *chunk, double length,
-                                  struct merger *m)
+static enum gd_status merge_chunk(const struct gd_field *field, const struct gd__chunk *chunk,
+                                  double length, struct merger *m)
 {
     enum gd_status status = gd__stack_reserve(&m->chunk, chunk->count + 1);
-    if (!status) status = gd__stack_reserve(&m->merged, gd__merged_bound(m->list.count, chunk->count));
+    if (!status)
+        status = gd__stack_reserve(&m->merged, gd__merged_bound(m->list.count, chunk->count));
     if (status) return status;
     m->chunk.count = m->merged.count = 0;
     for (uint32_t i = 0; i < chunk->count; i++) {
         struct gd__window w = gd__field_window(field, chunk, i, length);
         if (w.source != GD_NONE) m->chunk.windows[m->chunk.count++] = w;
     }
-    gd__merge(m->list.windows, m->list.count, m->chunk.windows, m->chunk.count, ROUNDED * length, &m->merged);
+    gd__merge(m->list.windows, m->list.count, m->chunk.windows, m->chunk.count, ROUNDED * length,
+              &m->merged);
     struct gd__stack swap = m->list;
     m->list = m->merged;
     m->merged = swap;
     return GD_OK;
 }
 
-/* Rounded ends may overlap by a unit or two, and a wedge that went on in pieces is in as many chunks: one behind the other they are one again. */
+/* Rounded ends may overlap by a unit or two, and a wedge that went on in pieces is in as many
+ * chunks: one behind the other they are one again. */
 static void close_up(struct gd__stack *list, double length)
 {
     uint32_t kept = 0;
@@ -66,12 +71,15 @@ static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, st
     return status;
 }
 
-/* A wedge in the caller's terms: parameters from the edge's lower-numbered vertex, in the caller's unit. */
-static struct gd_wedge export_wedge(const struct gd_field *field, double length, struct gd__window w, bool reversed)
+/* A wedge in the caller's terms: parameters from the edge's lower-numbered vertex, in the caller's
+ * unit. */
+static struct gd_wedge export_wedge(const struct gd_field *field, double length,
+                                    struct gd__window w, bool reversed)
 {
     const struct gd_mesh *mesh = field->mesh;
     if (reversed) w = gd__window_mirrored(&w, length);
-    bool at_vertex = w.source < mesh->vertex_count, left = w.tags & GD__WINDOW_FAR_SIDE; /* of the edge as stored */
+    /* of the edge as stored */
+    bool at_vertex = w.source < mesh->vertex_count, left = w.tags & GD__WINDOW_FAR_SIDE;
     double sigma = gd__field_sigma(field, w.source);
     w.sigma -= sigma; /* of a linear one what is left is the line's */
     return (struct gd_wedge){.b0 = w.b0 * mesh->unit,
@@ -82,15 +90,17 @@ static struct gd_wedge export_wedge(const struct gd_field *field, double length,
                              .tau = left != reversed,
                              .linear = gd__window_is_linear(&w),
                              .at_vertex = at_vertex,
-                             .source =
-                                 at_vertex ? mesh->index_of_vertex[w.source] : gd__field_seed_of(field, w.source)};
+                             .source = at_vertex ? mesh->index_of_vertex[w.source]
+                                                 : gd__field_seed_of(field, w.source)};
 }
 
-static enum gd_status export_edge(const struct gd_field *field, uint32_t edge, const struct gd__stack *list,
-                                  struct gd_wedge **out, uint32_t *count)
+static enum gd_status export_edge(const struct gd_field *field, uint32_t edge,
+                                  const struct gd__stack *list, struct gd_wedge **out,
+                                  uint32_t *count)
 {
     const struct gd_mesh *mesh = field->mesh;
-    bool reversed = mesh->index_of_vertex[mesh->origin[2 * edge]] > mesh->index_of_vertex[mesh->origin[2 * edge + 1]];
+    bool reversed = mesh->index_of_vertex[mesh->origin[2 * edge]] >
+                    mesh->index_of_vertex[mesh->origin[2 * edge + 1]];
     struct gd_wedge *wedges = malloc(sizeof *wedges * ((size_t)list->count + 1));
     if (!wedges) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < list->count; i++)

@@ -43,7 +43,9 @@ void gd__base64_write(const char *bytes, size_t size, char *out)
 {
     for (size_t i = 0; i < size; i += 3) {
         uint32_t bits = 0;
-        for (size_t k = 0; k < 3; k++) bits = bits << 8 | (i + k < size ? (unsigned char)bytes[i + k] : 0);
-        for (size_t k = 0; k < 4; k++) *out++ = i + k <= size ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
+        for (size_t k = 0; k < 3; k++)
+            bits = bits << 8 | (i + k < size ? (unsigned char)bytes[i + k] : 0);
+        for (size_t k = 0; k < 4; k++)
+            *out++ = i + k <= size ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
     }
 }

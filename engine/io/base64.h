@@ -17,7 +17,8 @@ static inline size_t gd__base64_characters(size_t bytes)
     return (bytes + 2) / 3 * 4;
 }
 
-/* Reads text, with or without padding; "\/", as some JSON writers put it, is "/". `out` has room for gd__base64_bytes. False: a character that is none of the alphabet. */
+/* Reads text, with or without padding; "\/", as some JSON writers put it, is "/". `out` has room
+ * for gd__base64_bytes. False: a character that is none of the alphabet. */
 bool gd__base64_read(const char *text, size_t length, char *out, size_t *size);
 
 /* Writes gd__base64_characters(size) to `out`. */

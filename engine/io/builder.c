@@ -4,12 +4,14 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Keeps every corner offset within 32 bits: a polygon of n corners counts n - 2 triangles, so there are at most 3 x 2^30 corners. */
+/* Keeps every corner offset within 32 bits: a polygon of n corners counts n - 2 triangles, so there
+ * are at most 3 x 2^30 corners. */
 #define LARGEST_LIMIT (UINT32_C(1) << 30)
 
 #define SMALLEST_CAPACITY 64
 
-/* Bytes of input from one look at the control to the next: text is read at a hundred of them a microsecond or more. */
+/* Bytes of input from one look at the control to the next: text is read at a hundred of them a
+ * microsecond or more. */
 #define LOOK_BYTES 65536
 
 /* Doubles are all whole from here on, and still fit an integer. */
@@ -20,7 +22,8 @@ static uint32_t effective_limit(uint32_t limit)
     return limit == 0 || limit > LARGEST_LIMIT ? LARGEST_LIMIT : limit;
 }
 
-struct gd__builder gd__builder_begin(const struct gd__scan *scan, const struct gd_read_limits *limits)
+struct gd__builder gd__builder_begin(const struct gd__scan *scan,
+                                     const struct gd_read_limits *limits)
 {
     struct gd_read_limits wanted = limits ? *limits : (struct gd_read_limits){0};
     return (struct gd__builder){
@@ -45,7 +48,8 @@ static enum gd_status no_memory(const struct gd__builder *builder)
     return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
 }
 
-/* The array with room for `capacity` items, NULL if there is no memory for it: then the array is as it was. */
+/* The array with room for `capacity` items, NULL if there is no memory for it: then the array is as
+ * it was. */
 static void *resized(void *array, size_t capacity, size_t item)
 {
     size_t bytes;
@@ -100,33 +104,41 @@ enum gd_status gd__builder_look(struct gd__builder *builder)
 
 static enum gd_status too_many_vertices(const struct gd__builder *builder, const char *at)
 {
-    return gd__scan_fail(builder->scan, at, GD_TOO_LARGE, "more than %u vertices, the configured maximum",
+    return gd__scan_fail(builder->scan, at, GD_TOO_LARGE,
+                         "more than %u vertices, the configured maximum",
                          builder->limits.max_vertices);
 }
 
 static enum gd_status too_many_faces(const struct gd__builder *builder, const char *at)
 {
-    return gd__scan_fail(builder->scan, at, GD_TOO_LARGE, "more than %u triangles, the configured maximum",
+    return gd__scan_fail(builder->scan, at, GD_TOO_LARGE,
+                         "more than %u triangles, the configured maximum",
                          builder->limits.max_faces);
 }
 
-enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions, uint64_t polygons)
+enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions,
+                                   uint64_t polygons)
 {
     const char *at = builder->scan->at;
     if (positions > builder->limits.max_vertices) return too_many_vertices(builder, at);
     if (polygons > builder->limits.max_faces) return too_many_faces(builder, at);
-    if (positions > builder->position_capacity && !resize_positions(builder, positions)) return no_memory(builder);
-    if (3 * polygons > builder->corner_capacity && !resize_corners(builder, 3 * polygons)) return no_memory(builder);
+    if (positions > builder->position_capacity && !resize_positions(builder, positions))
+        return no_memory(builder);
+    if (3 * polygons > builder->corner_capacity && !resize_corners(builder, 3 * polygons))
+        return no_memory(builder);
     return GD_OK;
 }
 
-enum gd_status gd__builder_add_position(struct gd__builder *builder, const double xyz[3], const char *at)
+enum gd_status gd__builder_add_position(struct gd__builder *builder, const double xyz[3],
+                                        const char *at)
 {
     if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || !isfinite(xyz[2])) {
-        return gd__scan_fail(builder->scan, at, GD_NON_FINITE, "a coordinate of vertex %zu is not a finite number",
+        return gd__scan_fail(builder->scan, at, GD_NON_FINITE,
+                             "a coordinate of vertex %zu is not a finite number",
                              builder->position_count + builder->index_base);
     }
-    if (builder->position_count == builder->limits.max_vertices) return too_many_vertices(builder, at);
+    if (builder->position_count == builder->limits.max_vertices)
+        return too_many_vertices(builder, at);
     if (builder->position_count == builder->position_capacity &&
         !resize_positions(builder, grown(builder->position_capacity))) {
         return no_memory(builder);
@@ -153,7 +165,8 @@ enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vert
 enum gd_status gd__builder_add_index(struct gd__builder *builder, double index, const char *at)
 {
     if (index != floor(index))
-        return gd__scan_fail(builder->scan, at, GD_SYNTAX, "the vertex index %g is not a whole number", index);
+        return gd__scan_fail(builder->scan, at, GD_SYNTAX,
+                             "the vertex index %g is not a whole number", index);
     double number = fmin(fmax(index, -LARGEST_WHOLE), LARGEST_WHOLE);
     if (index < 0) return gd__builder_no_such_vertex(builder, (long long)number, at);
     return gd__builder_add_corner(builder, (uint64_t)number, at);
@@ -174,7 +187,8 @@ static bool keep_first(struct gd__builder *builder)
     bool triangle = builder->corner_count - builder->open == 3;
     if (!builder->first && triangle) return true;
     if (!builder->first && !begin_first(builder)) return false;
-    if (builder->polygon_count == builder->first_capacity && !resize_first(builder, grown(builder->first_capacity)))
+    if (builder->polygon_count == builder->first_capacity &&
+        !resize_first(builder, grown(builder->first_capacity)))
         return false;
     builder->first[builder->polygon_count] = (uint32_t)builder->open;
     return true;
@@ -184,7 +198,8 @@ enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char
 {
     size_t corners = builder->corner_count - builder->open;
     if (corners < 3)
-        return gd__scan_fail(builder->scan, at, GD_SYNTAX, "a face has %zu corners, it needs three", corners);
+        return gd__scan_fail(builder->scan, at, GD_SYNTAX, "a face has %zu corners, it needs three",
+                             corners);
     builder->triangles += corners - 2;
     if (builder->triangles > builder->limits.max_faces) return too_many_faces(builder, at);
     if (!keep_first(builder)) return no_memory(builder);
@@ -193,11 +208,12 @@ enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char
     return GD_OK;
 }
 
-enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number, const char *at)
+enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number,
+                                          const char *at)
 {
     return gd__scan_fail(builder->scan, at, GD_INDEX,
-                         "a face names vertex %lld, but there are only %zu, counted from %u", number,
-                         builder->position_count, builder->index_base);
+                         "a face names vertex %lld, but there are only %zu, counted from %u",
+                         number, builder->position_count, builder->index_base);
 }
 
 /* Shrinking may fail, the array is good as it is then. `capacity` > 0. */
@@ -210,13 +226,16 @@ static void shrink(struct gd__builder *builder)
 
 enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out)
 {
-    if (builder->polygon_count == 0) return gd_fail(builder->scan->detail, GD_EMPTY, "the input has no faces");
+    if (builder->polygon_count == 0)
+        return gd_fail(builder->scan->detail, GD_EMPTY, "the input has no faces");
     if (builder->last_vertex >= builder->position_count) {
-        return gd__builder_no_such_vertex(builder, (long long)(builder->last_vertex + builder->index_base),
+        return gd__builder_no_such_vertex(builder,
+                                          (long long)(builder->last_vertex + builder->index_base),
                                           builder->last_vertex_at);
     }
     if (builder->first) {
-        if (builder->polygon_count == builder->first_capacity && !resize_first(builder, builder->polygon_count + 1)) {
+        if (builder->polygon_count == builder->first_capacity &&
+            !resize_first(builder, builder->polygon_count + 1)) {
             return no_memory(builder);
         }
         builder->first[builder->polygon_count] = (uint32_t)builder->corner_count;

@@ -1,5 +1,6 @@
-/* Builder: the polygons of a file while it is being read. Arrays grow by half, within the limits; what they hold at any time is at most a
- * small multiple of the bytes read, because readers add nothing, and reserve nothing, that those bytes don't account for. */
+/* Builder: the polygons of a file while it is being read. Arrays grow by half, within the limits;
+ * what they hold at any time is at most a small multiple of the bytes read, because readers add
+ * nothing, and reserve nothing, that those bytes don't account for. */
 #ifndef GD_IO_BUILDER_H
 #define GD_IO_BUILDER_H
 
@@ -12,8 +13,9 @@
 struct gd__builder {
     const struct gd__scan *scan;  /* borrowed: errors name its places */
     struct gd_read_limits limits; /* neither is 0 */
-    uint32_t index_base;          /* how the format numbers its first vertex: 0 or 1; for error texts only */
-    const char *next_look;        /* at the control, once the scan is there */
+    /* how the format numbers its first vertex: 0 or 1; for error texts only */
+    uint32_t index_base;
+    const char *next_look; /* at the control, once the scan is there */
 
     double (*positions)[3];
     size_t position_count, position_capacity;
@@ -21,7 +23,8 @@ struct gd__builder {
     uint32_t *corners;
     size_t corner_count, corner_capacity;
 
-    uint32_t *first; /* NULL as long as all polygons are triangles, else the beginning of each closed polygon */
+    /* NULL as long as all polygons are triangles, else the beginning of each closed polygon */
+    uint32_t *first;
     size_t first_capacity;
 
     size_t polygon_count;
@@ -33,32 +36,44 @@ struct gd__builder {
 };
 
 /* An empty builder. `limits` may be NULL. */
-struct gd__builder gd__builder_begin(const struct gd__scan *scan, const struct gd_read_limits *limits);
+struct gd__builder gd__builder_begin(const struct gd__scan *scan,
+                                     const struct gd_read_limits *limits);
 void gd__builder_free(struct gd__builder *builder);
 
-/* Room for so many vertices and triangles: call it with counts that the input's length was checked to hold. GD_TOO_LARGE, GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions, uint64_t polygons);
+/* Room for so many vertices and triangles: call it with counts that the input's length was checked
+ * to hold. GD_TOO_LARGE, GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions,
+                                               uint64_t polygons);
 
-/* Looks at the control if it is time to; to be called for whatever is read and not added. GD_CANCELLED, GD_DEADLINE. */
+/* Looks at the control if it is time to; to be called for whatever is read and not added.
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__builder_look(struct gd__builder *builder);
 
-/* Each names `at` in its errors, and looks at the control. GD_NON_FINITE, GD_TOO_LARGE, GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__builder_add_position(struct gd__builder *builder, const double xyz[3], const char *at);
+/* Each names `at` in its errors, and looks at the control. GD_NON_FINITE, GD_TOO_LARGE,
+ * GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__builder_add_position(struct gd__builder *builder,
+                                                    const double xyz[3], const char *at);
 
-/* Adds a corner to the open polygon, zero-based; whether the vertex exists is asked by gd__builder_finish. GD_NO_MEMORY.
- * Looks at the control. */
-GD_MUST_USE enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex, const char *at);
+/* Adds a corner to the open polygon, zero-based; whether the vertex exists is asked by
+ * gd__builder_finish. GD_NO_MEMORY. Looks at the control. */
+GD_MUST_USE enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex,
+                                                  const char *at);
 
-/* The same for a number of a format that doesn't tell integers from others. GD_SYNTAX (not whole), GD_INDEX (negative), GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__builder_add_index(struct gd__builder *builder, double index, const char *at);
+/* The same for a number of a format that doesn't tell integers from others. GD_SYNTAX (not whole),
+ * GD_INDEX (negative), GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__builder_add_index(struct gd__builder *builder, double index,
+                                                 const char *at);
 
-/* Makes a polygon of the corners since the last one. GD_SYNTAX (fewer than three), GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Makes a polygon of the corners since the last one. GD_SYNTAX (fewer than three), GD_TOO_LARGE,
+ * GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at);
 
 /* GD_INDEX for a vertex that a face names, in the file's own numbering. */
-enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number, const char *at);
+enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number,
+                                          const char *at);
 
-/* Hands the arrays, shrunk to their length, over to `out`; the builder is empty then. GD_EMPTY, GD_INDEX, GD_NO_MEMORY. */
+/* Hands the arrays, shrunk to their length, over to `out`; the builder is empty then. GD_EMPTY,
+ * GD_INDEX, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out);
 
 #endif

@@ -1,4 +1,5 @@
-/* Control meshes: any mesh file, and in OBJ the tag lines `t name ints/floats/strings values...` of OpenSubdiv. */
+/* Control meshes: any mesh file, and in OBJ the tag lines `t name ints/floats/strings values...` of
+ * OpenSubdiv. */
 #include "gd/control_mesh.h"
 
 #include <stdlib.h>
@@ -34,9 +35,11 @@ static enum gd_status read_counts(struct gd__scan *scan, struct counts *out)
     enum gd_status status = GD_OK;
     for (int i = 0; !status && i < 3; i++) {
         status = gd__scan_integer(scan, counts[i]);
-        if (!status && (*counts[i] < 0 || *counts[i] > 1 << 30)) status = gd__scan_unexpected(scan, "a count");
+        if (!status && (*counts[i] < 0 || *counts[i] > 1 << 30))
+            status = gd__scan_unexpected(scan, "a count");
         if (status || i == 2) break;
-        if (gd__scan_left(scan) == 0 || *scan->at != '/') return gd__scan_unexpected(scan, "counts as in 2/1/0");
+        if (gd__scan_left(scan) == 0 || *scan->at != '/')
+            return gd__scan_unexpected(scan, "counts as in 2/1/0");
         scan->at++;
     }
     return status;
@@ -49,7 +52,8 @@ static enum gd_status read_vertex(const struct tag *tag, uint32_t *out)
     enum gd_status status = gd__scan_integer(tag->scan, &vertex);
     if (status) return status;
     if (vertex < 0 || vertex >= tag->mesh->polygons.position_count)
-        return gd__scan_fail(tag->scan, place, GD_INDEX, "the tag names vertex %lld; they are counted from 0 to %u",
+        return gd__scan_fail(tag->scan, place, GD_INDEX,
+                             "the tag names vertex %lld; they are counted from 0 to %u",
                              (long long)vertex, tag->mesh->polygons.position_count - 1);
     *out = (uint32_t)vertex;
     return GD_OK;
@@ -64,9 +68,11 @@ static enum gd_status read_sharpness(const struct tag *tag, int64_t index, doubl
 static enum gd_status check_counts(const struct tag *tag, int64_t least, int64_t items)
 {
     const struct counts *counts = &tag->counts;
-    if (counts->whole >= least && (counts->real == 1 || counts->real == items) && counts->text == 0) return GD_OK;
+    if (counts->whole >= least && (counts->real == 1 || counts->real == items) && counts->text == 0)
+        return GD_OK;
     return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
-                         "the tag has %lld whole and %lld real numbers: one sharpness for all or one each is expected",
+                         "the tag has %lld whole and %lld real numbers: one sharpness for all or "
+                         "one each is expected",
                          (long long)counts->whole, (long long)counts->real);
 }
 
@@ -79,7 +85,8 @@ static void *grown(void *array, uint32_t count, int64_t more, size_t size)
 static enum gd_status check_length(const struct tag *tag)
 {
     if ((uint64_t)tag->counts.whole <= gd__scan_left(tag->scan)) return GD_OK;
-    return gd__scan_fail(tag->scan, tag->place, GD_TRUNCATED, "the tag declares %lld numbers, which do not follow",
+    return gd__scan_fail(tag->scan, tag->place, GD_TRUNCATED,
+                         "the tag declares %lld numbers, which do not follow",
                          (long long)tag->counts.whole);
 }
 
@@ -133,14 +140,14 @@ static enum gd_status read_corner(const struct tag *tag)
 
 static enum gd_status read_boundary(const struct tag *tag)
 {
-    static const enum gd_interpolate_boundary rules[] = {GD_INTERPOLATE_NONE, GD_INTERPOLATE_EDGE_AND_CORNER,
-                                                         GD_INTERPOLATE_EDGE_ONLY};
+    static const enum gd_interpolate_boundary rules[] = {
+        GD_INTERPOLATE_NONE, GD_INTERPOLATE_EDGE_AND_CORNER, GD_INTERPOLATE_EDGE_ONLY};
     int64_t number;
     enum gd_status status = gd__scan_integer(tag->scan, &number);
     if (status) return status;
     if (number < 0 || number > 2)
-        return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX, "interpolateboundary is 0, 1 or 2, not %lld",
-                             (long long)number);
+        return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
+                             "interpolateboundary is 0, 1 or 2, not %lld", (long long)number);
     tag->mesh->boundary = rules[number];
     return GD_OK;
 }
@@ -155,7 +162,8 @@ static enum gd_status read_tag(struct gd__scan *scan, struct gd_control_mesh *me
     if (gd__word_is(name, "crease")) return read_crease(&tag);
     if (gd__word_is(name, "corner")) return read_corner(&tag);
     if (gd__word_is(name, "interpolateboundary")) return read_boundary(&tag);
-    return gd__scan_fail(scan, tag.place, GD_UNSUPPORTED, "the tag '%s' is not supported", gd__excerpt(name).text);
+    return gd__scan_fail(scan, tag.place, GD_UNSUPPORTED, "the tag '%s' is not supported",
+                         gd__excerpt(name).text);
 }
 
 static enum gd_status read_tags(const void *bytes, size_t size, const struct gd_read_limits *limits,
@@ -173,8 +181,8 @@ static enum gd_status read_tags(const void *bytes, size_t size, const struct gd_
 }
 
 enum gd_status gd_read_control_mesh(const void *bytes, size_t size, enum gd_format format,
-                                    const struct gd_read_limits *limits, struct gd_control_mesh *out,
-                                    struct gd_detail *detail)
+                                    const struct gd_read_limits *limits,
+                                    struct gd_control_mesh *out, struct gd_detail *detail)
 {
     if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
     struct gd_control_mesh mesh = {0};

@@ -29,7 +29,8 @@ enum gd_format gd_format_by_media_type(const char *media_type)
     size_t length = strcspn(media_type, "; \t");
     for (size_t i = 0; i < FORMAT_COUNT; i++) {
         const char *known = formats[i].media_type;
-        if (length == strlen(known) && strncasecmp(media_type, known, length) == 0) return formats[i].format;
+        if (length == strlen(known) && strncasecmp(media_type, known, length) == 0)
+            return formats[i].format;
     }
     return GD_FORMAT_ANY;
 }
@@ -50,19 +51,21 @@ const char *gd_format_media_type(enum gd_format format)
     return "application/octet-stream";
 }
 
-/* The most certain first: GLB has four bytes of its own, the size of a binary STL file fits no other format's text, glTF and JSON are told apart by their
- * keys, OBJ has no signature at all. */
+/* The most certain first: GLB has four bytes of its own, the size of a binary STL file fits no
+ * other format's text, glTF and JSON are told apart by their keys, OBJ has no signature at all. */
 static const struct {
     enum gd_format format;
     bool (*recognise)(struct gd__scan scan);
 } signatures[] = {
-    {GD_FORMAT_GLB, gd__glb_recognise}, {GD_FORMAT_STL, gd__stl_recognise},   {GD_FORMAT_PLY, gd__ply_recognise},
-    {GD_FORMAT_OFF, gd__off_recognise}, {GD_FORMAT_GLTF, gd__gltf_recognise}, {GD_FORMAT_JSON, gd__json_recognise},
+    {GD_FORMAT_GLB, gd__glb_recognise},   {GD_FORMAT_STL, gd__stl_recognise},
+    {GD_FORMAT_PLY, gd__ply_recognise},   {GD_FORMAT_OFF, gd__off_recognise},
+    {GD_FORMAT_GLTF, gd__gltf_recognise}, {GD_FORMAT_JSON, gd__json_recognise},
     {GD_FORMAT_OBJ, gd__obj_recognise},
 };
 
-#define TEXT_BEGINNING                                                                                                 \
-    ((size_t)1 << 20) /* bytes, in which a text says what it is: blanks and comments may come before */
+#define TEXT_BEGINNING                                                                             \
+    ((size_t)1                                                                                     \
+     << 20) /* bytes, in which a text says what it is: blanks and comments may come before */
 
 enum gd_format gd_format_recognise(const void *bytes, size_t size)
 {

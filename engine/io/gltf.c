@@ -1,4 +1,5 @@
-/* glTF 2.0 and its binary form, GLB: the container, the document's lists, and the way from a scene to triangles. See gltf.h. */
+/* glTF 2.0 and its binary form, GLB: the container, the document's lists, and the way from a scene
+ * to triangles. See gltf.h. */
 #include "io/gltf.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@
 #define CHUNK_JSON   UINT32_C(0x4E4F534A)
 #define CHUNK_BINARY UINT32_C(0x004E4942)
 
-/* --- recognising -------------------------------------------------------------------------------------------------- */
+/* --- recognising ------------------------------------------------------------------------------ */
 
 bool gd__glb_recognise(struct gd__scan scan)
 {
@@ -48,15 +49,16 @@ bool gd__gltf_recognise(struct gd__scan scan)
     if (!gd__json_accept(&scan, '{')) return false;
     if (gd__json_string(&scan, "a key", &key) != GD_OK) return false;
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        if (key.length == strlen(keys[i]) + 2 && memcmp(key.at + 1, keys[i], key.length - 2) == 0) return true;
+        if (key.length == strlen(keys[i]) + 2 && memcmp(key.at + 1, keys[i], key.length - 2) == 0)
+            return true;
     }
     return false;
 }
 
-/* --- looking things up -------------------------------------------------------------------------------------------- */
+/* --- looking things up ------------------------------------------------------------------------ */
 
-enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, const char *name, uint64_t otherwise,
-                              uint64_t most, uint64_t *out)
+enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, const char *name,
+                              uint64_t otherwise, uint64_t most, uint64_t *out)
 {
     uint32_t value = gd__json_member(&gltf->json, object, name);
     double number = (double)otherwise;
@@ -68,14 +70,16 @@ enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, cons
     return GD_OK;
 }
 
-enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value, const struct gd__gltf_list *list,
-                              uint32_t *out)
+enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
+                              const struct gd__gltf_list *list, uint32_t *out)
 {
     double number = -1;
     if (!gd__json_real(&gltf->json, value, &number) || !(number >= 0) || number != floor(number))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "this is no number of one of the '%s'", list->name);
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "this is no number of one of the '%s'",
+                             list->name);
     if (number >= list->count)
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "number %.0f of the '%s' is named, but there are only %u", number,
+        return gd__gltf_fail(gltf, value, GD_SYNTAX,
+                             "number %.0f of the '%s' is named, but there are only %u", number,
                              list->name, list->count);
     *out = (uint32_t)number;
     return GD_OK;
@@ -92,12 +96,13 @@ enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object, 
     return status;
 }
 
-enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, const char *name, unsigned count,
-                              double *out)
+enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, const char *name,
+                              unsigned count, double *out)
 {
     uint32_t list = gd__json_member(&gltf->json, object, name);
     if (list == GD__NO_VALUE) return GD_OK;
-    uint32_t value = list + 1, end = gd__json_is(&gltf->json, list, '[') ? gd__json_next(&gltf->json, list) : 0;
+    uint32_t value = list + 1,
+             end = gd__json_is(&gltf->json, list, '[') ? gd__json_next(&gltf->json, list) : 0;
     unsigned read = 0;
     for (; value < end && read < count; value = gd__json_next(&gltf->json, value)) {
         if (!gd__json_real(&gltf->json, value, &out[read++])) break;
@@ -106,16 +111,18 @@ enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, cons
     return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' has to be %u numbers", name, count);
 }
 
-/* --- the document ------------------------------------------------------------------------------------------------- */
+/* --- the document ----------------------------------------------------------------------------- */
 
 /* Extensions without which the shape is the same. */
 static bool leaves_shape(const struct gd__json *json, uint32_t name)
 {
-    static const char *const beginnings[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",  "KHR_xmp",
-                                             "EXT_texture_",   "EXT_lights_",  "MSFT_texture", "KHR_animation_"};
+    static const char *const beginnings[] = {"KHR_materials_", "KHR_texture_",  "KHR_lights_",
+                                             "KHR_xmp",        "EXT_texture_",  "EXT_lights_",
+                                             "MSFT_texture",   "KHR_animation_"};
     if (gd__json_says(json, name, "KHR_mesh_quantization")) return true;
     for (size_t i = 0; i < sizeof beginnings / sizeof beginnings[0]; i++) {
-        if (strncmp(gd__json_at(json, name) + 1, beginnings[i], strlen(beginnings[i])) == 0) return true;
+        if (strncmp(gd__json_at(json, name) + 1, beginnings[i], strlen(beginnings[i])) == 0)
+            return true;
     }
     return false;
 }
@@ -132,7 +139,8 @@ static enum gd_status refuse_extension(const struct gd__gltf *gltf, uint32_t nam
     const char *at = gd__json_at(&gltf->json, name) + 1;
     size_t length = 0;
     while (at[length] != '"') length++;
-    return gd__gltf_fail(gltf, name, GD_UNSUPPORTED, "the file needs the extension '%s', which is not supported",
+    return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
+                         "the file needs the extension '%s', which is not supported",
                          gd__excerpt((struct gd__word){at, length}).text);
 }
 
@@ -152,9 +160,11 @@ static enum gd_status check_extensions(const struct gd__gltf *gltf)
 static enum gd_status check_version(const struct gd__gltf *gltf)
 {
     uint32_t asset = gd__json_member(&gltf->json, 0, "asset");
-    uint32_t version = asset == GD__NO_VALUE ? GD__NO_VALUE : gd__json_member(&gltf->json, asset, "version");
+    uint32_t version =
+        asset == GD__NO_VALUE ? GD__NO_VALUE : gd__json_member(&gltf->json, asset, "version");
     if (version == GD__NO_VALUE)
-        return gd__gltf_fail(gltf, 0, GD_SYNTAX, "the document is no glTF: it has no 'asset' with a 'version'");
+        return gd__gltf_fail(gltf, 0, GD_SYNTAX,
+                             "the document is no glTF: it has no 'asset' with a 'version'");
     if (strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0) return GD_OK;
     return gd__gltf_fail(gltf, version, GD_UNSUPPORTED, "the file is not of version 2 of glTF");
 }
@@ -162,7 +172,9 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
 static uint32_t count_items(const struct gd__json *json, uint32_t list)
 {
     uint32_t count = 0;
-    for (uint32_t item = list + 1; item < gd__json_next(json, list); item = gd__json_next(json, item)) count++;
+    for (uint32_t item = list + 1; item < gd__json_next(json, list);
+         item = gd__json_next(json, item))
+        count++;
     return count;
 }
 
@@ -171,10 +183,13 @@ static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_lis
     const struct gd__json *json = &gltf->json;
     uint32_t value = gd__json_member(json, 0, list->name);
     if (value == GD__NO_VALUE) return GD_OK;
-    if (!gd__json_is(json, value, '[')) return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is no array", list->name);
+    if (!gd__json_is(json, value, '['))
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is no array", list->name);
     list->values = malloc((count_items(json, value) + (size_t)1) * sizeof *list->values);
-    if (!list->values) return gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
-    for (uint32_t item = value + 1; item < gd__json_next(json, value); item = gd__json_next(json, item))
+    if (!list->values)
+        return gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    for (uint32_t item = value + 1; item < gd__json_next(json, value);
+         item = gd__json_next(json, item))
         list->values[list->count++] = item;
     return GD_OK;
 }
@@ -182,16 +197,18 @@ static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_lis
 static enum gd_status read_lists(struct gd__gltf *gltf)
 {
     enum gd_status status = GD_OK;
-#define READ_LIST(member, text)                                                                                        \
-    gltf->member.name = text;                                                                                          \
+#define READ_LIST(member, text)                                                                    \
+    gltf->member.name = text;                                                                      \
     if (status == GD_OK) status = read_list(gltf, &gltf->member);
     GD__GLTF_LISTS(READ_LIST)
 #undef READ_LIST
     if (status == GD_OK && gltf->buffers.count > GD__GLTF_BUFFERS)
-        status = gd__gltf_fail(gltf, 0, GD_UNSUPPORTED, "the file has more than %d buffers", GD__GLTF_BUFFERS);
+        status = gd__gltf_fail(gltf, 0, GD_UNSUPPORTED, "the file has more than %d buffers",
+                               GD__GLTF_BUFFERS);
     if (status != GD_OK) return status;
     gltf->loaded = calloc(gltf->buffers.count + (size_t)1, sizeof *gltf->loaded);
-    return gltf->loaded ? GD_OK : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    return gltf->loaded ? GD_OK
+                        : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
 }
 
 static void free_document(struct gd__gltf *gltf)
@@ -213,7 +230,7 @@ static enum gd_status read_document(struct gd__gltf *gltf)
     return status == GD_OK ? read_lists(gltf) : status;
 }
 
-/* --- the container ------------------------------------------------------------------------------------------------ */
+/* --- the container ---------------------------------------------------------------------------- */
 
 /* The next chunk of a GLB, which ends at scan->end. */
 static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct gd__gltf_bytes *out)
@@ -223,7 +240,8 @@ static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct g
     uint32_t size = gd__load_u32(scan->at, false);
     *type = gd__load_u32(scan->at + 4, false);
     if (size > gd__scan_left(scan) - CHUNK_HEADER)
-        return gd__scan_fail(scan, scan->at, GD_TRUNCATED, "a chunk of %u bytes is declared, but only %zu follow", size,
+        return gd__scan_fail(scan, scan->at, GD_TRUNCATED,
+                             "a chunk of %u bytes is declared, but only %zu follow", size,
                              gd__scan_left(scan) - CHUNK_HEADER);
     *out = (struct gd__gltf_bytes){scan->at + CHUNK_HEADER, size};
     scan->at += CHUNK_HEADER + (size_t)size;
@@ -238,11 +256,14 @@ static enum gd_status read_header(struct gd__scan *scan)
     if (size < GLB_HEADER || memcmp(scan->at, "glTF", 4) != 0)
         return gd__scan_fail(scan, scan->at, size < GLB_HEADER ? GD_TRUNCATED : GD_SYNTAX,
                              "a GLB begins with 'glTF', its version and its length");
-    uint32_t version = gd__load_u32(scan->at + 4, false), length = gd__load_u32(scan->at + 8, false);
+    uint32_t version = gd__load_u32(scan->at + 4, false),
+             length = gd__load_u32(scan->at + 8, false);
     if (version != 2)
-        return gd__scan_fail(scan, scan->at + 4, GD_UNSUPPORTED, "the GLB is of version %u, not 2", version);
+        return gd__scan_fail(scan, scan->at + 4, GD_UNSUPPORTED, "the GLB is of version %u, not 2",
+                             version);
     if (length > size || length < GLB_HEADER)
-        return gd__scan_fail(scan, scan->at + 8, GD_TRUNCATED, "the GLB declares %u bytes, but has %zu", length, size);
+        return gd__scan_fail(scan, scan->at + 8, GD_TRUNCATED,
+                             "the GLB declares %u bytes, but has %zu", length, size);
     scan->at += GLB_HEADER;
     scan->end = scan->begin + length;
     return GD_OK;
@@ -256,7 +277,8 @@ static enum gd_status open_glb(struct gd__gltf *gltf)
     enum gd_status status = read_header(scan);
     if (status == GD_OK) status = read_chunk(scan, &type, &document);
     if (status == GD_OK && type != CHUNK_JSON)
-        status = gd__scan_fail(scan, document.at - CHUNK_HEADER, GD_SYNTAX, "the first chunk of a GLB has to be JSON");
+        status = gd__scan_fail(scan, document.at - CHUNK_HEADER, GD_SYNTAX,
+                               "the first chunk of a GLB has to be JSON");
     while (status == GD_OK && !gltf->binary.at && gd__scan_left(scan) > 0) {
         status = read_chunk(scan, &type, &chunk);
         if (status == GD_OK && type == CHUNK_BINARY) gltf->binary = chunk;
@@ -268,15 +290,15 @@ static enum gd_status open_glb(struct gd__gltf *gltf)
 }
 
 /* `*out` is to be freed whatever the result. */
-static enum gd_status open_file(const struct gd__scan *scan, const struct gd_control *control, bool is_glb,
-                                struct gd__gltf *out)
+static enum gd_status open_file(const struct gd__scan *scan, const struct gd_control *control,
+                                bool is_glb, struct gd__gltf *out)
 {
     *out = (struct gd__gltf){.scan = *scan, .control = control};
     out->scan.by_byte = true;
     return is_glb ? open_glb(out) : read_document(out);
 }
 
-/* --- the scene ---------------------------------------------------------------------------------------------------- */
+/* --- the scene -------------------------------------------------------------------------------- */
 
 struct counting {
     struct gd__gltf_visitor visitor; /* first */
@@ -284,7 +306,8 @@ struct counting {
     struct gd__gltf_sum sum;
 };
 
-static enum gd_status count_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh, const struct gd__gltf_place *place)
+static enum gd_status count_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh,
+                                 const struct gd__gltf_place *place)
 {
     struct counting *counting = (struct counting *)visitor;
     (void)place;
@@ -304,42 +327,48 @@ struct placing {
     struct gd__gltf_making making;
 };
 
-static enum gd_status make_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh, const struct gd__gltf_place *place)
+static enum gd_status make_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh,
+                                const struct gd__gltf_place *place)
 {
     return gd__gltf_make_mesh(&((struct placing *)visitor)->making, mesh, place);
 }
 
 static enum gd_status fail_empty(const struct gd__gltf *gltf, const struct gd__gltf_sum *sum)
 {
-    return gd_fail(gltf->scan.detail, GD_EMPTY,
-                   "the scene has no triangles; %llu primitives are points or lines, or have no positions",
-                   (unsigned long long)sum->skipped);
+    return gd_fail(
+        gltf->scan.detail, GD_EMPTY,
+        "the scene has no triangles; %llu primitives are points or lines, or have no positions",
+        (unsigned long long)sum->skipped);
 }
 
 static enum gd_status reserve(struct gd__builder *builder, const struct gd__gltf_sum *sum)
 {
     uint64_t most = builder->limits.max_vertices;
-    return gd__builder_reserve(builder, sum->vertices < most ? sum->vertices : most, sum->triangles);
+    return gd__builder_reserve(builder, sum->vertices < most ? sum->vertices : most,
+                               sum->triangles);
 }
 
-static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *builder, const struct gd__gltf_sum *sum)
+static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *builder,
+                                 const struct gd__gltf_sum *sum)
 {
-    struct placing placing = {.visitor = {make_mesh},
-                              .making = {.gltf = gltf,
-                                         .builder = builder,
-                                         .accessor = GD__NO_VALUE,
-                                         .weld = gd__weld_begin(builder),
-                                         .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles}};
+    struct placing placing = {
+        .visitor = {make_mesh},
+        .making = {.gltf = gltf,
+                   .builder = builder,
+                   .accessor = GD__NO_VALUE,
+                   .weld = gd__weld_begin(builder),
+                   .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles}};
     placing.making.vertices = malloc((sum->largest + (size_t)1) * sizeof *placing.making.vertices);
-    enum gd_status status = placing.making.vertices
-                                ? gd__gltf_walk(gltf, &placing.visitor)
-                                : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    enum gd_status status = placing.making.vertices ? gd__gltf_walk(gltf, &placing.visitor)
+                                                    : gd_fail(gltf->scan.detail, GD_NO_MEMORY,
+                                                              "the system is out of memory");
     free(placing.making.vertices);
     gd__weld_free(&placing.making.weld);
     return status;
 }
 
-static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder *builder, bool is_glb)
+static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder *builder,
+                                bool is_glb)
 {
     struct gd__gltf gltf;
     struct gd__gltf_sum sum = {0};
@@ -367,12 +396,13 @@ enum gd_status gd__glb_read(struct gd__scan *scan, struct gd__builder *builder)
     return read_file(scan, builder, true);
 }
 
-/* --- what it costs ------------------------------------------------------------------------------------------------ */
+/* --- what it costs ---------------------------------------------------------------------------- */
 
 /* A position, and the slots by which it is found again (weld.h: at most four). */
 #define VERTEX_BYTES (sizeof(double[3]) + 4 * sizeof(uint32_t))
 
-/* A value of the tree takes at least two of its bytes; the lists and marks of what nodes there are, no more than half as much again. */
+/* A value of the tree takes at least two of its bytes; the lists and marks of what nodes there are,
+ * no more than half as much again. */
 #define TREE_FACTOR 6
 
 static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_limits *limits)
@@ -381,10 +411,12 @@ static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_limit
     uint64_t vertices = sum->vertices;
     if (most.max_faces && sum->triangles > most.max_faces) return 0;
     if (most.max_vertices && vertices > most.max_vertices) vertices = most.max_vertices;
-    return (size_t)(vertices * VERTEX_BYTES + sum->triangles * sizeof(uint32_t[3]) + sum->largest * sizeof(uint32_t));
+    return (size_t)(vertices * VERTEX_BYTES + sum->triangles * sizeof(uint32_t[3]) +
+                    sum->largest * sizeof(uint32_t));
 }
 
-size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb, const struct gd_read_limits *limits)
+size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
+                     const struct gd_read_limits *limits)
 {
     struct gd__scan scan = gd__scan_begin(bytes, size, NULL);
     scan.deadline_ns = limits && limits->control ? limits->control->deadline_ns : 0;
@@ -392,7 +424,8 @@ size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb, const struct g
     struct gd__gltf_sum sum = {0};
     enum gd_status status = open_file(&scan, limits ? limits->control : NULL, is_glb, &gltf);
     if (status == GD_OK) status = count(&gltf, &sum);
-    size_t cost = status == GD_OK ? cost_of(&sum, limits) : 0, document = TREE_FACTOR * gltf.json.size + size;
+    size_t cost = status == GD_OK ? cost_of(&sum, limits) : 0,
+           document = TREE_FACTOR * gltf.json.size + size;
     free_document(&gltf);
     return cost ? cost + document : 0;
 }

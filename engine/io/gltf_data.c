@@ -1,4 +1,5 @@
-/* glTF's data: buffers, the views that cut pieces out of them, the accessors that say what numbers a piece holds. See gltf.h. */
+/* glTF's data: buffers, the views that cut pieces out of them, the accessors that say what numbers
+ * a piece holds. See gltf.h. */
 #include "io/gltf.h"
 
 #include <math.h>
@@ -10,19 +11,21 @@
 
 #define LARGEST_WHOLE (UINT64_C(1) << 53) /* of what JSON's numbers say exactly */
 
-/* --- buffers ------------------------------------------------------------------------------------------------------ */
+/* --- buffers ---------------------------------------------------------------------------------- */
 
 static enum gd_status fail_external(const struct gd__gltf *gltf, uint32_t uri)
 {
     struct gd__word name = {gd__json_at(&gltf->json, uri) + 1, 0};
     while (name.at[name.length] != '"') name.length++;
-    return gd__gltf_fail(gltf, uri, GD_UNSUPPORTED,
-                         "the buffer is another file, '%s': send a GLB, or a glTF whose buffers are data: URIs",
-                         gd__excerpt(name).text);
+    return gd__gltf_fail(
+        gltf, uri, GD_UNSUPPORTED,
+        "the buffer is another file, '%s': send a GLB, or a glTF whose buffers are data: URIs",
+        gd__excerpt(name).text);
 }
 
 /* What follows ";base64," in a data: URI, up to the quote. */
-static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri, struct gd__gltf_bytes *out)
+static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
+                                   struct gd__gltf_bytes *out)
 {
     static const char mark[] = ";base64,";
     const char *at = gd__json_at(&gltf->json, uri) + 1, *end = gltf->json.text + gltf->json.size;
@@ -38,7 +41,8 @@ static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri, st
 static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd__gltf_buffer *out)
 {
     struct gd__gltf_bytes encoded = {0};
-    if (!gd__json_is(&gltf->json, uri, '"')) return gd__gltf_fail(gltf, uri, GD_SYNTAX, "'uri' is no string");
+    if (!gd__json_is(&gltf->json, uri, '"'))
+        return gd__gltf_fail(gltf, uri, GD_SYNTAX, "'uri' is no string");
     enum gd_status status = encoded_part(gltf, uri, &encoded);
     if (status != GD_OK) return status;
     char *decoded = malloc(gd__base64_bytes(encoded.size));
@@ -46,34 +50,41 @@ static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd_
     size_t size;
     if (!gd__base64_read(encoded.at, encoded.size, decoded, &size)) {
         free(decoded);
-        return gd__gltf_fail(gltf, uri, GD_SYNTAX, "the data: URI is broken: a character is none of base64");
+        return gd__gltf_fail(gltf, uri, GD_SYNTAX,
+                             "the data: URI is broken: a character is none of base64");
     }
     *out = (struct gd__gltf_buffer){.bytes = {decoded, size}, .decoded = decoded};
     return GD_OK;
 }
 
 /* The first buffer of a GLB is its binary chunk, if it names nothing else. */
-static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number, struct gd__gltf_buffer *out)
+static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number,
+                                 struct gd__gltf_buffer *out)
 {
-    uint32_t buffer = gltf->buffers.values[number], uri = gd__json_member(&gltf->json, buffer, "uri");
+    uint32_t buffer = gltf->buffers.values[number],
+             uri = gd__json_member(&gltf->json, buffer, "uri");
     if (uri != GD__NO_VALUE) return decode_uri(gltf, uri, out);
     if (number > 0 || !gltf->binary.at)
-        return gd__gltf_fail(gltf, buffer, GD_UNSUPPORTED,
-                             "the buffer has no bytes: neither a data: URI nor the binary part of a GLB");
+        return gd__gltf_fail(
+            gltf, buffer, GD_UNSUPPORTED,
+            "the buffer has no bytes: neither a data: URI nor the binary part of a GLB");
     *out = (struct gd__gltf_buffer){.bytes = gltf->binary};
     return GD_OK;
 }
 
-static enum gd_status load_buffer(struct gd__gltf *gltf, uint32_t number, struct gd__gltf_bytes *out)
+static enum gd_status load_buffer(struct gd__gltf *gltf, uint32_t number,
+                                  struct gd__gltf_bytes *out)
 {
     struct gd__gltf_buffer *loaded = &gltf->loaded[number];
     uint32_t buffer = gltf->buffers.values[number];
     uint64_t size = 0;
     enum gd_status status = loaded->bytes.at ? GD_OK : find_bytes(gltf, number, loaded);
-    if (status == GD_OK) status = gd__gltf_whole(gltf, buffer, "byteLength", LARGEST_WHOLE, LARGEST_WHOLE, &size);
+    if (status == GD_OK)
+        status = gd__gltf_whole(gltf, buffer, "byteLength", LARGEST_WHOLE, LARGEST_WHOLE, &size);
     if (status != GD_OK) return status;
     if (size > loaded->bytes.size)
-        return gd__gltf_fail(gltf, buffer, GD_TRUNCATED, "the buffer's 'byteLength' is %llu, but it has %zu bytes",
+        return gd__gltf_fail(gltf, buffer, GD_TRUNCATED,
+                             "the buffer's 'byteLength' is %llu, but it has %zu bytes",
                              (unsigned long long)size, loaded->bytes.size);
     *out = (struct gd__gltf_bytes){loaded->bytes.at, (size_t)size};
     return GD_OK;
@@ -81,12 +92,13 @@ static enum gd_status load_buffer(struct gd__gltf *gltf, uint32_t number, struct
 
 void gd__gltf_buffers_free(struct gd__gltf *gltf)
 {
-    for (uint32_t i = 0; gltf->loaded && i < gltf->buffers.count; i++) free(gltf->loaded[i].decoded);
+    for (uint32_t i = 0; gltf->loaded && i < gltf->buffers.count; i++)
+        free(gltf->loaded[i].decoded);
     free(gltf->loaded);
     gltf->loaded = NULL;
 }
 
-/* --- views -------------------------------------------------------------------------------------------------------- */
+/* --- views ------------------------------------------------------------------------------------ */
 
 /* A piece of a buffer. */
 struct view {
@@ -106,10 +118,12 @@ static bool is_compressed(const struct gd__gltf *gltf, uint32_t view)
 static enum gd_status buffer_of(const struct gd__gltf *gltf, uint32_t view, uint32_t *out)
 {
     uint32_t named = gd__json_member(&gltf->json, view, "buffer");
-    if (named == GD__NO_VALUE) return gd__gltf_fail(gltf, view, GD_SYNTAX, "the view names no buffer");
+    if (named == GD__NO_VALUE)
+        return gd__gltf_fail(gltf, view, GD_SYNTAX, "the view names no buffer");
     if (is_compressed(gltf, view))
-        return gd__gltf_fail(gltf, view, GD_UNSUPPORTED,
-                             "the bytes are compressed by meshopt: store the file without compression");
+        return gd__gltf_fail(
+            gltf, view, GD_UNSUPPORTED,
+            "the bytes are compressed by meshopt: store the file without compression");
     return gd__gltf_index(gltf, named, &gltf->buffers, out);
 }
 
@@ -120,12 +134,15 @@ static enum gd_status open_view(struct gd__gltf *gltf, uint32_t value, struct vi
     uint64_t offset = 0, size = 0, stride = 0;
     enum gd_status status = buffer_of(gltf, value, &buffer);
     if (status == GD_OK) status = load_buffer(gltf, buffer, &bytes);
-    if (status == GD_OK) status = gd__gltf_whole(gltf, value, "byteOffset", 0, LARGEST_WHOLE, &offset);
-    if (status == GD_OK) status = gd__gltf_whole(gltf, value, "byteLength", LARGEST_WHOLE, LARGEST_WHOLE, &size);
+    if (status == GD_OK)
+        status = gd__gltf_whole(gltf, value, "byteOffset", 0, LARGEST_WHOLE, &offset);
+    if (status == GD_OK)
+        status = gd__gltf_whole(gltf, value, "byteLength", LARGEST_WHOLE, LARGEST_WHOLE, &size);
     if (status == GD_OK) status = gd__gltf_whole(gltf, value, "byteStride", 0, 1 << 16, &stride);
     if (status != GD_OK) return status;
     if (offset > bytes.size || size > bytes.size - offset)
-        return gd__gltf_fail(gltf, value, GD_TRUNCATED, "the view ends at byte %llu of a buffer of %zu",
+        return gd__gltf_fail(gltf, value, GD_TRUNCATED,
+                             "the view ends at byte %llu of a buffer of %zu",
                              (unsigned long long)(offset + size), bytes.size);
     *out = (struct view){value, {bytes.at + offset, (size_t)size}, (size_t)stride};
     return GD_OK;
@@ -140,7 +157,7 @@ static enum gd_status open_named_view(struct gd__gltf *gltf, uint32_t object, st
     return status == GD_OK && view != GD__NO_VALUE ? open_view(gltf, view, out) : status;
 }
 
-/* --- accessors ---------------------------------------------------------------------------------------------------- */
+/* --- accessors -------------------------------------------------------------------------------- */
 
 static size_t component_size(uint64_t type)
 {
@@ -169,7 +186,8 @@ enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, uint32_t val
     uint64_t count = 0;
     enum gd_status status = gd__gltf_whole(gltf, value, "count", 0, UINT32_MAX - 1, &count);
     if (status != GD_OK) return status;
-    if (count == 0) return gd__gltf_fail(gltf, value, GD_SYNTAX, "the accessor has no 'count' of at least 1");
+    if (count == 0)
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "the accessor has no 'count' of at least 1");
     *out = (uint32_t)count;
     return GD_OK;
 }
@@ -178,34 +196,39 @@ static enum gd_status read_type(struct gd__gltf_accessor *accessor, bool is_posi
 {
     const struct gd__gltf *gltf = accessor->gltf;
     uint64_t type = 0;
-    enum gd_status status = gd__gltf_whole(gltf, accessor->value, "componentType", 0, UINT16_MAX, &type);
+    enum gd_status status =
+        gd__gltf_whole(gltf, accessor->value, "componentType", 0, UINT16_MAX, &type);
     if (status != GD_OK) return status;
     const char *wanted = is_position ? "VEC3" : "SCALAR";
     uint32_t shape = gd__json_member(&gltf->json, accessor->value, "type");
     bool fits = is_position ? component_size(type) > 0 && type != 5125 : is_index_type(type);
     if (!fits || shape == GD__NO_VALUE || !gd__json_says(&gltf->json, shape, wanted))
-        return gd__gltf_fail(gltf, accessor->value, GD_SYNTAX, "%s are a %s of another kind than this accessor",
+        return gd__gltf_fail(gltf, accessor->value, GD_SYNTAX,
+                             "%s are a %s of another kind than this accessor",
                              is_position ? "positions" : "indices", wanted);
     uint32_t normalized = gd__json_member(&gltf->json, accessor->value, "normalized");
-    accessor->is_normalized = normalized != GD__NO_VALUE && gd__json_is(&gltf->json, normalized, 't');
+    accessor->is_normalized =
+        normalized != GD__NO_VALUE && gd__json_is(&gltf->json, normalized, 't');
     accessor->type = (uint32_t)type;
     accessor->components = is_position ? 3 : 1;
     return GD_OK;
 }
 
 /* Where `count` elements of `size` bytes begin in a view, as an object's byteOffset says. */
-static enum gd_status find_elements(const struct gd__gltf *gltf, uint32_t object, const struct view *view,
-                                    uint32_t count, size_t size, size_t stride, const char **out)
+static enum gd_status find_elements(const struct gd__gltf *gltf, uint32_t object,
+                                    const struct view *view, uint32_t count, size_t size,
+                                    size_t stride, const char **out)
 {
     uint64_t offset = 0;
     enum gd_status status = gd__gltf_whole(gltf, object, "byteOffset", 0, LARGEST_WHOLE, &offset);
     if (status != GD_OK) return status;
     if (stride < size)
-        return gd__gltf_fail(gltf, view->value, GD_SYNTAX, "'byteStride' is %zu for elements of %zu bytes", stride,
-                             size);
+        return gd__gltf_fail(gltf, view->value, GD_SYNTAX,
+                             "'byteStride' is %zu for elements of %zu bytes", stride, size);
     uint64_t end = offset + (uint64_t)(count - 1) * stride + size;
     if (end > view->bytes.size)
-        return gd__gltf_fail(gltf, object, GD_TRUNCATED, "%u elements end at byte %llu of a view of %zu", count,
+        return gd__gltf_fail(gltf, object, GD_TRUNCATED,
+                             "%u elements end at byte %llu of a view of %zu", count,
                              (unsigned long long)end, view->bytes.size);
     *out = view->bytes.at + offset;
     return GD_OK;
@@ -218,18 +241,21 @@ static enum gd_status find_dense(struct gd__gltf *gltf, struct gd__gltf_accessor
     enum gd_status status = open_named_view(gltf, accessor->value, &view);
     if (status != GD_OK || !view.bytes.at) return status;
     accessor->stride = view.stride ? view.stride : size;
-    return find_elements(gltf, accessor->value, &view, accessor->count, size, accessor->stride, &accessor->at);
+    return find_elements(gltf, accessor->value, &view, accessor->count, size, accessor->stride,
+                         &accessor->at);
 }
 
 /* One of the two lists of a sparse accessor: `object` is "indices" or "values". */
-static enum gd_status find_sparse_list(struct gd__gltf *gltf, uint32_t sparse, const char *name, uint32_t count,
-                                       size_t size, const char **out)
+static enum gd_status find_sparse_list(struct gd__gltf *gltf, uint32_t sparse, const char *name,
+                                       uint32_t count, size_t size, const char **out)
 {
     uint32_t object = gd__json_member(&gltf->json, sparse, name);
-    if (object == GD__NO_VALUE) return gd__gltf_fail(gltf, sparse, GD_SYNTAX, "'%s' is missing", name);
+    if (object == GD__NO_VALUE)
+        return gd__gltf_fail(gltf, sparse, GD_SYNTAX, "'%s' is missing", name);
     struct view view;
     enum gd_status status = open_named_view(gltf, object, &view);
-    if (status == GD_OK && !view.bytes.at) status = gd__gltf_fail(gltf, object, GD_SYNTAX, "'bufferView' is missing");
+    if (status == GD_OK && !view.bytes.at)
+        status = gd__gltf_fail(gltf, object, GD_SYNTAX, "'bufferView' is missing");
     return status == GD_OK ? find_elements(gltf, object, &view, count, size, size, out) : status;
 }
 
@@ -238,9 +264,11 @@ static enum gd_status read_sparse_type(const struct gd__gltf *gltf, uint32_t spa
     uint32_t indices = gd__json_member(&gltf->json, sparse, "indices");
     uint64_t type = 0;
     enum gd_status status = GD_OK;
-    if (indices != GD__NO_VALUE) status = gd__gltf_whole(gltf, indices, "componentType", 0, UINT16_MAX, &type);
+    if (indices != GD__NO_VALUE)
+        status = gd__gltf_whole(gltf, indices, "componentType", 0, UINT16_MAX, &type);
     if (status == GD_OK && !is_index_type(type))
-        status = gd__gltf_fail(gltf, sparse, GD_SYNTAX, "sparse indices have no component type that indices have");
+        status = gd__gltf_fail(gltf, sparse, GD_SYNTAX,
+                               "sparse indices have no component type that indices have");
     *out = (uint32_t)type;
     return status;
 }
@@ -259,7 +287,8 @@ static enum gd_status find_sparse(struct gd__gltf *gltf, struct gd__gltf_accesso
         status = find_sparse_list(gltf, sparse, "indices", accessor->sparse_count,
                                   component_size(accessor->sparse_type), &accessor->sparse_indices);
     if (status == GD_OK)
-        status = find_sparse_list(gltf, sparse, "values", accessor->sparse_count, size, &accessor->sparse_values);
+        status = find_sparse_list(gltf, sparse, "values", accessor->sparse_count, size,
+                                  &accessor->sparse_values);
     return status;
 }
 
@@ -275,7 +304,7 @@ enum gd_status gd__gltf_accessor_open(struct gd__gltf *gltf, uint32_t value, boo
     return status;
 }
 
-/* --- elements ----------------------------------------------------------------------------------------------------- */
+/* --- elements --------------------------------------------------------------------------------- */
 
 static double load(const char *at, uint32_t type)
 {
@@ -312,7 +341,8 @@ static double normalized(double value, uint32_t type)
     }
 }
 
-/* Where the next element stands: in the sparse list if it is the next of that. NULL: nowhere, it is zero. */
+/* Where the next element stands: in the sparse list if it is the next of that. NULL: nowhere, it is
+ * zero. */
 static enum gd_status find_next(struct gd__gltf_accessor *accessor, const char **out)
 {
     uint32_t place = accessor->next++, sparse = accessor->sparse_next;
@@ -320,10 +350,13 @@ static enum gd_status find_next(struct gd__gltf_accessor *accessor, const char *
     *out = accessor->at ? accessor->at + (size_t)place * accessor->stride : NULL;
     if (sparse == accessor->sparse_count) return GD_OK;
     size_t index_size = component_size(accessor->sparse_type);
-    double index = load(accessor->sparse_indices + (size_t)sparse * index_size, accessor->sparse_type);
+    double index =
+        load(accessor->sparse_indices + (size_t)sparse * index_size, accessor->sparse_type);
     if (index < place || index >= accessor->count)
-        return gd__gltf_fail(accessor->gltf, accessor->value, GD_SYNTAX,
-                             "sparse indices have to grow and to be less than 'count'; number %u is %g", sparse, index);
+        return gd__gltf_fail(
+            accessor->gltf, accessor->value, GD_SYNTAX,
+            "sparse indices have to grow and to be less than 'count'; number %u is %g", sparse,
+            index);
     if (index > place) return GD_OK;
     *out = accessor->sparse_values + (size_t)sparse * size;
     accessor->sparse_next++;

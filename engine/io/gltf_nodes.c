@@ -25,36 +25,43 @@ struct walk {
 
 static const struct gd__gltf_place unmoved = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 
-/* --- places ------------------------------------------------------------------------------------------------------- */
+/* --- places ----------------------------------------------------------------------------------- */
 
 /* What is placed by `inner` within something that is placed by `outer`. */
-static struct gd__gltf_place compose(const struct gd__gltf_place *outer, const struct gd__gltf_place *inner)
+static struct gd__gltf_place compose(const struct gd__gltf_place *outer,
+                                     const struct gd__gltf_place *inner)
 {
     struct gd__gltf_place out;
     for (int column = 0; column < 4; column++) {
         const double *c = inner->columns[column];
         for (int axis = 0; axis < 3; axis++)
-            out.columns[column][axis] = outer->columns[0][axis] * c[0] + outer->columns[1][axis] * c[1] +
-                                        outer->columns[2][axis] * c[2] + (column == 3 ? outer->columns[3][axis] : 0);
+            out.columns[column][axis] =
+                outer->columns[0][axis] * c[0] + outer->columns[1][axis] * c[1] +
+                outer->columns[2][axis] * c[2] + (column == 3 ? outer->columns[3][axis] : 0);
     }
     return out;
 }
 
-/* A quaternion's rotation. Files have it rounded to floats: taken as it is, it would stretch the mesh by what it lacks of unit length. */
-static enum gd_status rotate(const struct gd__gltf *gltf, uint32_t node, const double q[4], struct gd__gltf_place *out)
+/* A quaternion's rotation. Files have it rounded to floats: taken as it is, it would stretch the
+ * mesh by what it lacks of unit length. */
+static enum gd_status rotate(const struct gd__gltf *gltf, uint32_t node, const double q[4],
+                             struct gd__gltf_place *out)
 {
     double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (!(norm > 0) || !isfinite(norm))
-        return gd__gltf_fail(gltf, node, GD_SYNTAX, "the node's rotation is no quaternion of length 1");
+        return gd__gltf_fail(gltf, node, GD_SYNTAX,
+                             "the node's rotation is no quaternion of length 1");
     double s = 2 / norm, x = q[0], y = q[1], z = q[2], w = q[3];
-    *out = (struct gd__gltf_place){{{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
-                                    {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
-                                    {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)},
-                                    {0, 0, 0}}};
+    *out = (struct gd__gltf_place){
+        {{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
+         {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
+         {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)},
+         {0, 0, 0}}};
     return GD_OK;
 }
 
-static enum gd_status read_steps(const struct gd__gltf *gltf, uint32_t node, struct gd__gltf_place *out)
+static enum gd_status read_steps(const struct gd__gltf *gltf, uint32_t node,
+                                 struct gd__gltf_place *out)
 {
     double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
     enum gd_status status = gd__gltf_reals(gltf, node, "translation", 3, translation);
@@ -68,19 +75,23 @@ static enum gd_status read_steps(const struct gd__gltf *gltf, uint32_t node, str
     return GD_OK;
 }
 
-static enum gd_status read_place(const struct gd__gltf *gltf, uint32_t node, struct gd__gltf_place *out)
+static enum gd_status read_place(const struct gd__gltf *gltf, uint32_t node,
+                                 struct gd__gltf_place *out)
 {
-    if (gd__json_member(&gltf->json, node, "matrix") == GD__NO_VALUE) return read_steps(gltf, node, out);
+    if (gd__json_member(&gltf->json, node, "matrix") == GD__NO_VALUE)
+        return read_steps(gltf, node, out);
     double numbers[16];
     enum gd_status status = gd__gltf_reals(gltf, node, "matrix", 16, numbers);
     if (status != GD_OK) return status;
-    for (int column = 0; column < 4; column++) memcpy(out->columns[column], numbers + 4 * column, 3 * sizeof(double));
+    for (int column = 0; column < 4; column++)
+        memcpy(out->columns[column], numbers + 4 * column, 3 * sizeof(double));
     return GD_OK;
 }
 
-/* --- the way through the nodes -------------------------------------------------------------------------------------- */
+/* --- the way through the nodes ---------------------------------------------------------------- */
 
-static enum gd_status visit_mesh(struct walk *walk, uint32_t node, const struct gd__gltf_place *place)
+static enum gd_status visit_mesh(struct walk *walk, uint32_t node,
+                                 const struct gd__gltf_place *place)
 {
     const struct gd__gltf *gltf = walk->gltf;
     uint32_t mesh;
@@ -97,20 +108,21 @@ static enum gd_status mark_visited(struct walk *walk, uint32_t number)
         return gd__gltf_fail(gltf, gltf->nodes.values[number], GD_SYNTAX,
                              "node %u stands in the scene twice, or within itself", number);
     if (walk->depth == DEPTH)
-        return gd__gltf_fail(gltf, gltf->nodes.values[number], GD_UNSUPPORTED, "nodes are nested more than %d deep",
-                             DEPTH);
+        return gd__gltf_fail(gltf, gltf->nodes.values[number], GD_UNSUPPORTED,
+                             "nodes are nested more than %d deep", DEPTH);
     walk->marks[number] |= IS_VISITED;
     return GD_OK;
 }
 
 /* The list that an object holds, as the values from `*begin` to `*end`; empty if it holds none. */
-static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, const char *name, uint32_t *begin,
-                              uint32_t *end)
+static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, const char *name,
+                              uint32_t *begin, uint32_t *end)
 {
     uint32_t list = gd__json_member(&gltf->json, object, name);
     *begin = *end = 0;
     if (list == GD__NO_VALUE) return GD_OK;
-    if (!gd__json_is(&gltf->json, list, '[')) return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is no array", name);
+    if (!gd__json_is(&gltf->json, list, '['))
+        return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' is no array", name);
     *begin = list + 1;
     *end = gd__json_next(&gltf->json, list);
     return GD_OK;
@@ -148,7 +160,7 @@ static enum gd_status walk_tree(struct walk *walk, uint32_t root)
     return status;
 }
 
-/* --- roots -------------------------------------------------------------------------------------------------------- */
+/* --- roots ------------------------------------------------------------------------------------ */
 
 static enum gd_status mark_children(struct walk *walk)
 {
@@ -211,9 +223,9 @@ enum gd_status gd__gltf_walk(const struct gd__gltf *gltf, struct gd__gltf_visito
                         .visitor = visitor,
                         .marks = calloc(gltf->nodes.count + (size_t)1, sizeof *walk.marks),
                         .steps = malloc(DEPTH * sizeof *walk.steps)};
-    enum gd_status status = walk.marks && walk.steps
-                                ? walk_all(&walk)
-                                : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    enum gd_status status = walk.marks && walk.steps ? walk_all(&walk)
+                                                     : gd_fail(gltf->scan.detail, GD_NO_MEMORY,
+                                                               "the system is out of memory");
     free(walk.marks);
     free(walk.steps);
     return status;

@@ -1,11 +1,14 @@
-/* glTF's primitives: triangles, strips and fans become triangles; points and lines are counted and left out. See gltf.h. */
+/* glTF's primitives: triangles, strips and fans become triangles; points and lines are counted and
+ * left out. See gltf.h. */
 #include "io/gltf.h"
 
 #include <string.h>
 
 #define LOOK_ELEMENTS 8192 /* vertices and corners between two looks at the control */
 
-#define MOST_PRIMITIVES (UINT64_C(1) << 20) /* of a scene, each counted as often as it is placed */
+#define MOST_PRIMITIVES                                                                            \
+    (UINT64_C(1) << 20) /* of a scene, each counted as often as it is placed                       \
+                         */
 
 enum mode { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
@@ -13,11 +16,12 @@ enum mode { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 struct primitive {
     uint32_t value;
     enum mode mode;
-    uint32_t positions, indices; /* accessors; no positions: no triangles; no indices: its vertices in their order */
+    /* accessors; no positions: no triangles; no indices: its vertices in their order */
+    uint32_t positions, indices;
     uint32_t vertex_count, corner_count;
 };
 
-/* --- what it says ------------------------------------------------------------------------------------------------- */
+/* --- what it says ----------------------------------------------------------------------------- */
 
 static uint64_t triangle_count(const struct primitive *primitive)
 {
@@ -25,35 +29,43 @@ static uint64_t triangle_count(const struct primitive *primitive)
     return primitive->corner_count < 3 ? 0 : primitive->corner_count - 2;
 }
 
-/* Bytes that only Draco's decoder could read: the accessors say what would come of it, and have none themselves. */
+/* Bytes that only Draco's decoder could read: the accessors say what would come of it, and have
+ * none themselves. */
 static enum gd_status refuse_draco(const struct gd__gltf *gltf, const struct primitive *primitive)
 {
     uint32_t extensions = gd__json_member(&gltf->json, primitive->value, "extensions");
     if (extensions == GD__NO_VALUE) return GD_OK;
-    if (gd__json_member(&gltf->json, extensions, "KHR_draco_mesh_compression") == GD__NO_VALUE) return GD_OK;
-    if (gd__json_member(&gltf->json, primitive->positions, "bufferView") != GD__NO_VALUE) return GD_OK;
-    return gd__gltf_fail(gltf, primitive->value, GD_UNSUPPORTED,
-                         "the primitive is compressed by Draco: store the file without compression");
+    if (gd__json_member(&gltf->json, extensions, "KHR_draco_mesh_compression") == GD__NO_VALUE)
+        return GD_OK;
+    if (gd__json_member(&gltf->json, primitive->positions, "bufferView") != GD__NO_VALUE)
+        return GD_OK;
+    return gd__gltf_fail(
+        gltf, primitive->value, GD_UNSUPPORTED,
+        "the primitive is compressed by Draco: store the file without compression");
 }
 
 static enum gd_status read_counts(const struct gd__gltf *gltf, struct primitive *primitive)
 {
     enum gd_status status = refuse_draco(gltf, primitive);
     if (status == GD_OK)
-        status = gd__gltf_reference(gltf, primitive->value, "indices", &gltf->accessors, &primitive->indices);
-    if (status == GD_OK) status = gd__gltf_accessor_count(gltf, primitive->positions, &primitive->vertex_count);
+        status = gd__gltf_reference(gltf, primitive->value, "indices", &gltf->accessors,
+                                    &primitive->indices);
+    if (status == GD_OK)
+        status = gd__gltf_accessor_count(gltf, primitive->positions, &primitive->vertex_count);
     if (status != GD_OK) return status;
     primitive->corner_count = primitive->vertex_count;
     if (primitive->indices != GD__NO_VALUE)
         status = gd__gltf_accessor_count(gltf, primitive->indices, &primitive->corner_count);
     if (status == GD_OK && primitive->mode == MODE_TRIANGLES && primitive->corner_count % 3 != 0)
-        status = gd__gltf_fail(gltf, primitive->value, GD_SYNTAX, "%u corners are no number of whole triangles",
-                               primitive->corner_count);
+        status =
+            gd__gltf_fail(gltf, primitive->value, GD_SYNTAX,
+                          "%u corners are no number of whole triangles", primitive->corner_count);
     return status;
 }
 
 /* `out->positions` is GD__NO_VALUE where there is nothing to make triangles of. */
-static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value, struct primitive *out)
+static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value,
+                                     struct primitive *out)
 {
     uint64_t mode = 0;
     *out = (struct primitive){.value = value, .positions = GD__NO_VALUE, .indices = GD__NO_VALUE};
@@ -66,7 +78,8 @@ static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value
 }
 
 /* The primitives of a mesh, as values from `*begin` to `*end`. */
-static enum gd_status primitives_of(const struct gd__gltf *gltf, uint32_t mesh, uint32_t *begin, uint32_t *end)
+static enum gd_status primitives_of(const struct gd__gltf *gltf, uint32_t mesh, uint32_t *begin,
+                                    uint32_t *end)
 {
     uint32_t list = gd__json_member(&gltf->json, mesh, "primitives");
     if (list == GD__NO_VALUE || !gd__json_is(&gltf->json, list, '['))
@@ -86,24 +99,27 @@ static enum gd_status add_up(const struct gd__gltf *gltf, uint32_t value, struct
                              (unsigned long long)MOST_PRIMITIVES);
     uint64_t triangles = primitive.positions == GD__NO_VALUE ? 0 : triangle_count(&primitive);
     if (primitive.positions == GD__NO_VALUE) sum->skipped++;
-    if (triangles > 0 && primitive.vertex_count > sum->largest) sum->largest = primitive.vertex_count;
+    if (triangles > 0 && primitive.vertex_count > sum->largest)
+        sum->largest = primitive.vertex_count;
     sum->triangles += triangles;
     if (triangles > 0) sum->vertices += primitive.vertex_count;
     return GD_OK;
 }
 
-enum gd_status gd__gltf_count_mesh(const struct gd__gltf *gltf, uint32_t mesh, struct gd__gltf_sum *sum)
+enum gd_status gd__gltf_count_mesh(const struct gd__gltf *gltf, uint32_t mesh,
+                                   struct gd__gltf_sum *sum)
 {
     uint32_t value = 0, end = 0;
     enum gd_status status = primitives_of(gltf, mesh, &value, &end);
     for (; status == GD_OK && value < end; value = gd__json_next(&gltf->json, value)) {
         status = add_up(gltf, value, sum);
-        if (status == GD_OK && sum->primitives % 64 == 0) status = gd_control_check(gltf->control, 0);
+        if (status == GD_OK && sum->primitives % 64 == 0)
+            status = gd_control_check(gltf->control, 0);
     }
     return status;
 }
 
-/* --- its vertices ------------------------------------------------------------------------------------------------- */
+/* --- its vertices ----------------------------------------------------------------------------- */
 
 static enum gd_status look(struct gd__gltf_making *making)
 {
@@ -119,12 +135,14 @@ static void apply(const struct gd__gltf_place *place, const double local[3], dou
                     place->columns[2][axis] * local[2] + place->columns[3][axis];
 }
 
-static enum gd_status add_vertices(struct gd__gltf_making *making, const struct primitive *primitive,
+static enum gd_status add_vertices(struct gd__gltf_making *making,
+                                   const struct primitive *primitive,
                                    const struct gd__gltf_place *place)
 {
     const char *at = gd__json_at(&making->gltf->json, primitive->positions);
     struct gd__gltf_accessor accessor;
-    enum gd_status status = gd__gltf_accessor_open(making->gltf, primitive->positions, true, &accessor);
+    enum gd_status status =
+        gd__gltf_accessor_open(making->gltf, primitive->positions, true, &accessor);
     for (uint32_t i = 0; status == GD_OK && i < primitive->vertex_count; i++) {
         double local[3], xyz[3];
         status = gd__gltf_accessor_next(&accessor, local);
@@ -137,10 +155,13 @@ static enum gd_status add_vertices(struct gd__gltf_making *making, const struct 
 }
 
 /* Primitives often share their vertices, each having the faces of one material. */
-static enum gd_status provide_vertices(struct gd__gltf_making *making, const struct primitive *primitive,
+static enum gd_status provide_vertices(struct gd__gltf_making *making,
+                                       const struct primitive *primitive,
                                        const struct gd__gltf_place *place)
 {
-    if (making->accessor == primitive->positions && memcmp(&making->place, place, sizeof *place) == 0) return GD_OK;
+    if (making->accessor == primitive->positions &&
+        memcmp(&making->place, place, sizeof *place) == 0)
+        return GD_OK;
     making->accessor = GD__NO_VALUE;
     enum gd_status status = add_vertices(making, primitive, place);
     if (status != GD_OK) return status;
@@ -149,7 +170,7 @@ static enum gd_status provide_vertices(struct gd__gltf_making *making, const str
     return GD_OK;
 }
 
-/* --- its triangles ------------------------------------------------------------------------------------------------ */
+/* --- its triangles ---------------------------------------------------------------------------- */
 
 /* The corners of a primitive one after the other, and the triangles that they make. */
 struct run {
@@ -158,19 +179,21 @@ struct run {
     struct gd__gltf_accessor indices; /* if it has indices */
     const char *at;                   /* that errors name */
     bool is_mirrored;                 /* by its place: faces turn round */
-    uint32_t recent[3];               /* the first corner of a fan, and the last two; of a list the last three */
+    /* the first corner of a fan, and the last two; of a list the last three */
+    uint32_t recent[3];
 };
 
 static enum gd_status next_corner(struct run *run, uint32_t number, uint32_t *out)
 {
     double index[3] = {number};
     enum gd_status status = GD_OK;
-    if (run->primitive->indices != GD__NO_VALUE) status = gd__gltf_accessor_next(&run->indices, index);
+    if (run->primitive->indices != GD__NO_VALUE)
+        status = gd__gltf_accessor_next(&run->indices, index);
     if (status != GD_OK) return status;
     if (index[0] >= run->primitive->vertex_count)
         return gd__gltf_fail(run->making->gltf, run->primitive->value, GD_INDEX,
-                             "corner %u names vertex %.0f of the primitive, which has only %u", number, index[0],
-                             run->primitive->vertex_count);
+                             "corner %u names vertex %.0f of the primitive, which has only %u",
+                             number, index[0], run->primitive->vertex_count);
     *out = (uint32_t)index[0];
     return look(run->making);
 }
@@ -213,7 +236,8 @@ static enum gd_status add_triangles(struct run *run)
         if (status != GD_OK) return status;
         shift(run, number, corner);
         if (run->primitive->mode == MODE_TRIANGLES) {
-            if (number % 3 == 2) status = add_triangle(run, run->recent[0], run->recent[1], run->recent[2]);
+            if (number % 3 == 2)
+                status = add_triangle(run, run->recent[0], run->recent[1], run->recent[2]);
         } else if (number >= 2) {
             status = add_linked(run, number);
         }
@@ -230,11 +254,13 @@ static bool mirrors(const struct gd__gltf_place *place)
            0;
 }
 
-static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t value, const struct gd__gltf_place *place)
+static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t value,
+                                     const struct gd__gltf_place *place)
 {
     struct primitive primitive;
     enum gd_status status = read_primitive(making->gltf, value, &primitive);
-    if (status != GD_OK || primitive.positions == GD__NO_VALUE || triangle_count(&primitive) == 0) return status;
+    if (status != GD_OK || primitive.positions == GD__NO_VALUE || triangle_count(&primitive) == 0)
+        return status;
     struct run run = {.making = making,
                       .primitive = &primitive,
                       .at = gd__json_at(&making->gltf->json, value),
@@ -245,7 +271,8 @@ static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t va
     return status == GD_OK ? add_triangles(&run) : status;
 }
 
-enum gd_status gd__gltf_make_mesh(struct gd__gltf_making *making, uint32_t mesh, const struct gd__gltf_place *place)
+enum gd_status gd__gltf_make_mesh(struct gd__gltf_making *making, uint32_t mesh,
+                                  const struct gd__gltf_place *place)
 {
     uint32_t value = 0, end = 0;
     enum gd_status status = primitives_of(making->gltf, mesh, &value, &end);

@@ -1,5 +1,6 @@
-/* See gltf_write.h. The bytes are, one behind the other: positions, indices, colours, distances, the lines' points; each a view with one accessor, but that
- * each line has an accessor of its own. */
+/* See gltf_write.h. The bytes are, one behind the other: positions, indices, colours, distances,
+ * the lines' points; each a view with one accessor, but that each line has an accessor of its own.
+ */
 #include "io/gltf_write.h"
 
 #include <math.h>
@@ -30,9 +31,10 @@ struct writing {
     struct gd__output *json, *binary;
 };
 
-/* --- the origin --------------------------------------------------------------------------------------------------- */
+/* --- the origin ------------------------------------------------------------------------------- */
 
-static const struct box empty_box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+static const struct box empty_box = {{INFINITY, INFINITY, INFINITY},
+                                     {-INFINITY, -INFINITY, -INFINITY}};
 
 static void widen(struct box *box, const double (*positions)[3], size_t count)
 {
@@ -68,27 +70,32 @@ static size_t mesh_count(const struct gd_result *result)
     return result->mesh ? result->mesh->position_count : 0;
 }
 
-/* A multiple of a power of two of the box's size, so that it is a short number, and 0 for what is about there anyway. */
+/* A multiple of a power of two of the box's size, so that it is a short number, and 0 for what is
+ * about there anyway. */
 static double round_centre(double min, double max, double size)
 {
     double step = ldexp(1, ilogb(size) - 1), centre = min / 2 + max / 2;
     return step > 0 && isfinite(centre / step) ? rint(centre / step) * step : centre;
 }
 
-/* Zero for what floats hold as it is: that is to come back as it is. Else about the middle, so that floats hold the most digits. */
+/* Zero for what floats hold as it is: that is to come back as it is. Else about the middle, so that
+ * floats hold the most digits. */
 static void find_origin(struct writing *writing)
 {
     const struct gd_result *result = writing->result;
     const double(*positions)[3] = mesh_positions(result);
     struct box box = empty_box;
-    if (are_floats(positions, mesh_count(result)) && are_floats(result->points, point_count(result))) return;
+    if (are_floats(positions, mesh_count(result)) &&
+        are_floats(result->points, point_count(result)))
+        return;
     widen(&box, positions, mesh_count(result));
     widen(&box, result->points, point_count(result));
     double size = 0;
     for (int axis = 0; axis < 3; axis++) size = fmax(size, box.max[axis] - box.min[axis]);
     for (int axis = 0; axis < 3; axis++)
-        writing->origin[axis] = size > 0 && isfinite(size) ? round_centre(box.min[axis], box.max[axis], size)
-                                                           : box.min[axis] / 2 + box.max[axis] / 2;
+        writing->origin[axis] = size > 0 && isfinite(size)
+                                    ? round_centre(box.min[axis], box.max[axis], size)
+                                    : box.min[axis] / 2 + box.max[axis] / 2;
 }
 
 static float from_origin(const struct writing *writing, const double position[3], int axis)
@@ -97,7 +104,8 @@ static float from_origin(const struct writing *writing, const double position[3]
 }
 
 /* The box of positions as they are written. False: not all are floats. */
-static bool float_box(const struct writing *writing, const double (*positions)[3], size_t count, struct box *out)
+static bool float_box(const struct writing *writing, const double (*positions)[3], size_t count,
+                      struct box *out)
 {
     struct box box = empty_box;
     for (size_t i = 0; i < count; i++) {
@@ -112,12 +120,14 @@ static bool float_box(const struct writing *writing, const double (*positions)[3
     return true;
 }
 
-/* --- the bytes ---------------------------------------------------------------------------------------------------- */
+/* --- the bytes -------------------------------------------------------------------------------- */
 
-static void write_positions(const struct writing *writing, const double (*positions)[3], size_t count)
+static void write_positions(const struct writing *writing, const double (*positions)[3],
+                            size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        for (int axis = 0; axis < 3; axis++) gd__output_f32(writing->binary, from_origin(writing, positions[i], axis));
+        for (int axis = 0; axis < 3; axis++)
+            gd__output_f32(writing->binary, from_origin(writing, positions[i], axis));
 }
 
 static void write_indices(const struct writing *writing)
@@ -139,8 +149,8 @@ static void write_colours(const struct writing *writing)
         double part = writing->largest > 0 ? distance / writing->largest : 0;
         struct gd_colour colour = isfinite(distance) ? gd_colour_map(part) : unknown;
         gd__output_little_endian(writing->binary,
-                                 as_short(colour.red) | as_short(colour.green) << 16 | as_short(colour.blue) << 32 |
-                                     UINT64_C(65535) << 48,
+                                 as_short(colour.red) | as_short(colour.green) << 16 |
+                                     as_short(colour.blue) << 32 | UINT64_C(65535) << 48,
                                  8);
     }
 }
@@ -184,14 +194,15 @@ static void write_binary(const struct writing *writing)
     write_lines(writing);
 }
 
-/* --- the document ------------------------------------------------------------------------------------------------- */
+/* --- the document ----------------------------------------------------------------------------- */
 
 static void text(struct writing *writing, const char *text)
 {
     gd__output_text(writing->json, text);
 }
 
-/* A number behind its key, which is written as it stands, with its quotes, colon and what comes before it. */
+/* A number behind its key, which is written as it stands, with its quotes, colon and what comes
+ * before it. */
 static void member(struct writing *writing, const char *key, uint64_t value)
 {
     text(writing, key);
@@ -208,7 +219,8 @@ static void triple(struct writing *writing, const char *key, const double values
     text(writing, "]");
 }
 
-/* `stride`: bytes from element to element, which a view of several accessors has to tell; 0: it has one. */
+/* `stride`: bytes from element to element, which a view of several accessors has to tell; 0: it has
+ * one. */
 static void describe_view(struct writing *writing, uint64_t size, unsigned stride, unsigned target)
 {
     text(writing, writing->views++ ? ",{\"buffer\":0" : "{\"buffer\":0");
@@ -228,18 +240,21 @@ static void describe_views(struct writing *writing)
     text(writing, ",\"bufferViews\":[");
     if (result->mesh) {
         describe_view(writing, 12 * vertices, 0, TARGET_VERTICES);
-        describe_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), 0, TARGET_INDICES);
+        describe_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), 0,
+                      TARGET_INDICES);
     }
     if (result->distances) {
         describe_view(writing, 8 * vertices, 0, TARGET_VERTICES);
         describe_view(writing, 4 * vertices, 0, TARGET_VERTICES);
     }
-    if (points) describe_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, TARGET_VERTICES);
+    if (points)
+        describe_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, TARGET_VERTICES);
     text(writing, "]");
 }
 
 /* All but its type and what closes it. */
-static void begin_accessor(struct writing *writing, uint32_t view, uint64_t offset, unsigned type, uint64_t count)
+static void begin_accessor(struct writing *writing, uint32_t view, uint64_t offset, unsigned type,
+                           uint64_t count)
 {
     text(writing, writing->accessors++ ? ",{" : "{");
     member(writing, "\"bufferView\":", view);
@@ -249,8 +264,8 @@ static void begin_accessor(struct writing *writing, uint32_t view, uint64_t offs
 }
 
 /* False: a position is beyond the range of floats. */
-static bool describe_positions(struct writing *writing, uint32_t view, uint64_t offset, const double (*positions)[3],
-                               size_t count, size_t written)
+static bool describe_positions(struct writing *writing, uint32_t view, uint64_t offset,
+                               const double (*positions)[3], size_t count, size_t written)
 {
     struct box box;
     if (!float_box(writing, positions, count, &box)) return false;
@@ -287,7 +302,8 @@ static bool describe_accessors(struct writing *writing)
     for (uint32_t line = 0; fits && line < result->line_count; line++) {
         uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
         size_t written = strip_points(result, line);
-        fits = describe_positions(writing, writing->views - 1, offset, result->points + begin, count, written);
+        fits = describe_positions(writing, writing->views - 1, offset, result->points + begin,
+                                  count, written);
         offset += 12 * written;
     }
     text(writing, "]");
@@ -306,12 +322,16 @@ static void describe_scene(struct writing *writing)
     const struct gd_result *result = writing->result;
     uint32_t accessor = 0, primitives = 0;
     triple(writing,
-           "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+           "{\"asset\":{\"version\":\"2.0\",\"generator\":\"geodesicd\"},\"scene\":0,\"scenes\":[{"
+           "\"nodes\":[0]}],"
            "\"nodes\":[{\"mesh\":0,\"translation\":",
            writing->origin);
-    text(writing, "}],\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,\"pbrMetallicRoughness\":"
-                  "{\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\",\"pbrMetallicRoughness\":"
-                  "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}],\"meshes\":[{\"primitives\":[");
+    text(writing,
+         "}],\"materials\":[{\"name\":\"surface\",\"doubleSided\":true,\"pbrMetallicRoughness\":"
+         "{\"metallicFactor\":0,\"roughnessFactor\":0.9}},{\"name\":\"line\","
+         "\"pbrMetallicRoughness\":"
+         "{\"baseColorFactor\":[0.64,0.006,0.013,1],\"metallicFactor\":0}}],\"meshes\":[{"
+         "\"primitives\":[");
     if (result->mesh) {
         text(writing, "{\"attributes\":{\"POSITION\":0");
         if (result->distances) text(writing, ",\"COLOR_0\":2,\"_DISTANCE\":3");
@@ -321,7 +341,8 @@ static void describe_scene(struct writing *writing)
     }
     for (uint32_t line = 0; line < result->line_count; line++) {
         member(writing,
-               primitives++ ? ",{\"attributes\":{\"POSITION\":" : "{\"attributes\":{\"POSITION\":", accessor++);
+               primitives++ ? ",{\"attributes\":{\"POSITION\":" : "{\"attributes\":{\"POSITION\":",
+               accessor++);
         text(writing, "},\"mode\":3,\"material\":1");
         if (result->levels) write_level(writing, result->levels[line]);
         text(writing, "}");
@@ -339,7 +360,7 @@ static bool describe(struct writing *writing)
     return fits;
 }
 
-/* --- both together ------------------------------------------------------------------------------------------------ */
+/* --- both together ---------------------------------------------------------------------------- */
 
 static double largest_distance(const struct gd_result *result)
 {
@@ -352,7 +373,8 @@ static double largest_distance(const struct gd_result *result)
 static enum gd_status begin(struct writing *writing)
 {
     const struct gd_result *result = writing->result;
-    if ((!result->mesh && !result->line_count) || (result->distances && !result->mesh)) return GD_INVALID_ARGUMENT;
+    if ((!result->mesh && !result->line_count) || (result->distances && !result->mesh))
+        return GD_INVALID_ARGUMENT;
     if (result->mesh && !gd_polygons_are_triangles(result->mesh)) return GD_NOT_TRIANGLES;
     writing->largest = largest_distance(result);
     find_origin(writing);

@@ -1,7 +1,8 @@
-/* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, the two members in either order, zero-based indices.
+/* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, the two members
+ * in either order, zero-based indices.
  *
- * The depth is fixed, so there is no parser's stack. Keys are compared as they are written, without unescaping. A number is an index when
- * its value is whole: JSON knows no integers, 3.0 is 3. */
+ * The depth is fixed, so there is no parser's stack. Keys are compared as they are written, without
+ * unescaping. A number is an index when its value is whole: JSON knows no integers, 3.0 is 3. */
 #include "io/json_text.h"
 #include "io/readers.h"
 
@@ -60,7 +61,8 @@ static enum gd_status read_face(struct gd__scan *scan, struct gd__builder *build
 }
 
 static enum gd_status read_list(struct gd__scan *scan, struct gd__builder *builder,
-                                enum gd_status (*read_item)(struct gd__scan *, struct gd__builder *))
+                                enum gd_status (*read_item)(struct gd__scan *,
+                                                            struct gd__builder *))
 {
     bool more = false;
     enum gd_status status = open_items(scan, '[', ']', &more);
@@ -72,22 +74,25 @@ static enum gd_status read_list(struct gd__scan *scan, struct gd__builder *build
 }
 
 /* The member that is called `key` and was not `seen` yet. */
-static enum gd_status member_of(const struct gd__scan *scan, struct gd__word key, bool seen[MEMBER_COUNT],
-                                enum member *out)
+static enum gd_status member_of(const struct gd__scan *scan, struct gd__word key,
+                                bool seen[MEMBER_COUNT], enum member *out)
 {
     for (enum member member = 0; member < MEMBER_COUNT; member++) {
         if (!gd__word_is(key, member_names[member])) continue;
         if (seen[member])
-            return gd__scan_fail(scan, key.at, GD_SYNTAX, "the key %s is there twice", member_names[member]);
+            return gd__scan_fail(scan, key.at, GD_SYNTAX, "the key %s is there twice",
+                                 member_names[member]);
         seen[member] = true;
         *out = member;
         return GD_OK;
     }
-    return gd__scan_fail(scan, key.at, GD_SYNTAX, "unknown key %s: a mesh has \"vertices\" and \"faces\"",
+    return gd__scan_fail(scan, key.at, GD_SYNTAX,
+                         "unknown key %s: a mesh has \"vertices\" and \"faces\"",
                          gd__excerpt(key).text);
 }
 
-static enum gd_status read_member(struct gd__scan *scan, struct gd__builder *builder, bool seen[MEMBER_COUNT])
+static enum gd_status read_member(struct gd__scan *scan, struct gd__builder *builder,
+                                  bool seen[MEMBER_COUNT])
 {
     struct gd__word key = {0};
     enum member member = MEMBER_VERTICES;
@@ -116,7 +121,8 @@ enum gd_status gd__json_read(struct gd__scan *scan, struct gd__builder *builder)
     if (status != GD_OK) return status;
     for (enum member member = 0; member < MEMBER_COUNT; member++) {
         if (!seen[member])
-            return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the key %s is missing", member_names[member]);
+            return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the key %s is missing",
+                                 member_names[member]);
     }
     gd__json_skip_space(scan);
     return scan->at == scan->end ? GD_OK : gd__scan_unexpected(scan, "the end of the input");

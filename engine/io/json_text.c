@@ -5,8 +5,11 @@
 void gd__json_skip_space(struct gd__scan *scan)
 {
     for (;;) {
-        const char *stop = gd__scan_left(scan) < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
-        while (scan->at < stop && (*scan->at == ' ' || *scan->at == '\t' || gd__is_newline(*scan->at))) scan->at++;
+        const char *stop =
+            gd__scan_left(scan) < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
+        while (scan->at < stop &&
+               (*scan->at == ' ' || *scan->at == '\t' || gd__is_newline(*scan->at)))
+            scan->at++;
         if (scan->at < stop || stop == scan->end || gd__scan_is_over(scan)) return;
     }
 }
@@ -21,7 +24,8 @@ bool gd__json_accept(struct gd__scan *scan, char c)
 
 enum gd_status gd__json_expect(struct gd__scan *scan, char c)
 {
-    return gd__json_accept(scan, c) ? GD_OK : gd__scan_unexpected(scan, (char[]){'\'', c, '\'', '\0'});
+    return gd__json_accept(scan, c) ? GD_OK
+                                    : gd__scan_unexpected(scan, (char[]){'\'', c, '\'', '\0'});
 }
 
 static const char *skip_digits(const char *at, const char *end)
@@ -30,7 +34,8 @@ static const char *skip_digits(const char *at, const char *end)
     return at;
 }
 
-/* The end of the number at `at` by JSON's grammar, which is narrower than other formats'; `at` itself if there is none. */
+/* The end of the number at `at` by JSON's grammar, which is narrower than other formats'; `at`
+ * itself if there is none. */
 static const char *number_end(const char *at, const char *end)
 {
     const char *integer = at < end && *at == '-' ? at + 1 : at;
@@ -53,7 +58,8 @@ static const char *number_end(const char *at, const char *end)
 enum gd_status gd__json_number(struct gd__scan *scan, double *out)
 {
     gd__json_skip_space(scan);
-    if (number_end(scan->at, scan->end) == scan->at) return gd__scan_unexpected(scan, "a JSON number");
+    if (number_end(scan->at, scan->end) == scan->at)
+        return gd__scan_unexpected(scan, "a JSON number");
     return gd__scan_number(scan, out);
 }
 

@@ -31,7 +31,8 @@ static enum gd_status look(struct parser *parser)
 
 static void begin_value(struct parser *parser)
 {
-    if (parser->values) parser->values[parser->count].at = (uint32_t)(parser->scan.at - parser->text);
+    if (parser->values)
+        parser->values[parser->count].at = (uint32_t)(parser->scan.at - parser->text);
     parser->count++;
 }
 
@@ -71,8 +72,8 @@ static enum gd_status read_word(struct parser *parser)
 static enum gd_status enter(struct parser *parser, char end)
 {
     if (parser->depth == GD__JSON_DEPTH)
-        return gd__scan_fail(&parser->scan, parser->scan.at, GD_UNSUPPORTED, "the document is nested more than %d deep",
-                             GD__JSON_DEPTH);
+        return gd__scan_fail(&parser->scan, parser->scan.at, GD_UNSUPPORTED,
+                             "the document is nested more than %d deep", GD__JSON_DEPTH);
     parser->open[parser->depth] = parser->count - 1;
     parser->ends[parser->depth++] = end;
     parser->scan.at++;
@@ -138,14 +139,19 @@ static enum gd_status read_document(struct parser *parser)
     while (status == GD_OK && parser->depth > 0);
     if (status != GD_OK) return status;
     gd__json_skip_space(&parser->scan);
-    return gd__scan_left(&parser->scan) == 0 ? GD_OK : gd__scan_unexpected(&parser->scan, "the end of the document");
+    return gd__scan_left(&parser->scan) == 0
+               ? GD_OK
+               : gd__scan_unexpected(&parser->scan, "the end of the document");
 }
 
-enum gd_status gd__json_parse(const struct gd__scan *scan, const struct gd_control *control, struct gd__json *out)
+enum gd_status gd__json_parse(const struct gd__scan *scan, const struct gd_control *control,
+                              struct gd__json *out)
 {
     if (gd__scan_left(scan) >= UINT32_MAX)
-        return gd__scan_fail(scan, scan->at, GD_TOO_LARGE, "the document has 4 GiB of text or more");
-    struct parser parser = {.scan = *scan, .text = scan->at, .control = control, .next_look = scan->at};
+        return gd__scan_fail(scan, scan->at, GD_TOO_LARGE,
+                             "the document has 4 GiB of text or more");
+    struct parser parser = {
+        .scan = *scan, .text = scan->at, .control = control, .next_look = scan->at};
     struct parser again = parser;
     enum gd_status status = read_document(&parser);
     if (status != GD_OK) return status;
@@ -153,8 +159,10 @@ enum gd_status gd__json_parse(const struct gd__scan *scan, const struct gd_contr
     if (!again.values) return gd_fail(scan->detail, GD_NO_MEMORY, "the system is out of memory");
     status = read_document(&again);
     if (status == GD_OK)
-        *out = (struct gd__json){
-            .text = scan->at, .size = gd__scan_left(scan), .values = again.values, .count = again.count};
+        *out = (struct gd__json){.text = scan->at,
+                                 .size = gd__scan_left(scan),
+                                 .values = again.values,
+                                 .count = again.count};
     else
         free(again.values);
     return status;
@@ -169,7 +177,8 @@ void gd__json_free(struct gd__json *json)
 bool gd__json_says(const struct gd__json *json, uint32_t value, const char *text)
 {
     const char *at = gd__json_at(json, value);
-    size_t length = strlen(text); /* a string ends with a quote, which ends the comparison of a longer text */
+    /* a string ends with a quote, which ends the comparison of a longer text */
+    size_t length = strlen(text);
     return at[0] == '"' && strncmp(at + 1, text, length) == 0 && at[1 + length] == '"';
 }
 
@@ -178,7 +187,8 @@ uint32_t gd__json_member(const struct gd__json *json, uint32_t object, const cha
     if (!gd__json_is(json, object, '{')) return UINT32_MAX;
     uint32_t end = gd__json_next(json, object);
     unsigned seen = 0;
-    for (uint32_t key = object + 1; key < end && seen < GD__JSON_MEMBERS; key = gd__json_next(json, key + 1), seen++) {
+    for (uint32_t key = object + 1; key < end && seen < GD__JSON_MEMBERS;
+         key = gd__json_next(json, key + 1), seen++) {
         if (gd__json_says(json, key, name)) return key + 1;
     }
     return UINT32_MAX;

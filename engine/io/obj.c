@@ -1,5 +1,5 @@
-/* Wavefront OBJ: "v x y z" and "f a b c ..." with one-based or relative indices; every other statement is skipped, no file that one names
- * is opened. A face may come before its vertices. */
+/* Wavefront OBJ: "v x y z" and "f a b c ..." with one-based or relative indices; every other
+ * statement is skipped, no file that one names is opened. A face may come before its vertices. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -12,7 +12,8 @@ static void set_dialect(struct gd__scan *scan)
 
 bool gd__obj_recognise(struct gd__scan scan)
 {
-    static const char *const keywords[] = {"v", "vt", "vn", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl"};
+    static const char *const keywords[] = {"v", "vt", "vn", "vp", "f",      "l",
+                                           "p", "o",  "g",  "s",  "mtllib", "usemtl"};
     set_dialect(&scan);
     gd__scan_skip_space(&scan);
     struct gd__word word = gd__scan_word(&scan);

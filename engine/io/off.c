@@ -1,5 +1,6 @@
-/* Object File Format of Geomview, text: keyword, counts, a line for each vertex and each face. Numbers behind a vertex (the colours and
- * normals of COFF, NOFF, STOFF ...) and behind a face (its colour) are skipped. */
+/* Object File Format of Geomview, text: keyword, counts, a line for each vertex and each face.
+ * Numbers behind a vertex (the colours and normals of COFF, NOFF, STOFF ...) and behind a face (its
+ * colour) are skipped. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -43,11 +44,13 @@ static enum gd_status read_keyword(struct gd__scan *scan)
         return gd__scan_unexpected(scan, "the keyword OFF");
     }
     if (keyword == KEYWORD_OTHER_DIMENSION) {
-        return gd__scan_fail(scan, place, GD_UNSUPPORTED, "OFF of other than three dimensions is not supported");
+        return gd__scan_fail(scan, place, GD_UNSUPPORTED,
+                             "OFF of other than three dimensions is not supported");
     }
     struct gd__scan ahead = *scan;
     if (gd__word_is(gd__scan_word(&ahead), "BINARY")) {
-        return gd__scan_fail(scan, place, GD_UNSUPPORTED, "binary OFF is not supported, only its text form");
+        return gd__scan_fail(scan, place, GD_UNSUPPORTED,
+                             "binary OFF is not supported, only its text form");
     }
     return GD_OK;
 }
@@ -75,7 +78,8 @@ static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uin
     gd__scan_skip_line(scan);
     /* The last line may lack its end. */
     size_t left = gd__scan_left(scan) + 1;
-    if (*vertices > left / SMALLEST_VERTEX || *faces > (left - *vertices * SMALLEST_VERTEX) / SMALLEST_FACE) {
+    if (*vertices > left / SMALLEST_VERTEX ||
+        *faces > (left - *vertices * SMALLEST_VERTEX) / SMALLEST_FACE) {
         return gd__scan_fail(scan, place, GD_TRUNCATED,
                              "%llu vertices and %llu faces are declared, but only %zu bytes follow",
                              (unsigned long long)*vertices, (unsigned long long)*faces, left - 1);
@@ -101,7 +105,8 @@ static enum gd_status read_face(struct gd__scan *scan, struct gd__builder *build
     enum gd_status status = gd__scan_integer(scan, &corners);
     for (int64_t corner = 0; status == GD_OK && corner < corners; corner++) {
         status = gd__scan_integer(scan, &vertex);
-        if (status == GD_OK && vertex < 0) status = gd__builder_no_such_vertex(builder, vertex, place);
+        if (status == GD_OK && vertex < 0)
+            status = gd__builder_no_such_vertex(builder, vertex, place);
         if (status == GD_OK) status = gd__builder_add_corner(builder, (uint64_t)vertex, place);
     }
     if (status == GD_OK) status = gd__builder_close_polygon(builder, place);

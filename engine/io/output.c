@@ -18,13 +18,15 @@ static void fail(struct gd__output *output, enum gd_status status)
 static size_t limit_of(const struct gd__output *output, size_t size)
 {
     size_t step = size > LOOK_BYTES ? size : LOOK_BYTES;
-    return output->control && output->capacity - output->size > step ? output->size + step : output->capacity;
+    return output->control && output->capacity - output->size > step ? output->size + step
+                                                                     : output->capacity;
 }
 
 static bool grow(struct gd__output *output, size_t size)
 {
-    size_t capacity =
-        output->capacity < SMALLEST_CAPACITY ? SMALLEST_CAPACITY : output->capacity + output->capacity / 2;
+    size_t capacity = output->capacity < SMALLEST_CAPACITY
+                          ? SMALLEST_CAPACITY
+                          : output->capacity + output->capacity / 2;
     if (capacity - output->size < size) capacity = output->size + size;
     char *bytes = realloc(output->bytes, capacity);
     if (!bytes) {

@@ -1,4 +1,5 @@
-/* Output: bytes being written. Grows by half; once memory is out, or the control ends it, it holds nothing, takes nothing and says so at the end. */
+/* Output: bytes being written. Grows by half; once memory is out, or the control ends it, it holds
+ * nothing, takes nothing and says so at the end. */
 #ifndef GD_IO_OUTPUT_H
 #define GD_IO_OUTPUT_H
 
@@ -10,7 +11,8 @@
 
 struct gd__output {
     char *bytes;
-    size_t size, capacity, limit;     /* limit: up to which it is written without a look at the control; <= capacity */
+    /* limit: up to which it is written without a look at the control; <= capacity */
+    size_t size, capacity, limit;
     const struct gd_control *control; /* NULL: none */
     bool failed;
     enum gd_status status; /* why, GD_OK: out of memory */

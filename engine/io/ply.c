@@ -1,5 +1,5 @@
-/* PLY 1.0, text and binary of either byte order. The vertices' x, y, z and the faces' corner lists are kept, all else is skipped; elements
- * may come in any order. In text each record is a line. */
+/* PLY 1.0, text and binary of either byte order. The vertices' x, y, z and the faces' corner lists
+ * are kept, all else is skipped; elements may come in any order. In text each record is a line. */
 #include "io/ply.h"
 
 #include "io/endian.h"
@@ -87,7 +87,8 @@ static enum gd_status read_list_length(struct ply *ply, enum gd__ply_type type, 
     return GD_OK;
 }
 
-static enum gd_status read_corners(struct ply *ply, enum gd__ply_type type, uint64_t count, const char *place)
+static enum gd_status read_corners(struct ply *ply, enum gd__ply_type type, uint64_t count,
+                                   const char *place)
 {
     enum gd_status status = GD_OK;
     for (; count > 0 && status == GD_OK; count--) {
@@ -99,11 +100,12 @@ static enum gd_status read_corners(struct ply *ply, enum gd__ply_type type, uint
 }
 
 /* `place` is where the record begins; a coordinate goes into `xyz`, corners to the builder. */
-static enum gd_status read_property(struct ply *ply, const struct gd__ply_property *property, const char *place,
-                                    double xyz[3])
+static enum gd_status read_property(struct ply *ply, const struct gd__ply_property *property,
+                                    const char *place, double xyz[3])
 {
     uint64_t count = 1;
-    enum gd_status status = property->list ? read_list_length(ply, property->count_type, &count) : GD_OK;
+    enum gd_status status =
+        property->list ? read_list_length(ply, property->count_type, &count) : GD_OK;
     if (status != GD_OK) return status;
     switch (property->role) {
     case GD__PLY_X:
@@ -136,7 +138,8 @@ static enum gd_status read_record(struct ply *ply, const struct gd__ply_element 
     for (uint32_t i = 0; i < element->property_count && status == GD_OK; i++) {
         status = read_property(ply, &properties[i], place, xyz);
     }
-    if (status == GD_OK && element->kind == GD__PLY_VERTEX) status = gd__builder_add_position(ply->builder, xyz, place);
+    if (status == GD_OK && element->kind == GD__PLY_VERTEX)
+        status = gd__builder_add_position(ply->builder, xyz, place);
     return status == GD_OK ? end_record(ply) : status;
 }
 
@@ -144,9 +147,12 @@ static enum gd_status read_element(struct ply *ply, const struct gd__ply_element
 {
     enum gd_status status = GD_OK;
     if (element->property_count == 0) return GD_OK;
-    if (element->kind == GD__PLY_VERTEX) status = gd__builder_reserve(ply->builder, element->count, 0);
-    if (element->kind == GD__PLY_FACE) status = gd__builder_reserve(ply->builder, 0, element->count);
-    for (uint64_t i = 0; i < element->count && status == GD_OK; i++) status = read_record(ply, element);
+    if (element->kind == GD__PLY_VERTEX)
+        status = gd__builder_reserve(ply->builder, element->count, 0);
+    if (element->kind == GD__PLY_FACE)
+        status = gd__builder_reserve(ply->builder, 0, element->count);
+    for (uint64_t i = 0; i < element->count && status == GD_OK; i++)
+        status = read_record(ply, element);
     return status;
 }
 

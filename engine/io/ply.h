@@ -5,14 +5,14 @@
 #include "io/scan.h"
 
 /* X(NAME, name, its other spelling, bytes in a binary body) */
-#define GD__PLY_TYPE_MAP(X)                                                                                            \
-    X(CHAR, char, int8, 1)                                                                                             \
-    X(UCHAR, uchar, uint8, 1)                                                                                          \
-    X(SHORT, short, int16, 2)                                                                                          \
-    X(USHORT, ushort, uint16, 2)                                                                                       \
-    X(INT, int, int32, 4)                                                                                              \
-    X(UINT, uint, uint32, 4)                                                                                           \
-    X(FLOAT, float, float32, 4)                                                                                        \
+#define GD__PLY_TYPE_MAP(X)                                                                        \
+    X(CHAR, char, int8, 1)                                                                         \
+    X(UCHAR, uchar, uint8, 1)                                                                      \
+    X(SHORT, short, int16, 2)                                                                      \
+    X(USHORT, ushort, uint16, 2)                                                                   \
+    X(INT, int, int32, 4)                                                                          \
+    X(UINT, uint, uint32, 4)                                                                       \
+    X(FLOAT, float, float32, 4)                                                                    \
     X(DOUBLE, double, float64, 8)
 
 enum gd__ply_type {
@@ -54,8 +54,9 @@ struct gd__ply_header {
     struct gd__ply_property properties[GD__PLY_PROPERTIES];
 };
 
-/* Leaves the cursor at the first byte of the body, and knows the input to hold at least the fewest bytes that the counts can mean.
- * GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
-GD_MUST_USE enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__ply_header *header);
+/* Leaves the cursor at the first byte of the body, and knows the input to hold at least the fewest
+ * bytes that the counts can mean. GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
+GD_MUST_USE enum gd_status gd__ply_read_header(struct gd__scan *scan,
+                                               struct gd__ply_header *header);
 
 #endif

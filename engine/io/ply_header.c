@@ -28,7 +28,8 @@ static enum gd_status read_type(struct gd__scan *scan, uint8_t *out)
     const char *place = scan->at;
     struct gd__word word = gd__scan_word(scan);
     for (size_t type = 0; type < sizeof types / sizeof types[0]; type++) {
-        if (!gd__word_is(word, types[type].name) && !gd__word_is(word, types[type].other_name)) continue;
+        if (!gd__word_is(word, types[type].name) && !gd__word_is(word, types[type].other_name))
+            continue;
         *out = (uint8_t)type;
         return GD_OK;
     }
@@ -66,13 +67,16 @@ static enum gd_status read_element(struct gd__scan *scan, struct gd__ply_header 
 {
     const char *place = scan->at;
     if (header->element_count == GD__PLY_ELEMENTS) {
-        return gd__scan_fail(scan, place, GD_UNSUPPORTED, "more than %d elements", GD__PLY_ELEMENTS);
+        return gd__scan_fail(scan, place, GD_UNSUPPORTED, "more than %d elements",
+                             GD__PLY_ELEMENTS);
     }
-    struct gd__ply_element element = {.kind = kind_of(gd__scan_word(scan)), .first_property = header->property_count};
+    struct gd__ply_element element = {.kind = kind_of(gd__scan_word(scan)),
+                                      .first_property = header->property_count};
     int64_t count;
     enum gd_status status = gd__scan_integer(scan, &count);
     if (status != GD_OK) return status;
-    if (count < 0) return gd__scan_fail(scan, place, GD_SYNTAX, "the count of an element is negative");
+    if (count < 0)
+        return gd__scan_fail(scan, place, GD_SYNTAX, "the count of an element is negative");
     for (uint32_t i = 0; i < header->element_count; i++) {
         if (element.kind != GD__PLY_OTHER && header->elements[i].kind == element.kind) {
             return gd__scan_fail(scan, place, GD_SYNTAX, "an element is declared twice");
@@ -90,7 +94,8 @@ static enum gd__ply_role role_of(enum gd__ply_kind kind, struct gd__word name, b
         if (gd__word_is(name, "y")) return GD__PLY_Y;
         if (gd__word_is(name, "z")) return GD__PLY_Z;
     }
-    if (kind == GD__PLY_FACE && list && (gd__word_is(name, "vertex_indices") || gd__word_is(name, "vertex_index"))) {
+    if (kind == GD__PLY_FACE && list &&
+        (gd__word_is(name, "vertex_indices") || gd__word_is(name, "vertex_index"))) {
         return GD__PLY_CORNERS;
     }
     return GD__PLY_SKIPPED;
@@ -100,9 +105,11 @@ static enum gd__ply_role role_of(enum gd__ply_kind kind, struct gd__word name, b
 static enum gd_status read_property(struct gd__scan *scan, struct gd__ply_header *header)
 {
     const char *place = scan->at;
-    if (header->element_count == 0) return gd__scan_fail(scan, place, GD_SYNTAX, "a property before the first element");
+    if (header->element_count == 0)
+        return gd__scan_fail(scan, place, GD_SYNTAX, "a property before the first element");
     if (header->property_count == GD__PLY_PROPERTIES) {
-        return gd__scan_fail(scan, place, GD_UNSUPPORTED, "more than %d properties", GD__PLY_PROPERTIES);
+        return gd__scan_fail(scan, place, GD_UNSUPPORTED, "more than %d properties",
+                             GD__PLY_PROPERTIES);
     }
     struct gd__ply_property property = {.list = gd__word_is(gd__scan_word(scan), "list")};
     if (!property.list) scan->at = place;
@@ -142,20 +149,24 @@ static enum gd_status check_roles(const struct gd__scan *scan, const struct gd__
             return gd__scan_fail(scan, scan->at, GD_SYNTAX,
                                  "the vertices need the scalar properties x, y and z, once each");
         }
-        if (element->kind == GD__PLY_FACE && !has_roles(header, element, GD__PLY_CORNERS, GD__PLY_CORNERS)) {
+        if (element->kind == GD__PLY_FACE &&
+            !has_roles(header, element, GD__PLY_CORNERS, GD__PLY_CORNERS)) {
             return gd__scan_fail(scan, scan->at, GD_SYNTAX,
                                  "the faces need one list property vertex_indices or vertex_index");
         }
         if (element->kind == GD__PLY_TRISTRIPS && element->count > 0) {
-            return gd__scan_fail(scan, scan->at, GD_UNSUPPORTED,
-                                 "triangle strips are not supported: save the mesh with a face element");
+            return gd__scan_fail(
+                scan, scan->at, GD_UNSUPPORTED,
+                "triangle strips are not supported: save the mesh with a face element");
         }
     }
     return GD_OK;
 }
 
-/* The fewest bytes of a property: a face has three corners, other lists may be empty. In text a value is a digit and a separator. */
-static uint64_t smallest_size(const struct gd__ply_header *header, const struct gd__ply_property *property)
+/* The fewest bytes of a property: a face has three corners, other lists may be empty. In text a
+ * value is a digit and a separator. */
+static uint64_t smallest_size(const struct gd__ply_header *header,
+                              const struct gd__ply_property *property)
 {
     uint64_t items = property->role == GD__PLY_CORNERS ? 3 : 0;
     if (header->encoding == GD__PLY_ASCII) return property->list ? 2 + 2 * items : 2;
@@ -166,7 +177,8 @@ static uint64_t smallest_size(const struct gd__ply_header *header, const struct 
 /* Whether the rest of the input is long enough for all that the header declares. */
 static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_header *header)
 {
-    uint64_t left = gd__scan_left(scan) + (header->encoding == GD__PLY_ASCII); /* the last line may lack its end */
+    /* the last line may lack its end */
+    uint64_t left = gd__scan_left(scan) + (header->encoding == GD__PLY_ASCII);
     for (uint32_t i = 0; i < header->element_count; i++) {
         const struct gd__ply_element *element = &header->elements[i];
         uint64_t record = 0;
@@ -180,7 +192,8 @@ static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_hea
     return true;
 }
 
-/* The line's end as the file's first line has it: in a binary body, what follows a lone CR may be data that looks like LF. */
+/* The line's end as the file's first line has it: in a binary body, what follows a lone CR may be
+ * data that looks like LF. */
 static void skip_header_end(struct gd__scan *scan, bool lone_cr)
 {
     if (lone_cr && scan->at < scan->end && *scan->at == '\r')
@@ -190,7 +203,8 @@ static void skip_header_end(struct gd__scan *scan, bool lone_cr)
 }
 
 /* One line of the header; `*done` at the last. */
-static enum gd_status read_statement(struct gd__scan *scan, struct gd__ply_header *header, bool *formatted, bool *done)
+static enum gd_status read_statement(struct gd__scan *scan, struct gd__ply_header *header,
+                                     bool *formatted, bool *done)
 {
     gd__scan_skip_blanks(scan);
     const char *place = scan->at;
@@ -203,7 +217,8 @@ static enum gd_status read_statement(struct gd__scan *scan, struct gd__ply_heade
         return read_format(scan, &header->encoding);
     }
     *done = gd__word_is(keyword, "end_header");
-    if (*done && !*formatted) return gd__scan_fail(scan, place, GD_SYNTAX, "the header has no format line");
+    if (*done && !*formatted)
+        return gd__scan_fail(scan, place, GD_SYNTAX, "the header has no format line");
     if (!*done) scan->at = place;
     return *done ? GD_OK : gd__scan_unexpected(scan, "element, property, comment or end_header");
 }
@@ -224,7 +239,8 @@ enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__ply_header 
     skip_header_end(scan, lone_cr);
     if (!holds_declared(scan, header)) {
         return gd__scan_fail(scan, scan->at, GD_TRUNCATED,
-                             "the header declares more than the %zu bytes behind it can hold", gd__scan_left(scan));
+                             "the header declares more than the %zu bytes behind it can hold",
+                             gd__scan_left(scan));
     }
     return GD_OK;
 }

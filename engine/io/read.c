@@ -4,8 +4,8 @@
 static enum gd_status (*reader_of(enum gd_format format))(struct gd__scan *, struct gd__builder *)
 {
     switch (format) {
-#define READER_CASE(NAME, name, media)                                                                                 \
-    case GD_FORMAT_##NAME:                                                                                             \
+#define READER_CASE(NAME, name, media)                                                             \
+    case GD_FORMAT_##NAME:                                                                         \
         return gd__##name##_read;
         GD_FORMAT_MAP(READER_CASE)
 #undef READER_CASE
@@ -16,7 +16,8 @@ static enum gd_status (*reader_of(enum gd_format format))(struct gd__scan *, str
 }
 
 enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format format,
-                                const struct gd_read_limits *limits, struct gd_polygons *out, struct gd_detail *detail)
+                                const struct gd_read_limits *limits, struct gd_polygons *out,
+                                struct gd_detail *detail)
 {
     if (size == 0) return gd_fail(detail, GD_EMPTY, "the input has no bytes");
     if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
@@ -34,9 +35,11 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format f
     return status;
 }
 
-#define READ_FACTOR 8 /* bytes for each of a file whose bytes are read once: a triangle of STL text takes the most */
+/* bytes for each of a file whose bytes are read once: a triangle of STL text takes the most */
+#define READ_FACTOR 8
 
-size_t gd_read_cost(const void *bytes, size_t size, enum gd_format format, const struct gd_read_limits *limits)
+size_t gd_read_cost(const void *bytes, size_t size, enum gd_format format,
+                    const struct gd_read_limits *limits)
 {
     size_t once = READ_FACTOR * size, placed = 0;
     if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);

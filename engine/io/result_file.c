@@ -7,7 +7,7 @@
 #include "io/gltf_write.h"
 #include "io/writers.h"
 
-/* --- PLY ---------------------------------------------------------------------------------------------------------- */
+/* --- PLY -------------------------------------------------------------------------------------- */
 
 static enum gd_status write_ply(struct gd__output *output, const struct gd_result *result)
 {
@@ -16,7 +16,7 @@ static enum gd_status write_ply(struct gd__output *output, const struct gd_resul
     return GD_OK;
 }
 
-/* --- OBJ ---------------------------------------------------------------------------------------------------------- */
+/* --- OBJ -------------------------------------------------------------------------------------- */
 
 static void write_line(struct gd__output *output, uint64_t begin, uint64_t count)
 {
@@ -60,7 +60,7 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_resul
     return GD_OK;
 }
 
-/* --- CSV ---------------------------------------------------------------------------------------------------------- */
+/* --- CSV -------------------------------------------------------------------------------------- */
 
 /* All of a row behind its numbers but for its end. */
 static void write_place(struct gd__output *output, const double position[3], double distance)
@@ -76,7 +76,8 @@ static double step(const double a[3], const double b[3])
     return hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
 }
 
-static void write_line_rows(struct gd__output *output, const struct gd_result *result, uint32_t line)
+static void write_line_rows(struct gd__output *output, const struct gd_result *result,
+                            uint32_t line)
 {
     double along = 0;
     for (uint32_t i = result->first[line]; i < result->first[line + 1]; i++) {
@@ -101,7 +102,8 @@ static enum gd_status write_csv(struct gd__output *output, const struct gd_resul
 {
     if (!result->line_count && !(result->mesh && result->distances)) return GD_INVALID_ARGUMENT;
     gd__output_text(output, header_of(result));
-    for (uint32_t line = 0; line < result->line_count; line++) write_line_rows(output, result, line);
+    for (uint32_t line = 0; line < result->line_count; line++)
+        write_line_rows(output, result, line);
     for (uint32_t i = 0; !result->line_count && i < result->mesh->position_count; i++) {
         gd__output_integer(output, i);
         write_place(output, result->mesh->positions[i], result->distances[i]);
@@ -110,7 +112,7 @@ static enum gd_status write_csv(struct gd__output *output, const struct gd_resul
     return GD_OK;
 }
 
-/* --- all of them -------------------------------------------------------------------------------------------------- */
+/* --- all of them ------------------------------------------------------------------------------ */
 
 static enum gd_status write_glb(struct gd__output *output, const struct gd_result *result)
 {
@@ -121,8 +123,8 @@ static enum gd_status write_format(struct gd__output *output, const struct gd_re
                                    enum gd_result_format format)
 {
     switch (format) {
-#define WRITER_CASE(NAME, name, media)                                                                                 \
-    case GD_RESULT_##NAME:                                                                                             \
+#define WRITER_CASE(NAME, name, media)                                                             \
+    case GD_RESULT_##NAME:                                                                         \
         return write_##name(output, result);
         GD_RESULT_FORMAT_MAP(WRITER_CASE)
 #undef WRITER_CASE
@@ -130,14 +132,16 @@ static enum gd_status write_format(struct gd__output *output, const struct gd_re
     return GD_INVALID_ARGUMENT;
 }
 
-enum gd_status gd_write_result(const struct gd_result *result, enum gd_result_format format, char **out, size_t *size)
+enum gd_status gd_write_result(const struct gd_result *result, enum gd_result_format format,
+                               char **out, size_t *size)
 {
     struct gd__output output = {0};
     enum gd_status status = write_format(&output, result, format);
     return gd__output_finish(&output, status, out, size);
 }
 
-/* A number is GD_NUMBER_SIZE characters at most, an index 11; the output grows by half, so that there are two and a half of it for a moment. */
+/* A number is GD_NUMBER_SIZE characters at most, an index 11; the output grows by half, so that
+ * there are two and a half of it for a moment. */
 #define ROW_BYTES    (5 * (GD_NUMBER_SIZE + 1) + 2 * 11)
 #define CORNER_BYTES 11
 #define GROWTH       2.5
@@ -146,6 +150,8 @@ size_t gd_result_cost(const struct gd_result *result)
 {
     double rows = result->mesh ? result->mesh->position_count : 0;
     if (result->line_count) rows += result->first[result->line_count] + (double)result->line_count;
-    double corners = result->mesh ? gd_polygons_corner_count(result->mesh) + (double)result->mesh->polygon_count : 0;
+    double corners =
+        result->mesh ? gd_polygons_corner_count(result->mesh) + (double)result->mesh->polygon_count
+                     : 0;
     return (size_t)(GROWTH * (rows * ROW_BYTES + corners * CORNER_BYTES + 4096));
 }

@@ -11,7 +11,8 @@
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail)
 {
     struct gd__scan scan = {.begin = bytes, .at = bytes, .detail = detail};
-    scan.end = size ? scan.begin + size : scan.begin; /* an empty file may have no bytes to point to */
+    /* an empty file may have no bytes to point to */
+    scan.end = size ? scan.begin + size : scan.begin;
     if (size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0) scan.at += 3;
     return scan;
 }
@@ -19,8 +20,10 @@ struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail 
 static uint64_t line_of(const struct gd__scan *scan, const char *at)
 {
     uint64_t ends = 0;
-    const char *last = at > scan->begin && at == scan->end ? at - 1 : at; /* has no byte behind it */
-    for (const char *c = scan->begin; c < last; c++) ends += (*c == '\n') | ((*c == '\r') & (c[1] != '\n'));
+    /* has no byte behind it */
+    const char *last = at > scan->begin && at == scan->end ? at - 1 : at;
+    for (const char *c = scan->begin; c < last; c++)
+        ends += (*c == '\n') | ((*c == '\r') & (c[1] != '\n'));
     return 1 + ends + (last < at && gd__is_newline(*last));
 }
 
@@ -36,8 +39,8 @@ enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status)
     return scan->deadline_ns && gd_now_ns() >= scan->deadline_ns ? GD_DEADLINE : status;
 }
 
-enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status, const char *format,
-                             ...)
+enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status,
+                             const char *format, ...)
 {
     if (!scan->detail) return status;
     char sentence[GD_DETAIL_TEXT];
@@ -46,7 +49,8 @@ enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum g
     vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
     uint64_t place = scan->by_byte ? (uint64_t)(at - scan->begin) : line_of(scan, at);
-    gd_fail(scan->detail, status, "%s %llu: %s", scan->by_byte ? "byte" : "line", (unsigned long long)place, sentence);
+    gd_fail(scan->detail, status, "%s %llu: %s", scan->by_byte ? "byte" : "line",
+            (unsigned long long)place, sentence);
     gd_detail_add(scan->detail, scan->by_byte ? GD_ELEMENT_BYTE : GD_ELEMENT_LINE, place, 0);
     return status;
 }
@@ -64,14 +68,17 @@ struct gd__excerpt gd__excerpt(struct gd__word word)
 enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expected)
 {
     if (scan->at == scan->end) {
-        return gd__scan_fail(scan, scan->at, GD_TRUNCATED, "the input ends where %s should be", expected);
+        return gd__scan_fail(scan, scan->at, GD_TRUNCATED, "the input ends where %s should be",
+                             expected);
     }
     if (gd__scan_at_line_end(scan)) {
-        return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the line ends where %s should be", expected);
+        return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the line ends where %s should be",
+                             expected);
     }
     struct gd__scan ahead = *scan;
     struct gd__excerpt found = gd__excerpt(gd__scan_word(&ahead));
-    return gd__scan_fail(scan, scan->at, GD_SYNTAX, "found '%s' where %s should be", found.text, expected);
+    return gd__scan_fail(scan, scan->at, GD_SYNTAX, "found '%s' where %s should be", found.text,
+                         expected);
 }
 
 /* Past one line end, if the cursor is at one. */
@@ -85,14 +92,16 @@ static void skip_newline(struct gd__scan *scan)
 /* At the backslash that joins this line to the next. */
 static bool at_joint(const struct gd__scan *scan)
 {
-    return scan->continued && gd__scan_left(scan) > 1 && *scan->at == '\\' && gd__is_newline(scan->at[1]);
+    return scan->continued && gd__scan_left(scan) > 1 && *scan->at == '\\' &&
+           gd__is_newline(scan->at[1]);
 }
 
 /* Past characters of a kind. */
 static inline void skip_run(struct gd__scan *scan, bool (*is_of_kind)(char c))
 {
     for (;;) {
-        const char *stop = gd__scan_left(scan) < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
+        const char *stop =
+            gd__scan_left(scan) < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
         while (scan->at < stop && is_of_kind(*scan->at)) scan->at++;
         if (scan->at < stop || stop == scan->end || gd__scan_is_over(scan)) return;
     }
@@ -145,7 +154,9 @@ struct gd__word gd__scan_word(struct gd__scan *scan)
 {
     gd__scan_skip_blanks(scan);
     const char *begin = scan->at;
-    while (!gd__scan_at_line_end(scan) && !gd__is_blank(*scan->at) && !at_joint(scan) && !is_to_end(scan)) scan->at++;
+    while (!gd__scan_at_line_end(scan) && !gd__is_blank(*scan->at) && !at_joint(scan) &&
+           !is_to_end(scan))
+        scan->at++;
     return (struct gd__word){begin, (size_t)(scan->at - begin)};
 }
 
@@ -159,10 +170,12 @@ bool gd__word_resembles(struct gd__word word, const char *text)
     return word.length == strlen(text) && strncasecmp(word.at, text, word.length) == 0;
 }
 
-/* Whether a number that ends at the cursor is cut out of something longer, such as 0x1p3 or 1.5.2. */
+/* Whether a number that ends at the cursor is cut out of something longer, such as 0x1p3 or 1.5.2.
+ */
 static bool runs_on(const struct gd__scan *scan, const char *at)
 {
-    return at < scan->end && (isalnum((unsigned char)*at) || *at == '.' || *at == '_' || *at == '-' || *at == '+');
+    return at < scan->end &&
+           (isalnum((unsigned char)*at) || *at == '.' || *at == '_' || *at == '-' || *at == '+');
 }
 
 enum gd_status gd__scan_number(struct gd__scan *scan, double *out)
@@ -177,7 +190,8 @@ enum gd_status gd__scan_number(struct gd__scan *scan, double *out)
 enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3])
 {
     enum gd_status status = GD_OK;
-    for (int axis = 0; axis < 3 && status == GD_OK; axis++) status = gd__scan_number(scan, &xyz[axis]);
+    for (int axis = 0; axis < 3 && status == GD_OK; axis++)
+        status = gd__scan_number(scan, &xyz[axis]);
     return status;
 }
 

@@ -1,7 +1,8 @@
 /* Scan: a bounded cursor over the bytes of a file, and the places that errors name.
  *
- * Invariant: begin <= at <= end; nothing outside is read. Lines end with LF, CR LF or CR; a place's line is counted only when an error
- * names it. Blanks separate words within a line, space is blanks and line ends and, where a format has them, comments. */
+ * Invariant: begin <= at <= end; nothing outside is read. Lines end with LF, CR LF or CR; a place's
+ * line is counted only when an error names it. Blanks separate words within a line, space is blanks
+ * and line ends and, where a format has them, comments. */
 #ifndef GD_IO_SCAN_H
 #define GD_IO_SCAN_H
 
@@ -15,10 +16,12 @@
 struct gd__scan {
     const char *begin, *at, *end;
     struct gd_detail *detail; /* may be NULL */
-    bool by_byte;             /* errors name bytes, not lines: binary data, and JSON, which is often one long line */
-    bool comments;            /* '#' begins a comment that runs to the end of its line */
-    bool continued;           /* a backslash at the end of a line joins the next one to it */
-    uint64_t deadline_ns;     /* of the reading, as a gd_control's: looked at where much is skipped; 0: none */
+    /* errors name bytes, not lines: binary data, and JSON, which is often one long line */
+    bool by_byte;
+    bool comments;  /* '#' begins a comment that runs to the end of its line */
+    bool continued; /* a backslash at the end of a line joins the next one to it */
+    /* of the reading, as a gd_control's: looked at where much is skipped; 0: none */
+    uint64_t deadline_ns;
 };
 
 /* A word of the input, not NUL-terminated. */
@@ -37,19 +40,23 @@ struct gd__excerpt gd__excerpt(struct gd__word word);
 /* At the beginning of `bytes`, or behind the UTF-8 byte order mark that some editors put there. */
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail);
 
-/* Returns `status` with "line 17: <sentence>" or "byte 99: <sentence>" in the detail, and that place as its element. */
-enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status, const char *format,
-                             ...) __attribute__((format(printf, 4, 5)));
+/* Returns `status` with "line 17: <sentence>" or "byte 99: <sentence>" in the detail, and that
+ * place as its element. */
+enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status,
+                             const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* GD_TRUNCATED at the end of the input, GD_SYNTAX elsewhere: "found 'x' where <expected> should be". */
+/* GD_TRUNCATED at the end of the input, GD_SYNTAX elsewhere: "found 'x' where <expected> should
+ * be". */
 enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expected);
 
 #define GD__SCAN_LOOK 65536 /* bytes that are skipped between two looks at the deadline */
 
-/* When the deadline has passed, goes to the end of the input and returns true. A reader that may have skipped something ends by gd__scan_end. */
+/* When the deadline has passed, goes to the end of the input and returns true. A reader that may
+ * have skipped something ends by gd__scan_end. */
 bool gd__scan_is_over(struct gd__scan *scan);
 
-/* GD_DEADLINE when the deadline has passed, since then the end that was read may not have been the input's; else `status`. */
+/* GD_DEADLINE when the deadline has passed, since then the end that was read may not have been the
+ * input's; else `status`. */
 enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status);
 
 static inline size_t gd__scan_left(const struct gd__scan *scan)
@@ -70,7 +77,8 @@ static inline bool gd__is_newline(char c)
 /* At the end of the line, of what counts of it (a comment follows), or of the input. */
 static inline bool gd__scan_at_line_end(const struct gd__scan *scan)
 {
-    return scan->at == scan->end || gd__is_newline(*scan->at) || (scan->comments && *scan->at == '#');
+    return scan->at == scan->end || gd__is_newline(*scan->at) ||
+           (scan->comments && *scan->at == '#');
 }
 
 /* Past the blanks, and past line ends that are `continued`. */
@@ -96,7 +104,8 @@ GD_MUST_USE enum gd_status gd__scan_number(struct gd__scan *scan, double *out);
 /* Past blanks and three numbers. */
 GD_MUST_USE enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3]);
 
-/* Past blanks and a whole number without point and exponent, saturated at +-INT64_MAX. GD_SYNTAX, GD_TRUNCATED. */
+/* Past blanks and a whole number without point and exponent, saturated at +-INT64_MAX. GD_SYNTAX,
+ * GD_TRUNCATED. */
 GD_MUST_USE enum gd_status gd__scan_integer(struct gd__scan *scan, int64_t *out);
 
 #endif

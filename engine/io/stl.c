@@ -1,7 +1,9 @@
-/* Stereolithography, text and binary: loose triangles, welded where their corners are equal. Normals and attributes are skipped.
+/* Stereolithography, text and binary: loose triangles, welded where their corners are equal.
+ * Normals and attributes are skipped.
  *
- * Binary files may begin with "solid" too, and may carry bytes behind their last triangle. So the input is binary when its size is exactly
- * what its count says, or it doesn't begin with "solid", or has a NUL where text can't. */
+ * Binary files may begin with "solid" too, and may carry bytes behind their last triangle. So the
+ * input is binary when its size is exactly what its count says, or it doesn't begin with "solid",
+ * or has a NUL where text can't. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -46,7 +48,8 @@ static bool begins_solid(struct gd__scan scan)
 static bool is_text(const struct gd__scan *scan)
 {
     size_t head = size_of(scan) < PREAMBLE_SIZE ? size_of(scan) : PREAMBLE_SIZE;
-    return !gd__stl_has_binary_size(scan) && begins_solid(*scan) && !memchr(scan->begin, '\0', head);
+    return !gd__stl_has_binary_size(scan) && begins_solid(*scan) &&
+           !memchr(scan->begin, '\0', head);
 }
 
 bool gd__stl_recognise(struct gd__scan scan)
@@ -80,15 +83,17 @@ static enum gd_status read_binary(struct stl *stl)
     struct gd__scan *scan = stl->scan;
     scan->by_byte = true;
     if (size_of(scan) < PREAMBLE_SIZE) {
-        return gd__scan_fail(scan, scan->end, GD_TRUNCATED,
-                             "neither text that begins with 'solid' nor the %d bytes that begin binary STL",
-                             PREAMBLE_SIZE);
+        return gd__scan_fail(
+            scan, scan->end, GD_TRUNCATED,
+            "neither text that begins with 'solid' nor the %d bytes that begin binary STL",
+            PREAMBLE_SIZE);
     }
     uint32_t triangles = declared_triangles(scan);
     scan->at = scan->begin + PREAMBLE_SIZE;
     if (triangles > gd__scan_left(scan) / TRIANGLE_SIZE) {
         return gd__scan_fail(scan, scan->begin + HEADER_SIZE, GD_TRUNCATED,
-                             "%u triangles are declared, but only %zu bytes follow", triangles, gd__scan_left(scan));
+                             "%u triangles are declared, but only %zu bytes follow", triangles,
+                             gd__scan_left(scan));
     }
     enum gd_status status = gd__builder_reserve(stl->builder, 0, triangles);
     for (uint32_t i = 0; status == GD_OK && i < triangles; i++) status = read_binary_triangle(stl);
@@ -152,7 +157,8 @@ static enum gd_status read_text(struct stl *stl)
 {
     struct gd__scan *scan = stl->scan;
     enum gd_status status = GD_OK;
-    for (gd__scan_skip_space(scan); status == GD_OK && scan->at < scan->end; gd__scan_skip_space(scan)) {
+    for (gd__scan_skip_space(scan); status == GD_OK && scan->at < scan->end;
+         gd__scan_skip_space(scan)) {
         status = expect_word(scan, "solid");
         if (status == GD_OK) status = read_text_solid(stl);
         if (status == GD_OK) status = gd__builder_look(stl->builder);

@@ -17,11 +17,13 @@ static uint64_t folded_product(uint64_t a, uint64_t b)
     return (uint64_t)product ^ (uint64_t)(product >> 64);
 }
 
-/* The secrets differ from call to call, so that no file can be made whose positions all collide; the numbering doesn't depend on them. */
+/* The secrets differ from call to call, so that no file can be made whose positions all collide;
+ * the numbering doesn't depend on them. */
 struct gd__weld gd__weld_begin(struct gd__builder *builder)
 {
     uint64_t seed = folded_product(gd_now_ns() ^ GOLDEN, (uint64_t)(uintptr_t)builder ^ ~GOLDEN);
-    return (struct gd__weld){.builder = builder, .secret = {seed ^ GOLDEN, folded_product(seed, GOLDEN) | 1}};
+    return (struct gd__weld){.builder = builder,
+                             .secret = {seed ^ GOLDEN, folded_product(seed, GOLDEN) | 1}};
 }
 
 void gd__weld_free(struct gd__weld *weld)
@@ -40,7 +42,8 @@ static uint64_t bits_of(double coordinate)
 
 static uint64_t hash(const struct gd__weld *weld, const double xyz[3])
 {
-    uint64_t plane = folded_product(bits_of(xyz[0]) ^ weld->secret[0], bits_of(xyz[1]) ^ weld->secret[1]);
+    uint64_t plane =
+        folded_product(bits_of(xyz[0]) ^ weld->secret[0], bits_of(xyz[1]) ^ weld->secret[1]);
     return folded_product(plane ^ bits_of(xyz[2]), weld->secret[1]);
 }
 
@@ -51,7 +54,8 @@ static uint32_t *slot_of(const struct gd__weld *weld, const double xyz[3])
     for (size_t slot = hash(weld, xyz) & mask;; slot = (slot + 1) & mask) {
         if (weld->slots[slot] == GD_NONE) return &weld->slots[slot];
         const double *known = weld->builder->positions[weld->slots[slot]];
-        if (known[0] == xyz[0] && known[1] == xyz[1] && known[2] == xyz[2]) return &weld->slots[slot];
+        if (known[0] == xyz[0] && known[1] == xyz[1] && known[2] == xyz[2])
+            return &weld->slots[slot];
     }
 }
 
@@ -61,7 +65,8 @@ static enum gd_status grow(struct gd__weld *weld)
     size_t slot_count = weld->slot_count ? 2 * weld->slot_count : SMALLEST_SLOT_COUNT;
     free(weld->slots);
     weld->slots = malloc(slot_count * sizeof *weld->slots);
-    if (!weld->slots) return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
+    if (!weld->slots)
+        return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
     weld->slot_count = slot_count;
     memset(weld->slots, 0xFF, slot_count * sizeof *weld->slots);
     for (size_t vertex = 0; vertex < builder->position_count; vertex++) {
@@ -70,7 +75,8 @@ static enum gd_status grow(struct gd__weld *weld)
     return GD_OK;
 }
 
-enum gd_status gd__weld_vertex(struct gd__weld *weld, const double xyz[3], const char *at, uint32_t *vertex)
+enum gd_status gd__weld_vertex(struct gd__weld *weld, const double xyz[3], const char *at,
+                               uint32_t *vertex)
 {
     enum gd_status status = GD_OK;
     if (2 * weld->builder->position_count >= weld->slot_count) status = grow(weld);

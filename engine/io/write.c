@@ -30,10 +30,11 @@ void gd__write_xyz(struct gd__output *output, const double position[3], const ch
 }
 
 /* The polygon's vertices, the first vertex of all numbered `base`. */
-static void write_corners(struct gd__output *output, const struct gd_polygons *polygons, uint32_t polygon,
-                          uint32_t base, const char *separator)
+static void write_corners(struct gd__output *output, const struct gd_polygons *polygons,
+                          uint32_t polygon, uint32_t base, const char *separator)
 {
-    uint32_t first = gd_polygons_first(polygons, polygon), end = gd_polygons_first(polygons, polygon + 1);
+    uint32_t first = gd_polygons_first(polygons, polygon),
+             end = gd_polygons_first(polygons, polygon + 1);
     for (uint32_t corner = first; corner < end; corner++) {
         if (corner > first) gd__output_text(output, separator);
         gd__output_integer(output, (uint64_t)polygons->corners[corner] + base);
@@ -98,19 +99,21 @@ static enum gd_status write_json(struct gd__output *output, const struct gd_poly
     return GD_OK;
 }
 
-static void write_ply_header(struct gd__output *output, const struct gd_polygons *polygons, bool has_distances,
-                             bool long_lists)
+static void write_ply_header(struct gd__output *output, const struct gd_polygons *polygons,
+                             bool has_distances, bool long_lists)
 {
     gd__output_text(output, "ply\nformat binary_little_endian 1.0\nelement vertex ");
     gd__output_integer(output, polygons->position_count);
     gd__output_text(output, "\nproperty double x\nproperty double y\nproperty double z\n");
-    gd__output_text(output, has_distances ? "property double distance\nelement face " : "element face ");
+    gd__output_text(output,
+                    has_distances ? "property double distance\nelement face " : "element face ");
     gd__output_integer(output, polygons->polygon_count);
     gd__output_text(output, long_lists ? "\nproperty list uint uint vertex_indices\nend_header\n"
                                        : "\nproperty list uchar uint vertex_indices\nend_header\n");
 }
 
-void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons, const double *distances)
+void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons,
+                   const double *distances)
 {
     bool long_lists = largest_polygon(polygons) > UINT8_MAX;
     write_ply_header(output, polygons, distances != NULL, long_lists);
@@ -120,7 +123,8 @@ void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons
     }
     for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         gd__output_little_endian(output, size_of_polygon(polygons, i), long_lists ? 4 : 1);
-        for (uint32_t corner = gd_polygons_first(polygons, i); corner < gd_polygons_first(polygons, i + 1); corner++) {
+        for (uint32_t corner = gd_polygons_first(polygons, i);
+             corner < gd_polygons_first(polygons, i + 1); corner++) {
             gd__output_little_endian(output, polygons->corners[corner], 4);
         }
     }
@@ -187,11 +191,12 @@ static enum gd_status write_gltf(struct gd__output *output, const struct gd_poly
     return gd__gltf_write(output, &(struct gd_result){.mesh = polygons});
 }
 
-static enum gd_status write_format(struct gd__output *output, const struct gd_polygons *polygons, enum gd_format format)
+static enum gd_status write_format(struct gd__output *output, const struct gd_polygons *polygons,
+                                   enum gd_format format)
 {
     switch (format) {
-#define WRITER_CASE(NAME, name, media)                                                                                 \
-    case GD_FORMAT_##NAME:                                                                                             \
+#define WRITER_CASE(NAME, name, media)                                                             \
+    case GD_FORMAT_##NAME:                                                                         \
         return write_##name(output, polygons);
         GD_FORMAT_MAP(WRITER_CASE)
 #undef WRITER_CASE
@@ -201,7 +206,8 @@ static enum gd_status write_format(struct gd__output *output, const struct gd_po
     return GD_INVALID_ARGUMENT;
 }
 
-enum gd_status gd__output_finish(struct gd__output *output, enum gd_status status, char **out, size_t *size)
+enum gd_status gd__output_finish(struct gd__output *output, enum gd_status status, char **out,
+                                 size_t *size)
 {
     if (status == GD_OK && output->failed) status = output->status ? output->status : GD_NO_MEMORY;
     if (status != GD_OK) {
@@ -213,7 +219,8 @@ enum gd_status gd__output_finish(struct gd__output *output, enum gd_status statu
     return GD_OK;
 }
 
-enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out, size_t *size)
+enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format,
+                                 char **out, size_t *size)
 {
     return gd_write_polygons_within(polygons, format, NULL, out, size);
 }

@@ -15,13 +15,16 @@ void gd__route_free(struct gd__route *route)
     *route = (struct gd__route){0};
 }
 
-static enum gd_status reserve(struct gd__route *route, uint32_t more, const struct gd_control *control)
+static enum gd_status reserve(struct gd__route *route, uint32_t more,
+                              const struct gd_control *control)
 {
-    size_t need = (size_t)route->count + more, capacity = route->capacity ? route->capacity : FIRST_CAPACITY;
+    size_t need = (size_t)route->count + more,
+           capacity = route->capacity ? route->capacity : FIRST_CAPACITY;
     if (need <= route->capacity) return GD_OK;
     while (capacity < need) capacity *= 2;
     if (capacity > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status = gd_control_afford(control, (capacity + route->capacity) * sizeof *route->points);
+    enum gd_status status =
+        gd_control_afford(control, (capacity + route->capacity) * sizeof *route->points);
     if (status) return status;
     struct gd_point *points = realloc(route->points, capacity * sizeof *points);
     if (!points) return GD_NO_MEMORY;
@@ -46,8 +49,9 @@ enum gd_status gd__route_add(struct gd__route *route, const struct gd_point *poi
     return GD_OK;
 }
 
-enum gd_status gd__route_join(struct gd__route *route, const struct gd_point *points, uint32_t count, double length,
-                              bool backwards, const struct gd_control *control)
+enum gd_status gd__route_join(struct gd__route *route, const struct gd_point *points,
+                              uint32_t count, double length, bool backwards,
+                              const struct gd_control *control)
 {
     enum gd_status status = reserve(route, count, control);
     if (status) return status;
@@ -80,8 +84,8 @@ double gd__route_run(const struct gd_mesh *mesh, const struct gd_point *a, const
     return face == GD_NONE || gd_point_equal(a, b) ? 0 : gd__chord(mesh, face, 0, a, b).length;
 }
 
-struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                                  double part)
+struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_point *a,
+                                  const struct gd_point *b, double part)
 {
     uint32_t face = gd__common_face(mesh, a, b);
     double from[3], to[3], at[3];
@@ -103,20 +107,22 @@ enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *rou
         if (left <= run) break;
     }
     if (i + 1 == route->count) return GD_OK; /* beyond the end, by rounding */
-    struct gd_point point =
-        gd__route_between(mesh, &route->points[i], &route->points[i + 1], left > 0 ? left / run : 0);
+    struct gd_point point = gd__route_between(mesh, &route->points[i], &route->points[i + 1],
+                                              left > 0 ? left / run : 0);
     bool is_first = gd_point_equal(&point, &route->points[i]);
     *out = is_first ? i : i + 1;
     if (is_first || gd_point_equal(&point, &route->points[i + 1])) return GD_OK;
     enum gd_status status = reserve(route, 1, control);
     if (status) return status;
-    memmove(route->points + i + 2, route->points + i + 1, (route->count - i - 1) * sizeof *route->points);
+    memmove(route->points + i + 2, route->points + i + 1,
+            (route->count - i - 1) * sizeof *route->points);
     route->points[i + 1] = point;
     route->count++;
     return GD_OK;
 }
 
-enum gd_status gd__route_ahead(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count, double *out)
+enum gd_status gd__route_ahead(const struct gd_mesh *mesh, const struct gd_point *points,
+                               uint32_t count, double *out)
 {
     struct gd__straight part;
     enum gd_status status = gd__unfold(mesh, points, gd__route_bend(points, count, 0) + 1, &part);
@@ -124,7 +130,8 @@ enum gd_status gd__route_ahead(const struct gd_mesh *mesh, const struct gd_point
     return status;
 }
 
-enum gd_status gd__route_back(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count, double *out)
+enum gd_status gd__route_back(const struct gd_mesh *mesh, const struct gd_point *points,
+                              uint32_t count, double *out)
 {
     struct gd__straight part;
     uint32_t begin = count - 2;

@@ -19,9 +19,10 @@ void gd__straightener_free(struct gd__straightener *straightener)
     *straightener = (struct gd__straightener){0};
 }
 
-/* --- bends --------------------------------------------------------------------------------------------------------------- */
+/* --- bends ------------------------------------------------------------------------------------ */
 
-struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_point *at, double back, double ahead)
+struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_point *at,
+                                  double back, double ahead)
 {
     double total = gd__turn_total(mesh, at), right = ahead - back;
     if (!gd__turn_is_closed(mesh, at))
@@ -30,7 +31,7 @@ struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_po
     return (struct gd__bend){right, total - right};
 }
 
-/* --- corners ------------------------------------------------------------------------------------------------------------- */
+/* --- corners ---------------------------------------------------------------------------------- */
 
 /* The gates in a row that have the corner at the same end. */
 struct row {
@@ -42,54 +43,68 @@ static uint32_t end_of(const struct gd_mesh *mesh, const struct gd__gate *gate, 
     return mesh->origin[is_left ? gate->side : gate->side ^ 1];
 }
 
-static struct row row_of(const struct gd_mesh *mesh, const struct gd__strip *strip, const struct gd__corner *corner)
+static struct row row_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
+                         const struct gd__corner *corner)
 {
-    struct row row = {end_of(mesh, &strip->gates[corner->gate], corner->is_left), corner->gate, corner->gate};
-    while (row.first > 0 && end_of(mesh, &strip->gates[row.first - 1], corner->is_left) == row.vertex) row.first--;
-    while (row.last + 1 < strip->count && end_of(mesh, &strip->gates[row.last + 1], corner->is_left) == row.vertex)
+    struct row row = {end_of(mesh, &strip->gates[corner->gate], corner->is_left), corner->gate,
+                      corner->gate};
+    while (row.first > 0 &&
+           end_of(mesh, &strip->gates[row.first - 1], corner->is_left) == row.vertex)
+        row.first--;
+    while (row.last + 1 < strip->count &&
+           end_of(mesh, &strip->gates[row.last + 1], corner->is_left) == row.vertex)
         row.last++;
     return row;
 }
 
 /* The face before a gate, and its side by which it lies in the plane. */
-static struct gd__gate before(const struct gd_mesh *mesh, const struct gd__strip *strip, uint32_t gate)
+static struct gd__gate before(const struct gd_mesh *mesh, const struct gd__strip *strip,
+                              uint32_t gate)
 {
     if (gate > 0) return strip->gates[gate - 1];
     return (struct gd__gate){.side = mesh->face_side[strip->face][0], .along = {1, 0}};
 }
 
 /* The turn at a vertex of a direction in the plane that leads into the gate's face. */
-static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__gate *gate, struct gd__local way)
+static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__gate *gate,
+                      struct gd__local way)
 {
     const struct gd_point at = gd__point_of_vertex(vertex);
     struct gd__local u = gate->along;
-    return gd__turn_in_face(mesh, &at, gate->side, way.x * u.x + way.y * u.y, way.y * u.x - way.x * u.y);
+    return gd__turn_in_face(mesh, &at, gate->side, way.x * u.x + way.y * u.y,
+                            way.y * u.x - way.x * u.y);
 }
 
-/* What can be done about a corner: nothing; the line is shorter on the other side of the vertex; or the strip goes round it more than once. */
+/* What can be done about a corner: nothing; the line is shorter on the other side of the vertex; or
+ * the strip goes round it more than once. */
 enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
 
-/* `from` and `to` are the neighbours of the corner on the line. The angle in the strip is half a turn at least; one that seems to be less is a whole one more. */
-static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip, const struct gd__corner *corner,
-                         const struct row *row, struct gd__local from, struct gd__local to)
+/* `from` and `to` are the neighbours of the corner on the line. The angle in the strip is half a
+ * turn at least; one that seems to be less is a whole one more. */
+static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
+                         const struct gd__corner *corner, const struct row *row,
+                         struct gd__local from, struct gd__local to)
 {
     struct gd__gate in = before(mesh, strip, row->first);
     struct gd__local at = corner->at;
     const struct gd_point vertex = gd__point_of_vertex(row->vertex);
     if (!gd__turn_is_closed(mesh, &vertex)) return HOLD_TAUT;
     double back = turn_of(mesh, row->vertex, &in, (struct gd__local){from.x - at.x, from.y - at.y}),
-           ahead = turn_of(mesh, row->vertex, &strip->gates[row->last], (struct gd__local){to.x - at.x, to.y - at.y});
+           ahead = turn_of(mesh, row->vertex, &strip->gates[row->last],
+                           (struct gd__local){to.x - at.x, to.y - at.y});
     struct gd__bend bend = gd__bend_of_turns(mesh, &vertex, back, ahead);
-    double inside = corner->is_left ? bend.right : bend.left, other = corner->is_left ? bend.left : bend.right;
+    double inside = corner->is_left ? bend.right : bend.left,
+           other = corner->is_left ? bend.left : bend.right;
     uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
              gates = row->last - row->first + 1;
     bool is_whole_turn =
-        inside < M_PI - GD_TOL_BEND && gates + 1 >= faces; /* along one edge there and back: a gate less */
+        /* along one edge there and back: a gate less */
+        inside < M_PI - GD_TOL_BEND && gates + 1 >= faces;
     if (is_whole_turn && gates >= faces) return HOLD_WOUND;
     return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;
 }
 
-/* --- rounds -------------------------------------------------------------------------------------------------------------- */
+/* --- rounds ----------------------------------------------------------------------------------- */
 
 /* Copies gates up to, but without, `end`. */
 static enum gd_status copy_gates(struct gd__straightener *s, uint32_t begin, uint32_t end)
@@ -101,8 +116,8 @@ static enum gd_status copy_gates(struct gd__straightener *s, uint32_t begin, uin
 }
 
 /* By the other side, or, if it is wound, by the same one but once less. */
-static enum gd_status go_round(struct gd__straightener *s, const struct gd__corner *corner, const struct row *row,
-                               enum hold hold)
+static enum gd_status go_round(struct gd__straightener *s, const struct gd__corner *corner,
+                               const struct row *row, enum hold hold)
 {
     uint32_t from = s->mesh->side_face[s->strip.gates[row->first].side ^ 1],
              to = s->mesh->side_face[s->strip.gates[row->last].side];
@@ -110,7 +125,8 @@ static enum gd_status go_round(struct gd__straightener *s, const struct gd__corn
     return gd__strip_wind(s->mesh, &s->other, row->vertex, from, to, counter_clockwise, s->control);
 }
 
-/* Lays the strip round the other side of its loose corners, into s->other. Of rows that overlap the first is taken; the rest is for the next round. */
+/* Lays the strip round the other side of its loose corners, into s->other. Of rows that overlap the
+ * first is taken; the rest is for the next round. */
 static enum gd_status relax(struct gd__straightener *s, uint32_t corner_count, bool *has_moved)
 {
     const struct gd__strip *strip = &s->strip;
@@ -140,7 +156,8 @@ static enum gd_status reserve_corners(struct gd__straightener *s)
 {
     if (s->corner_capacity > s->strip.count) return GD_OK;
     uint32_t capacity = s->strip.capacity + 1;
-    enum gd_status status = gd_control_afford(s->control, 2 * (size_t)capacity * sizeof *s->corners);
+    enum gd_status status =
+        gd_control_afford(s->control, 2 * (size_t)capacity * sizeof *s->corners);
     if (status) return status;
     struct gd__corner *corners = realloc(s->corners, capacity * sizeof *corners);
     if (!corners) return GD_NO_MEMORY;
@@ -149,7 +166,8 @@ static enum gd_status reserve_corners(struct gd__straightener *s)
     return GD_OK;
 }
 
-static double length_of(const struct gd__strip *strip, const struct gd__corner *corners, uint32_t count)
+static double length_of(const struct gd__strip *strip, const struct gd__corner *corners,
+                        uint32_t count)
 {
     struct gd__local a = strip->begin;
     double length = 0;
@@ -186,8 +204,10 @@ static enum gd_status look(struct gd__straightener *s)
     return gd_control_check(s->control, s->progress);
 }
 
-/* Rounds go on as long as the line gets shorter by more than `least_gain` of its length, which is *out in the end. */
-static enum gd_status tighten(struct gd__straightener *s, double least_gain, uint32_t *corner_count, double *out)
+/* Rounds go on as long as the line gets shorter by more than `least_gain` of its length, which is
+ * *out in the end. */
+static enum gd_status tighten(struct gd__straightener *s, double least_gain, uint32_t *corner_count,
+                              double *out)
 {
     double length, before = INFINITY;
     bool has_moved = true;
@@ -204,21 +224,24 @@ static enum gd_status tighten(struct gd__straightener *s, double least_gain, uin
     return status;
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
-static enum gd_status straighten(struct gd__straightener *s, const struct gd__route *route, bool backwards,
-                                 struct gd__route *out)
+static enum gd_status straighten(struct gd__straightener *s, const struct gd__route *route,
+                                 bool backwards, struct gd__route *out)
 {
     uint32_t corner_count;
     double length;
     gd__route_clear(&s->line);
-    enum gd_status status = gd__route_join(&s->line, route->points, route->count, route->length, backwards, s->control);
+    enum gd_status status =
+        gd__route_join(&s->line, route->points, route->count, route->length, backwards, s->control);
     gd__route_clear(out);
     if (status) return status;
-    if (s->line.count < 2) return gd__route_join(out, s->line.points, s->line.count, 0, false, s->control);
+    if (s->line.count < 2)
+        return gd__route_join(out, s->line.points, s->line.count, 0, false, s->control);
     status = gd__strip_along(s->mesh, &s->line, &s->strip, s->control);
     if (!status) status = tighten(s, GD_TOL_BETTER, &corner_count, &length);
-    if (!status) status = gd__strip_line(s->mesh, &s->strip, s->corners, corner_count, out, s->control);
+    if (!status)
+        status = gd__strip_line(s->mesh, &s->strip, s->corners, corner_count, out, s->control);
     if (!status && backwards) gd__points_reverse(out->points, out->count);
     return status;
 }
@@ -226,12 +249,13 @@ static enum gd_status straighten(struct gd__straightener *s, const struct gd__ro
 enum gd_status gd__straighten(struct gd__straightener *straightener, const struct gd__route *route,
                               struct gd__route *out)
 {
-    bool backwards = route->count > 1 && gd__point_follows(&route->points[0], &route->points[route->count - 1]);
+    bool backwards =
+        route->count > 1 && gd__point_follows(&route->points[0], &route->points[route->count - 1]);
     return straighten(straightener, route, backwards, out);
 }
 
-enum gd_status gd__straighten_length(struct gd__straightener *s, const struct gd__route *route, double least_gain,
-                                     double *out)
+enum gd_status gd__straighten_length(struct gd__straightener *s, const struct gd__route *route,
+                                     double least_gain, double *out)
 {
     uint32_t corner_count;
     *out = 0;

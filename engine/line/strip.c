@@ -13,13 +13,14 @@ void gd__strip_free(struct gd__strip *strip)
     *strip = (struct gd__strip){0};
 }
 
-/* --- gates --------------------------------------------------------------------------------------------------------------- */
+/* --- gates ------------------------------------------------------------------------------------ */
 
 static enum gd_status grow(struct gd__strip *strip, const struct gd_control *control)
 {
     size_t capacity = strip->capacity ? 2 * (size_t)strip->capacity : FIRST_CAPACITY;
     if (capacity > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status = gd_control_afford(control, (capacity + strip->capacity) * sizeof *strip->gates);
+    enum gd_status status =
+        gd_control_afford(control, (capacity + strip->capacity) * sizeof *strip->gates);
     if (status) return status;
     struct gd__gate *gates = realloc(strip->gates, capacity * sizeof *gates);
     if (!gates) return GD_NO_MEMORY;
@@ -28,9 +29,11 @@ static enum gd_status grow(struct gd__strip *strip, const struct gd_control *con
     return GD_OK;
 }
 
-enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side, const struct gd_control *control)
+enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
+                              const struct gd_control *control)
 {
-    if (!strip->keeps_ways_back && strip->count && strip->gates[strip->count - 1].side == (side ^ 1)) {
+    if (!strip->keeps_ways_back && strip->count &&
+        strip->gates[strip->count - 1].side == (side ^ 1)) {
         strip->count--;
         return GD_OK;
     }
@@ -39,7 +42,7 @@ enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side, const stru
     return status;
 }
 
-/* --- around vertices ----------------------------------------------------------------------------------------------------- */
+/* --- around vertices -------------------------------------------------------------------------- */
 
 /* The entry of a face in the fan of one of its corners, counted from the fan's first. */
 static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t face)
@@ -50,8 +53,8 @@ static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t f
 }
 
 /* Faces on the way round. Where the boundary is between, more than there are. */
-static uint32_t faces_between(const struct gd_mesh *mesh, uint32_t vertex, uint32_t from, uint32_t to,
-                              bool counter_clockwise)
+static uint32_t faces_between(const struct gd_mesh *mesh, uint32_t vertex, uint32_t from,
+                              uint32_t to, bool counter_clockwise)
 {
     uint32_t count = mesh->fan_first[vertex + 1] - mesh->fan_first[vertex];
     bool wraps = counter_clockwise ? to < from : from < to;
@@ -59,13 +62,15 @@ static uint32_t faces_between(const struct gd_mesh *mesh, uint32_t vertex, uint3
     return (counter_clockwise ? to + count - from : from + count - to) % count;
 }
 
-enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *strip, uint32_t vertex, uint32_t from_face,
-                              uint32_t to_face, bool counter_clockwise, const struct gd_control *control)
+enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *strip, uint32_t vertex,
+                              uint32_t from_face, uint32_t to_face, bool counter_clockwise,
+                              const struct gd_control *control)
 {
     const struct gd_fan *fan = &mesh->fan[mesh->fan_first[vertex]];
     uint32_t count = mesh->fan_first[vertex + 1] - mesh->fan_first[vertex];
     uint32_t at = entry_of(mesh, vertex, from_face);
-    uint32_t left = faces_between(mesh, vertex, at, entry_of(mesh, vertex, to_face), counter_clockwise);
+    uint32_t left =
+        faces_between(mesh, vertex, at, entry_of(mesh, vertex, to_face), counter_clockwise);
     enum gd_status status = left > count ? GD_INTERNAL : GD_OK;
     for (; left && !status; left--) {
         uint32_t side = counter_clockwise ? fan[(at + 1) % count].side : fan[at].side ^ 1;
@@ -75,8 +80,9 @@ enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *stri
     return status;
 }
 
-static enum gd_status pass_vertex(const struct gd_mesh *mesh, struct gd__strip *strip, uint32_t vertex, uint32_t face,
-                                  uint32_t next, const struct gd_control *control)
+static enum gd_status pass_vertex(const struct gd_mesh *mesh, struct gd__strip *strip,
+                                  uint32_t vertex, uint32_t face, uint32_t next,
+                                  const struct gd_control *control)
 {
     uint32_t from = entry_of(mesh, vertex, face), to = entry_of(mesh, vertex, next);
     bool counter_clockwise =
@@ -84,20 +90,22 @@ static enum gd_status pass_vertex(const struct gd_mesh *mesh, struct gd__strip *
     return gd__strip_wind(mesh, strip, vertex, face, next, counter_clockwise, control);
 }
 
-/* --- along a route ------------------------------------------------------------------------------------------------------- */
+/* --- along a route ---------------------------------------------------------------------------- */
 
 /* From face to face through a point of both. */
-static enum gd_status pass(const struct gd_mesh *mesh, struct gd__strip *strip, const struct gd_point *point,
-                           uint32_t face, uint32_t next, const struct gd_control *control)
+static enum gd_status pass(const struct gd_mesh *mesh, struct gd__strip *strip,
+                           const struct gd_point *point, uint32_t face, uint32_t next,
+                           const struct gd_control *control)
 {
     uint32_t side = 2 * point->element;
-    if (point->kind == GD_POINT_VERTEX) return pass_vertex(mesh, strip, point->element, face, next, control);
+    if (point->kind == GD_POINT_VERTEX)
+        return pass_vertex(mesh, strip, point->element, face, next, control);
     if (point->kind == GD_POINT_FACE) return GD_INTERNAL;
     return gd__strip_push(strip, mesh->side_face[side] == next ? side : side ^ 1, control);
 }
 
-enum gd_status gd__strip_along(const struct gd_mesh *mesh, const struct gd__route *route, struct gd__strip *strip,
-                               const struct gd_control *control)
+enum gd_status gd__strip_along(const struct gd_mesh *mesh, const struct gd__route *route,
+                               struct gd__strip *strip, const struct gd_control *control)
 {
     const struct gd_point *points = route->points;
     uint32_t face = gd__common_face(mesh, &points[0], &points[1]);
@@ -115,7 +123,7 @@ enum gd_status gd__strip_along(const struct gd_mesh *mesh, const struct gd__rout
     return status;
 }
 
-/* --- in the plane -------------------------------------------------------------------------------------------------------- */
+/* --- in the plane ----------------------------------------------------------------------------- */
 
 static bool is_on(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
 {
@@ -127,7 +135,8 @@ static bool is_on(const struct gd_mesh *mesh, uint32_t side, const struct gd_poi
 static void trim(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
     uint32_t skip = 0;
-    while (strip->count && is_on(mesh, strip->gates[strip->count - 1].side, &strip->to)) strip->count--;
+    while (strip->count && is_on(mesh, strip->gates[strip->count - 1].side, &strip->to))
+        strip->count--;
     while (skip < strip->count && is_on(mesh, strip->gates[skip].side, &strip->from)) skip++;
     if (!skip) return;
     strip->face = mesh->side_face[strip->gates[skip - 1].side];
@@ -147,33 +156,40 @@ static struct gd__local placed(struct gd__local origin, struct gd__local along, 
     return (struct gd__local){origin.x + way.x, origin.y + way.y};
 }
 
-/* The next gate, over the left or the right edge of the face of `side`, that lies there as the last gate does; or, at the beginning, over that side itself. */
+/* The next gate, over the left or the right edge of the face of `side`, that lies there as the last
+ * gate does; or, at the beginning, over that side itself. */
 static bool lay_gate(const struct gd_mesh *mesh, const struct gd__gate *last, struct gd__gate *out)
 {
     const struct gd_side *s = &mesh->side[last->side];
     struct gd__local apex =
-        placed(last->left, last->along, (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y});
+        placed(last->left, last->along,
+               (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y});
     if (out->side == s->left)
-        *out =
-            (struct gd__gate){s->left, last->left, apex, turned(last->along, (struct gd__local){s->left_x, s->left_y})};
+        *out = (struct gd__gate){s->left, last->left, apex,
+                                 turned(last->along, (struct gd__local){s->left_x, s->left_y})};
     else if (out->side == s->right)
         *out = (struct gd__gate){s->right, apex, last->right,
                                  turned(last->along, (struct gd__local){s->right_x, s->right_y})};
     else if (out->side == (last->side ^ 1))
-        *out = (struct gd__gate){out->side, last->right, last->left, {-last->along.x, -last->along.y}};
+        *out =
+            (struct gd__gate){out->side, last->right, last->left, {-last->along.x, -last->along.y}};
     else
         return false;
     return true;
 }
 
-struct gd__local gd__gate_place(const struct gd_mesh *mesh, const struct gd__gate *gate, const struct gd_point *point)
+struct gd__local gd__gate_place(const struct gd_mesh *mesh, const struct gd__gate *gate,
+                                const struct gd_point *point)
 {
     uint32_t face = mesh->side_face[gate->side];
     double weight[3];
     gd__point_weights(mesh, point, face, weight);
-    int k = mesh->face_side[face][0] == gate->side ? 0 : mesh->face_side[face][1] == gate->side ? 1 : 2;
+    int k = mesh->face_side[face][0] == gate->side   ? 0
+            : mesh->face_side[face][1] == gate->side ? 1
+                                                     : 2;
     return placed(gate->left, gate->along,
-                  gd__face_local(mesh, gate->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]}));
+                  gd__face_local(mesh, gate->side,
+                                 (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]}));
 }
 
 struct gd__gate gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip)
@@ -197,7 +213,7 @@ enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip
     return GD_OK;
 }
 
-/* --- the funnel ---------------------------------------------------------------------------------------------------------- */
+/* --- the funnel ------------------------------------------------------------------------------- */
 
 /* Twice the area of abc: > 0 where c lies to the left of ab. */
 static double area(struct gd__local a, struct gd__local b, struct gd__local c)
@@ -216,7 +232,8 @@ struct funnel {
     uint32_t left_gate, right_gate;
 };
 
-/* The right end moves to that of gate i (as long as that is the apex itself, it bounds nothing), unless that leads over the left one: false. */
+/* The right end moves to that of gate i (as long as that is the apex itself, it bounds nothing),
+ * unless that leads over the left one: false. */
 static bool tighten_right(struct funnel *f, struct gd__local to, uint32_t i)
 {
     bool is_apex = is_same(f->right, f->apex), stays = is_same(to, f->apex);
@@ -259,11 +276,11 @@ uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out
     return count;
 }
 
-/* --- the line ------------------------------------------------------------------------------------------------------------ */
+/* --- the line --------------------------------------------------------------------------------- */
 
 /* Where the line from a to b crosses a gate, from its left end. */
-static struct gd_point crossing(const struct gd_mesh *mesh, const struct gd__gate *gate, struct gd__local a,
-                                struct gd__local b)
+static struct gd_point crossing(const struct gd_mesh *mesh, const struct gd__gate *gate,
+                                struct gd__local a, struct gd__local b)
 {
     double left = area(a, b, gate->left), right = area(a, b, gate->right);
     double part = left > 0 && right < 0 ? left / (left - right) : fabs(right) < fabs(left) ? 1 : 0;
@@ -278,8 +295,8 @@ static struct gd_point point_of(const struct gd_mesh *mesh, const struct gd__str
 }
 
 enum gd_status gd__strip_line(const struct gd_mesh *mesh, const struct gd__strip *strip,
-                              const struct gd__corner *corners, uint32_t corner_count, struct gd__route *out,
-                              const struct gd_control *control)
+                              const struct gd__corner *corners, uint32_t corner_count,
+                              struct gd__route *out, const struct gd_control *control)
 {
     enum gd_status status = gd__route_add(out, &strip->from, 0, control);
     struct gd__local a = strip->begin;

@@ -7,7 +7,7 @@ static uint32_t number_in_face(const struct gd_mesh *mesh, uint32_t side)
     return (uint32_t)gd__place_of_side(mesh->face_side[mesh->side_face[side]], side);
 }
 
-/* --- around a point ------------------------------------------------------------------------------------------------------ */
+/* --- around a point --------------------------------------------------------------------------- */
 
 double gd__turn_total(const struct gd_mesh *mesh, const struct gd_point *point)
 {
@@ -17,13 +17,16 @@ double gd__turn_total(const struct gd_mesh *mesh, const struct gd_point *point)
 bool gd__turn_is_closed(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     uint32_t side = 2 * point->element;
-    if (point->kind == GD_POINT_VERTEX) return mesh->vertex_kind[point->element] != GD_VERTEX_BOUNDARY;
-    return point->kind == GD_POINT_FACE || !(gd__side_is_boundary(mesh, side) || gd__side_is_boundary(mesh, side ^ 1));
+    if (point->kind == GD_POINT_VERTEX)
+        return mesh->vertex_kind[point->element] != GD_VERTEX_BOUNDARY;
+    return point->kind == GD_POINT_FACE ||
+           !(gd__side_is_boundary(mesh, side) || gd__side_is_boundary(mesh, side ^ 1));
 }
 
 static bool is_boundary_vertex(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    return point->kind == GD_POINT_VERTEX && mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
+    return point->kind == GD_POINT_VERTEX &&
+           mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
 }
 
 double gd__turn_reduce(const struct gd_mesh *mesh, const struct gd_point *point, double turn)
@@ -35,7 +38,7 @@ double gd__turn_reduce(const struct gd_mesh *mesh, const struct gd_point *point,
     return turn < total ? turn : 0;
 }
 
-/* --- angles -------------------------------------------------------------------------------------------------------------- */
+/* --- angles ----------------------------------------------------------------------------------- */
 
 /* The side of a face that goes out from one of its corners. */
 static uint32_t side_from(const struct gd_mesh *mesh, uint32_t face, uint32_t vertex)
@@ -56,7 +59,10 @@ static double zero_of(const struct gd_mesh *mesh, const struct gd_point *point)
         side = side_from(mesh, mesh->face_of_index[zero.face.index], point->element);
         return mesh->fan[mesh->side_fan[side]].angle;
     case GD_POINT_EDGE:
-        return mesh->index_of_vertex[mesh->origin[side]] < mesh->index_of_vertex[mesh->origin[side + 1]] ? 0 : M_PI;
+        return mesh->index_of_vertex[mesh->origin[side]] <
+                       mesh->index_of_vertex[mesh->origin[side + 1]]
+                   ? 0
+                   : M_PI;
     case GD_POINT_FACE:
         break;
     }
@@ -77,22 +83,25 @@ double gd__turn_of_angle(const struct gd_mesh *mesh, const struct gd_point *poin
 
 double gd__turn_to_angle(const struct gd_mesh *mesh, const struct gd_point *point, double turn)
 {
-    double angle = gd__turn_reduce(mesh, point, turn - zero_of(mesh, point)) / gd__turn_scale(mesh, point);
+    double angle =
+        gd__turn_reduce(mesh, point, turn - zero_of(mesh, point)) / gd__turn_scale(mesh, point);
     return angle < 2 * M_PI || is_boundary_vertex(mesh, point) ? angle : 0;
 }
 
-/* --- directions ---------------------------------------------------------------------------------------------------------- */
+/* --- directions ------------------------------------------------------------------------------- */
 
-struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct gd_point *point, double turn)
+struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct gd_point *point,
+                                       double turn)
 {
     struct gd_direction direction;
     double angle = gd__turn_to_angle(mesh, point, turn);
     if (!gd_direction_at_angle(mesh, point, angle, &direction, NULL)) return direction;
     struct gd__ray ray = gd__turn_ray(mesh, point, turn);
     struct gd__axes axes = gd__axes_of_side(mesh, ray.side);
-    return (struct gd_direction){.angle = angle,
-                                 .xyz = gd_vec3_along(gd_vec3_scale(axes.along, ray.dx), ray.dy, axes.across),
-                                 .face = {mesh->index_of_face[mesh->side_face[ray.side]]}};
+    return (struct gd_direction){
+        .angle = angle,
+        .xyz = gd_vec3_along(gd_vec3_scale(axes.along, ray.dx), ray.dy, axes.across),
+        .face = {mesh->index_of_face[mesh->side_face[ray.side]]}};
 }
 
 static double corner_angle(const struct gd_mesh *mesh, uint32_t side)
@@ -100,24 +109,28 @@ static double corner_angle(const struct gd_mesh *mesh, uint32_t side)
     return atan2(mesh->side[side].left_y, mesh->side[side].left_x);
 }
 
-double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t side, double x, double y)
+double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t side,
+                        double x, double y)
 {
     uint32_t face = mesh->side_face[side], own = mesh->face_side[face][0], k = 0;
     struct gd__frame frame = gd__frame_of_face(mesh, face);
     if (point->kind == GD_POINT_VERTEX) own = side_from(mesh, face, point->element);
     if (point->kind == GD_POINT_EDGE)
-        own = gd__side_is_boundary(mesh, 2 * point->element) ? 2 * point->element + 1 : 2 * point->element;
+        own = gd__side_is_boundary(mesh, 2 * point->element) ? 2 * point->element + 1
+                                                             : 2 * point->element;
     if (point->kind == GD_POINT_EDGE && mesh->side_face[own] != face) own ^= 1;
     k = number_in_face(mesh, own);
-    struct gd__local d = gd__frame_turn(&frame, (int)number_in_face(mesh, side), x, y), axis = frame.along[k];
+    struct gd__local d = gd__frame_turn(&frame, (int)number_in_face(mesh, side), x, y),
+                     axis = frame.along[k];
     double angle = atan2(axis.x * d.y - axis.y * d.x, axis.x * d.x + axis.y * d.y);
     if (point->kind == GD_POINT_VERTEX)
-        angle = mesh->fan[mesh->side_fan[own]].angle + gd__turn_nearest(angle, corner_angle(mesh, own));
+        angle =
+            mesh->fan[mesh->side_fan[own]].angle + gd__turn_nearest(angle, corner_angle(mesh, own));
     if (point->kind == GD_POINT_EDGE && own & 1) angle += M_PI;
     return gd__turn_reduce(mesh, point, angle);
 }
 
-/* --- rays ---------------------------------------------------------------------------------------------------------------- */
+/* --- rays ------------------------------------------------------------------------------------- */
 
 static struct gd__ray ray_from(uint32_t side, double x, double y, double angle)
 {
@@ -131,8 +144,10 @@ static struct gd__ray ray_from_vertex(const struct gd_mesh *mesh, uint32_t verte
     return ray_from(mesh->fan[i].side, 0, 0, turn - mesh->fan[i].angle);
 }
 
-/* A turn along a boundary edge may be in the half where there is no face, by rounding: it is laid over. */
-static struct gd__ray ray_from_edge(const struct gd_mesh *mesh, const struct gd_point *point, double turn)
+/* A turn along a boundary edge may be in the half where there is no face, by rounding: it is laid
+ * over. */
+static struct gd__ray ray_from_edge(const struct gd_mesh *mesh, const struct gd_point *point,
+                                    double turn)
 {
     uint32_t side = 2 * point->element + (turn > M_PI);
     double angle = turn > M_PI ? turn - M_PI : turn;

@@ -2,7 +2,8 @@
 
 #include "field/frame.h"
 
-/* Where a face lies in the plane of the first one: its side's frame begins at `origin` and runs along `along`. */
+/* Where a face lies in the plane of the first one: its side's frame begins at `origin` and runs
+ * along `along`. */
 struct laid {
     uint32_t side;
     struct gd__local origin, along;
@@ -11,10 +12,11 @@ struct laid {
 static struct gd__local place(const struct laid *laid, struct gd__local at)
 {
     struct gd__local u = laid->along;
-    return (struct gd__local){laid->origin.x + at.x * u.x - at.y * u.y, laid->origin.y + at.x * u.y + at.y * u.x};
+    return (struct gd__local){laid->origin.x + at.x * u.x - at.y * u.y,
+                              laid->origin.y + at.x * u.y + at.y * u.x};
 }
 
-/* --- faces of points ----------------------------------------------------------------------------------------------------- */
+/* --- faces of points -------------------------------------------------------------------------- */
 
 static bool contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
 {
@@ -26,11 +28,13 @@ static bool contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_
 }
 
 /* A face at `a` that contains `b`, or GD_NONE. */
-static uint32_t face_beside(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
+static uint32_t face_beside(const struct gd_mesh *mesh, const struct gd_point *a,
+                            const struct gd_point *b)
 {
     uint32_t begin = 2 * a->element, end = begin + 2;
     if (a->kind == GD_POINT_FACE) return contains(mesh, a->element, b) ? a->element : GD_NONE;
-    if (a->kind == GD_POINT_VERTEX) begin = mesh->fan_first[a->element], end = mesh->fan_first[a->element + 1];
+    if (a->kind == GD_POINT_VERTEX)
+        begin = mesh->fan_first[a->element], end = mesh->fan_first[a->element + 1];
     for (uint32_t i = begin; i < end; i++) {
         uint32_t face = mesh->side_face[a->kind == GD_POINT_VERTEX ? mesh->fan[i].side : i];
         if (contains(mesh, face, b)) return face;
@@ -38,7 +42,8 @@ static uint32_t face_beside(const struct gd_mesh *mesh, const struct gd_point *a
     return GD_NONE;
 }
 
-static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
+static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side,
+                                 const struct gd_point *point)
 {
     uint32_t face = mesh->side_face[side];
     double w[3];
@@ -51,11 +56,11 @@ static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side, cons
 static bool is_on(const struct gd_mesh *mesh, uint32_t edge, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_EDGE) return point->element == edge;
-    return point->kind == GD_POINT_VERTEX &&
-           (mesh->origin[2 * edge] == point->element || mesh->origin[2 * edge + 1] == point->element);
+    return point->kind == GD_POINT_VERTEX && (mesh->origin[2 * edge] == point->element ||
+                                              mesh->origin[2 * edge + 1] == point->element);
 }
 
-/* --- the strip ----------------------------------------------------------------------------------------------------------- */
+/* --- the strip -------------------------------------------------------------------------------- */
 
 /* Over a side of the face; false: the face across does not lie there. */
 static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edge)
@@ -80,8 +85,8 @@ static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edg
     return laid->side >> 1 == edge && mesh->side_face[laid->side] != GD_NONE;
 }
 
-/* Between points of one face. Differences of weights, in the frame of the corner nearest to the first point, keep the
- * direction of a short line exact. */
+/* Between points of one face. Differences of weights, in the frame of the corner nearest to the
+ * first point, keep the direction of a short line exact. */
 static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
                             const struct gd_point *b, struct gd__straight *out)
 {
@@ -92,7 +97,8 @@ static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const str
     if (from[2] > from[k]) k = 2;
     uint32_t side = mesh->face_side[face][k];
     int next = (k + 1) % 3, last = (k + 2) % 3;
-    struct gd__local d = gd__side_local(&mesh->side[side], to[next] - from[next], to[last] - from[last]);
+    struct gd__local d =
+        gd__side_local(&mesh->side[side], to[next] - from[next], to[last] - from[last]);
     out->length = hypot(d.x, d.y);
     if (out->length == 0) d.x = 1; /* any direction: the turns are of the same one */
     out->ahead = gd__turn_in_face(mesh, a, side, d.x, d.y);
@@ -117,11 +123,13 @@ enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *poi
     for (uint32_t i = begin; i < end; i++)
         if (!lay_next(mesh, &laid, points[i].element)) return GD_INTERNAL;
     if (!contains(mesh, mesh->side_face[laid.side], b)) return GD_INTERNAL;
-    struct gd__local from = local_of(mesh, first, a), to = place(&laid, local_of(mesh, laid.side, b)), u = laid.along;
+    struct gd__local from = local_of(mesh, first, a),
+                     to = place(&laid, local_of(mesh, laid.side, b)), u = laid.along;
     double x = to.x - from.x, y = to.y - from.y, length = hypot(x, y);
     if (length == 0) x = 1;
-    *out = (struct gd__straight){.length = length,
-                                 .ahead = gd__turn_in_face(mesh, a, first, x, y),
-                                 .back = gd__turn_in_face(mesh, b, laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
+    *out = (struct gd__straight){
+        .length = length,
+        .ahead = gd__turn_in_face(mesh, a, first, x, y),
+        .back = gd__turn_in_face(mesh, b, laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
     return GD_OK;
 }

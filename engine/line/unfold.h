@@ -12,9 +12,9 @@ struct gd__straight {
     double ahead, back; /* at the first point to the last, and the other way round */
 };
 
-/* Of at least two points of a path, of which only the first and the last may be anything but points of edges. GD_INTERNAL: two that follow each other have
- * no face in common. O(count). */
-GD_MUST_USE enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
-                                      struct gd__straight *out);
+/* Of at least two points of a path, of which only the first and the last may be anything but points
+ * of edges. GD_INTERNAL: two that follow each other have no face in common. O(count). */
+GD_MUST_USE enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *points,
+                                      uint32_t count, struct gd__straight *out);
 
 #endif

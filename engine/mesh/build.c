@@ -41,8 +41,9 @@ enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, u
 {
     size_t cost = gd_mesh_build_cost(faces, vertices);
     if (!gd_control_afford(work->control, cost)) return GD_OK;
-    return gd_fail(work->detail, GD_BUDGET, "building this mesh takes up to %zu bytes, more than the budget of %zu",
-                   cost, work->control->budget_bytes);
+    return gd_fail(work->detail, GD_BUDGET,
+                   "building this mesh takes up to %zu bytes, more than the budget of %zu", cost,
+                   work->control->budget_bytes);
 }
 
 static void free_scratch(struct gd__construction *work)
@@ -57,10 +58,13 @@ static void free_scratch(struct gd__construction *work)
     free(work->component);
 }
 
-enum gd_status gd_mesh_build(const struct gd_polygons *polygons, const struct gd_mesh_options *options,
-                             const struct gd_control *control, struct gd_mesh **out, struct gd_detail *detail)
+enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
+                             const struct gd_mesh_options *options,
+                             const struct gd_control *control, struct gd_mesh **out,
+                             struct gd_detail *detail)
 {
-    struct gd__construction work = {.input = polygons, .polygons = polygons, .control = control, .detail = detail};
+    struct gd__construction work = {
+        .input = polygons, .polygons = polygons, .control = control, .detail = detail};
     if (options) work.options = *options;
     enum gd_status status = gd__validate(&work);
     if (!status) status = gd__afford(&work, triangle_count(polygons), polygons->position_count);
@@ -85,7 +89,8 @@ static uint64_t most_edges(uint64_t faces, uint64_t vertices)
     return (3 * faces + referenced) / 2;
 }
 
-/* Bytes: what the mesh keeps an element, the steps' working arrays that live beside it, and the table of interval.c. */
+/* Bytes: what the mesh keeps an element, the steps' working arrays that live beside it, and the
+ * table of interval.c. */
 #define COST_VERTEX 90
 #define COST_FACE   170
 #define COST_EDGE   170
@@ -93,5 +98,6 @@ static uint64_t most_edges(uint64_t faces, uint64_t vertices)
 
 size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices)
 {
-    return COST_FIXED + COST_VERTEX * vertices + COST_FACE * faces + COST_EDGE * most_edges(faces, vertices);
+    return COST_FIXED + COST_VERTEX * vertices + COST_FACE * faces +
+           COST_EDGE * most_edges(faces, vertices);
 }

@@ -1,9 +1,9 @@
-/* What the steps of gd_mesh_build hand to each other. Each step is one source file of this room; build.c holds the
- * recipe.
+/* What the steps of gd_mesh_build hand to each other. Each step is one source file of this room;
+ * build.c holds the recipe.
  *
- * A step fills fields of the mesh or of the construction and returns a status; whatever it allocated is freed by
- * build.c, also after a failure. Faces and vertices are numbered inside (see topology.h) from gd__order on; refusals
- * speak in the caller's numbers. */
+ * A step fills fields of the mesh or of the construction and returns a status; whatever it
+ * allocated is freed by build.c, also after a failure. Faces and vertices are numbered inside (see
+ * topology.h) from gd__order on; refusals speak in the caller's numbers. */
 #ifndef GD_MESH_BUILD_H
 #define GD_MESH_BUILD_H
 
@@ -22,14 +22,18 @@ struct gd__construction {
     struct gd_mesh *mesh;             /* half-built, owned */
 
     /* What weld and repair make of the input; NULL and 0 where they had nothing to do. */
-    uint32_t *representative;  /* per input vertex: the one that it was merged into, itself if none */
-    struct gd_polygons merged; /* the input's polygons by representatives; what is left of some has no corners */
-    uint32_t *face_index;      /* per triangle: its index, ascending; NULL: triangle i has index i */
-    uint32_t copy_count;       /* of vertices; mesh->copy_of holds what they are copies of */
+    /* per input vertex: the one that it was merged into, itself if none */
+    uint32_t *representative;
+    /* the input's polygons by representatives; what is left of some has no corners */
+    struct gd_polygons merged;
+    /* per triangle: its index, ascending; NULL: triangle i has index i */
+    uint32_t *face_index;
+    uint32_t copy_count; /* of vertices; mesh->copy_of holds what they are copies of */
 
     uint32_t (*triangle)[3]; /* mesh->face_count: vertex indices */
     uint32_t (*corner)[3];   /* per face: vertices; counter-clockwise from gd__orient on */
-    uint32_t *neighbour; /* per face side 3 f + k, from corner k to k + 1: that side in the face across, or GD_NONE */
+    /* per face side 3 f + k, from corner k to k + 1: that side in the face across, or GD_NONE */
+    uint32_t *neighbour;
     uint32_t *component; /* per face */
     uint32_t component_count;
 
@@ -59,10 +63,12 @@ void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
 /* The same for sides, aligned to their cache line and not zeroed. */
 struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count);
 
-/* GD_OK, or GD_BUDGET with its sentence when building so large a mesh would take more than the budget. */
+/* GD_OK, or GD_BUDGET with its sentence when building so large a mesh would take more than the
+ * budget. */
 enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices);
 
-/* Appends to the sentence of a refusal that the weld brought another vertex to one of these, if it did. */
+/* Appends to the sentence of a refusal that the weld brought another vertex to one of these, if it
+ * did. */
 void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
 
 /* The caller's number of a face: the input polygon that it came from. */

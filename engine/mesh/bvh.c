@@ -5,7 +5,8 @@
 #include "mesh/build.h"
 #include "mesh/foot.h"
 
-/* No coordinate is NaN: plain comparisons, which are single instructions where fmin and fmax are calls. */
+/* No coordinate is NaN: plain comparisons, which are single instructions where fmin and fmax are
+ * calls. */
 static struct gd_vec3 lower(struct gd_vec3 a, struct gd_vec3 b)
 {
     return (struct gd_vec3){a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
@@ -24,7 +25,8 @@ static struct gd__box join(struct gd__box a, struct gd__box b)
 static struct gd__box box_of_face(const struct gd_mesh *mesh, uint32_t face)
 {
     const uint32_t *side = mesh->face_side[face];
-    struct gd_vec3 a = mesh->position[mesh->origin[side[0]]], b = mesh->position[mesh->origin[side[1]]];
+    struct gd_vec3 a = mesh->position[mesh->origin[side[0]]],
+                   b = mesh->position[mesh->origin[side[1]]];
     struct gd_vec3 c = mesh->position[mesh->origin[side[2]]];
     return (struct gd__box){lower(lower(a, b), c), upper(upper(a, b), c)};
 }
@@ -52,7 +54,8 @@ static void fill_leaves(const struct gd_mesh *mesh, struct gd_bvh *bvh)
         uint32_t begin = i * GD_BVH_LEAF, end = begin + GD_BVH_LEAF;
         if (end > mesh->face_count) end = mesh->face_count;
         bvh->box[i] = box_of_face(mesh, begin);
-        for (uint32_t f = begin + 1; f < end; f++) bvh->box[i] = join(bvh->box[i], box_of_face(mesh, f));
+        for (uint32_t f = begin + 1; f < end; f++)
+            bvh->box[i] = join(bvh->box[i], box_of_face(mesh, f));
     }
 }
 
@@ -94,8 +97,8 @@ struct agenda {
 };
 
 /* Puts the children of `parent` that matter on the agenda, the nearest on top. */
-static void push_children(const struct gd_bvh *bvh, const struct gd__bvh_search *search, struct pending parent,
-                          struct agenda *agenda)
+static void push_children(const struct gd_bvh *bvh, const struct gd__bvh_search *search,
+                          struct pending parent, struct agenda *agenda)
 {
     uint32_t level = parent.level - 1, base = agenda->count;
     uint32_t begin = parent.index * GD_BVH_WIDTH, end = begin + GD_BVH_WIDTH;
@@ -104,7 +107,8 @@ static void push_children(const struct gd_bvh *bvh, const struct gd__bvh_search 
         double bound = search->bound(search, &bvh->box[bvh->level_first[level] + i]);
         if (!(bound < INFINITY) || bound > search->limit) continue;
         uint32_t at = agenda->count++;
-        for (; at > base && agenda->entry[at - 1].bound < bound; at--) agenda->entry[at] = agenda->entry[at - 1];
+        for (; at > base && agenda->entry[at - 1].bound < bound; at--)
+            agenda->entry[at] = agenda->entry[at - 1];
         agenda->entry[at] = (struct pending){bound, level, i};
     }
 }

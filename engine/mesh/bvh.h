@@ -1,6 +1,6 @@
-/* Bounding boxes over the faces, which are in Morton order already: the tree needs no pointers. Level 0 has a box for
- * every GD_BVH_LEAF faces in a row, each further level one for every GD_BVH_WIDTH boxes of the level below, up to a
- * single box. */
+/* Bounding boxes over the faces, which are in Morton order already: the tree needs no pointers.
+ * Level 0 has a box for every GD_BVH_LEAF faces in a row, each further level one for every
+ * GD_BVH_WIDTH boxes of the level below, up to a single box. */
 #ifndef GD_MESH_BVH_H
 #define GD_MESH_BVH_H
 
@@ -21,7 +21,8 @@ struct gd_bvh {
     uint32_t levels;
 };
 
-/* A search for the face of least key (a distance, a ray's parameter); first member of the caller's own struct. */
+/* A search for the face of least key (a distance, a ray's parameter); first member of the caller's
+ * own struct. */
 struct gd__bvh_search {
     double limit; /* boxes whose bound is above it are passed over; `visit` lowers it */
     /* A lower bound of the keys within the box; INFINITY: nothing of interest there. */
@@ -29,7 +30,8 @@ struct gd__bvh_search {
     void (*visit)(struct gd__bvh_search *search, uint32_t face);
 };
 
-/* Visits the faces whose boxes may hold a key up to the limit, near boxes first. Thread-safe; no memory. */
+/* Visits the faces whose boxes may hold a key up to the limit, near boxes first. Thread-safe; no
+ * memory. */
 void gd__bvh_run(const struct gd_mesh *mesh, struct gd__bvh_search *search);
 
 /* Largest absolute coordinate of the surface, inside unit. */

@@ -1,4 +1,5 @@
-/* Canonical points: what lies on a vertex or an edge up to rounding is made a point of that vertex or edge. */
+/* Canonical points: what lies on a vertex or an edge up to rounding is made a point of that vertex
+ * or edge. */
 #ifndef GD_MESH_CANONICAL_H
 #define GD_MESH_CANONICAL_H
 
@@ -16,14 +17,18 @@ struct gd_point gd__point_on_side(const struct gd_mesh *mesh, uint32_t side, dou
 static inline struct gd_point gd__point_within_side(uint32_t side, double t)
 {
     bool turned = side & 1;
-    return (struct gd_point){
-        .kind = GD_POINT_EDGE, .element = side >> 1, .weight = {turned ? 1 - t : t, turned ? t : 1 - t}};
+    return (struct gd_point){.kind = GD_POINT_EDGE,
+                             .element = side >> 1,
+                             .weight = {turned ? 1 - t : t, turned ? t : 1 - t}};
 }
 
 /* `weight` >= 0, of sum 1 up to rounding, by the corners of the face inside (face_side). */
-struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3]);
+struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face,
+                                  const double weight[3]);
 
-/* The point, or, where barycentric coordinates or an edge's parameter are within `border` of there, the one beside it on an edge or a vertex. */
-struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point, double border);
+/* The point, or, where barycentric coordinates or an edge's parameter are within `border` of there,
+ * the one beside it on an edge or a vertex. */
+struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point,
+                                  double border);
 
 #endif

@@ -1,4 +1,5 @@
-/* Which faces share an edge; refuses what no surface has: edges of more than two faces, and faces given twice. */
+/* Which faces share an edge; refuses what no surface has: edges of more than two faces, and faces
+ * given twice. */
 #include <stdlib.h>
 
 #include "mesh/build.h"
@@ -12,10 +13,12 @@ static uint32_t opposite_corner(const struct gd__construction *work, uint32_t si
 
 struct findings {
     struct gd__offenders duplicates; /* a: a face, witness: an earlier one with the same vertices */
-    struct gd__offenders crowded;    /* a, b: an edge of more than two faces, witness: its first entry in the table */
+    /* a, b: an edge of more than two faces, witness: its first entry in the table */
+    struct gd__offenders crowded;
 };
 
-static void add_duplicate(const struct gd__construction *work, uint32_t f, uint32_t g, struct findings *findings)
+static void add_duplicate(const struct gd__construction *work, uint32_t f, uint32_t g,
+                          struct findings *findings)
 {
     uint32_t a = gd__input_polygon(work->mesh, f), b = gd__input_polygon(work->mesh, g);
     gd__offenders_add(&findings->duplicates, a > b ? a : b, 0, a > b ? b : a);
@@ -28,10 +31,11 @@ static int compare_apices(const void *x, const void *y)
     return a->side < b->side ? -1 : a->side > b->side;
 }
 
-/* Faces with the same vertices meet at the edge of their two lowest ones: looks there only, so that each is found
- * once. */
-static enum gd_status find_duplicates(const struct gd__construction *work, const struct gd__edge_use *use,
-                                      uint32_t count, struct findings *findings)
+/* Faces with the same vertices meet at the edge of their two lowest ones: looks there only, so that
+ * each is found once. */
+static enum gd_status find_duplicates(const struct gd__construction *work,
+                                      const struct gd__edge_use *use, uint32_t count,
+                                      struct findings *findings)
 {
     struct gd__edge_use *by_apex = malloc(count * sizeof *by_apex);
     if (!by_apex) return GD_NO_MEMORY;
@@ -47,7 +51,8 @@ static enum gd_status find_duplicates(const struct gd__construction *work, const
 }
 
 /* An edge with more faces than a surface can have there. */
-static enum gd_status note_crowded(const struct gd__construction *work, const struct gd__edge_table *table,
+static enum gd_status note_crowded(const struct gd__construction *work,
+                                   const struct gd__edge_table *table,
                                    const struct gd__edge_run *run, struct findings *findings)
 {
     uint32_t a = work->mesh->index_of_vertex[run->low], b = work->mesh->index_of_vertex[run->high];
@@ -55,7 +60,8 @@ static enum gd_status note_crowded(const struct gd__construction *work, const st
     return find_duplicates(work, table->use + run->begin, run->count, findings);
 }
 
-static void join_pair(struct gd__construction *work, const struct gd__edge_use pair[2], struct findings *findings)
+static void join_pair(struct gd__construction *work, const struct gd__edge_use pair[2],
+                      struct findings *findings)
 {
     uint32_t apex = opposite_corner(work, pair[0].side);
     if (apex > pair[0].high && apex == opposite_corner(work, pair[1].side))
@@ -79,20 +85,25 @@ static enum gd_status join_all(struct gd__construction *work, const struct gd__e
     return status;
 }
 
-static enum gd_status refuse_duplicates(const struct gd__construction *work, const struct gd__offenders *duplicates)
+static enum gd_status refuse_duplicates(const struct gd__construction *work,
+                                        const struct gd__offenders *duplicates)
 {
     const struct gd__offender *face = &duplicates->lowest[0];
     if (face->a == face->witness)
-        gd_fail(work->detail, GD_DUPLICATE_FACE, "face %u covers the same three vertices twice", face->witness);
+        gd_fail(work->detail, GD_DUPLICATE_FACE, "face %u covers the same three vertices twice",
+                face->witness);
     else
-        gd_fail(work->detail, GD_DUPLICATE_FACE, "face %u has the same vertices as face %u; remove one of them",
-                (unsigned)face->a, face->witness);
+        gd_fail(work->detail, GD_DUPLICATE_FACE,
+                "face %u has the same vertices as face %u; remove one of them", (unsigned)face->a,
+                face->witness);
     uint32_t first = gd_polygons_first(work->polygons, face->witness);
-    gd__blame_weld(work, work->polygons->corners + first, gd_polygons_first(work->polygons, face->witness + 1) - first);
+    gd__blame_weld(work, work->polygons->corners + first,
+                   gd_polygons_first(work->polygons, face->witness + 1) - first);
     return gd__offenders_report(duplicates, GD_ELEMENT_FACE, GD_DUPLICATE_FACE, work->detail);
 }
 
-static enum gd_status refuse_crowded(const struct gd__construction *work, const struct gd__edge_table *table,
+static enum gd_status refuse_crowded(const struct gd__construction *work,
+                                     const struct gd__edge_table *table,
                                      const struct gd__offenders *crowded)
 {
     const struct gd__offender *edge = &crowded->lowest[0];
@@ -104,9 +115,10 @@ static enum gd_status refuse_crowded(const struct gd__construction *work, const 
     for (uint32_t i = edge->witness; i < end && table->use[i].high == use->high; i++)
         gd__offenders_add(&faces, gd__input_polygon(work->mesh, table->use[i].side / 3), 0, 0);
     gd_fail(work->detail, GD_NON_MANIFOLD_EDGE,
-            "edge %u-%u belongs to %u faces (%u, %u, %u%s); at most two may share an edge", (unsigned)edge->a,
-            (unsigned)edge->b, (unsigned)faces.total, (unsigned)faces.lowest[0].a, (unsigned)faces.lowest[1].a,
-            (unsigned)faces.lowest[2].a, faces.total > 3 ? ", ..." : "");
+            "edge %u-%u belongs to %u faces (%u, %u, %u%s); at most two may share an edge",
+            (unsigned)edge->a, (unsigned)edge->b, (unsigned)faces.total,
+            (unsigned)faces.lowest[0].a, (unsigned)faces.lowest[1].a, (unsigned)faces.lowest[2].a,
+            faces.total > 3 ? ", ..." : "");
     gd__blame_weld(work, (uint32_t[2]){(uint32_t)edge->a, (uint32_t)edge->b}, 2);
     return gd__offenders_report(crowded, GD_ELEMENT_EDGE, GD_NON_MANIFOLD_EDGE, work->detail);
 }
@@ -118,8 +130,8 @@ enum gd_status gd__connect(struct gd__construction *work)
     struct findings findings = {0};
     work->neighbour = malloc(3 * (size_t)mesh->face_count * sizeof *work->neighbour);
     if (!work->neighbour) return GD_NO_MEMORY;
-    enum gd_status status =
-        gd__edge_table_create((const uint32_t(*)[3])work->corner, mesh->face_count, mesh->vertex_count, &table);
+    enum gd_status status = gd__edge_table_create((const uint32_t(*)[3])work->corner,
+                                                  mesh->face_count, mesh->vertex_count, &table);
     if (!status) status = join_all(work, &table, &findings);
     if (!status && findings.duplicates.total)
         status = refuse_duplicates(work, &findings.duplicates);

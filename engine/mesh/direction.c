@@ -3,27 +3,30 @@
 #include "base/tolerance.h"
 #include "mesh/axes.h"
 
-/* Directions of a point. Around it lie sectors, counter-clockwise: one of 2 pi in a face, two of pi on an edge, at a vertex the corners of its faces. A
- * direction is a sector and an angle in it. Angles are as they are on the surface ("turned", from zero); only at an interior vertex they are
+/* Directions of a point. Around it lie sectors, counter-clockwise: one of 2 pi in a face, two of pi
+ * on an edge, at a vertex the corners of its faces. A direction is a sector and an angle in it.
+ * Angles are as they are on the surface ("turned", from zero); only at an interior vertex they are
  * scaled where they come in or go out. */
 
 struct sector {
     uint32_t face;
-    struct gd_vec3 along, across; /* unit vectors: where the sector begins, and at right angles to it in the face */
-    double begin, extent;         /* turned */
+    /* unit vectors: where the sector begins, and at right angles to it in the face */
+    struct gd_vec3 along, across;
+    double begin, extent; /* turned */
 };
 
 struct ring {
     const struct gd_mesh *mesh;
     const struct gd_point *point;
     uint32_t first, end; /* its sectors' numbers: entries of the fan, or at an edge 0 and 1 */
-    uint32_t zero;       /* at a vertex: the entry with whose side angles begin; on an edge: the side */
-    double total;        /* angle; more than that of the sectors at a boundary edge */
-    double scale;        /* angle / turned */
-    bool is_closed;      /* all around is surface */
+    /* at a vertex: the entry with whose side angles begin; on an edge: the side */
+    uint32_t zero;
+    double total;   /* angle; more than that of the sectors at a boundary edge */
+    double scale;   /* angle / turned */
+    bool is_closed; /* all around is surface */
 };
 
-/* --- rings --------------------------------------------------------------------------------------------------------------- */
+/* --- rings ------------------------------------------------------------------------------------ */
 
 static bool is_boundary_vertex(const struct ring *ring)
 {
@@ -35,7 +38,8 @@ static uint32_t lowest_entry(const struct gd_mesh *mesh, uint32_t first, uint32_
 {
     uint32_t best = first;
     for (uint32_t i = first; i < end; i++)
-        if (mesh->index_of_vertex[mesh->fan[i].tip] < mesh->index_of_vertex[mesh->fan[best].tip]) best = i;
+        if (mesh->index_of_vertex[mesh->fan[i].tip] < mesh->index_of_vertex[mesh->fan[best].tip])
+            best = i;
     return best;
 }
 
@@ -57,8 +61,10 @@ static struct ring ring_of_vertex(const struct gd_mesh *mesh, const struct gd_po
 static struct ring ring_of_edge(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     uint32_t side = 2 * point->element;
-    if (mesh->index_of_vertex[mesh->origin[side]] > mesh->index_of_vertex[mesh->origin[side + 1]]) side++;
-    bool has_left = !gd__side_is_boundary(mesh, side), has_right = !gd__side_is_boundary(mesh, side ^ 1);
+    if (mesh->index_of_vertex[mesh->origin[side]] > mesh->index_of_vertex[mesh->origin[side + 1]])
+        side++;
+    bool has_left = !gd__side_is_boundary(mesh, side),
+         has_right = !gd__side_is_boundary(mesh, side ^ 1);
     return (struct ring){.mesh = mesh,
                          .point = point,
                          .first = has_left ? 0 : 1,
@@ -73,18 +79,21 @@ static struct ring ring_of(const struct gd_mesh *mesh, const struct gd_point *po
 {
     if (point->kind == GD_POINT_VERTEX) return ring_of_vertex(mesh, point);
     if (point->kind == GD_POINT_EDGE) return ring_of_edge(mesh, point);
-    return (struct ring){.mesh = mesh, .point = point, .end = 1, .total = 2 * M_PI, .scale = 1, .is_closed = true};
+    return (struct ring){
+        .mesh = mesh, .point = point, .end = 1, .total = 2 * M_PI, .scale = 1, .is_closed = true};
 }
 
-/* --- sectors ------------------------------------------------------------------------------------------------------------- */
+/* --- sectors ---------------------------------------------------------------------------------- */
 
-static struct sector sector_of_side(const struct gd_mesh *mesh, uint32_t side, double begin, double extent)
+static struct sector sector_of_side(const struct gd_mesh *mesh, uint32_t side, double begin,
+                                    double extent)
 {
     struct gd__axes axes = gd__axes_of_side(mesh, side);
     return (struct sector){mesh->side_face[side], axes.along, axes.across, begin, extent};
 }
 
-/* From the input's first corner to its second, which is the third one where the face was turned over. */
+/* From the input's first corner to its second, which is the third one where the face was turned
+ * over. */
 static struct sector sector_of_face(const struct gd_mesh *mesh, uint32_t face)
 {
     uint32_t side = mesh->face_side[face][0];
@@ -119,7 +128,7 @@ static struct sector sector_at(const struct ring *ring, uint32_t i)
     return sector_of_face(ring->mesh, ring->point->element);
 }
 
-/* --- headings ------------------------------------------------------------------------------------------------------------ */
+/* --- headings --------------------------------------------------------------------------------- */
 
 struct heading {
     struct sector sector;
@@ -144,8 +153,8 @@ static struct heading heading_in(const struct sector *sector, double angle)
 
 static struct gd_vec3 vector_of(const struct heading *heading)
 {
-    return gd_vec3_along(gd_vec3_scale(heading->sector.along, cos(heading->angle)), sin(heading->angle),
-                         heading->sector.across);
+    return gd_vec3_along(gd_vec3_scale(heading->sector.along, cos(heading->angle)),
+                         sin(heading->angle), heading->sector.across);
 }
 
 static double angle_of(const struct ring *ring, const struct heading *heading)
@@ -163,11 +172,12 @@ static struct gd_direction direction_of(const struct ring *ring, const struct he
 
 static enum gd_status refuse_outside(struct gd_detail *detail)
 {
-    return gd_fail(detail, GD_NOT_ON_SURFACE,
-                   "the direction leads over the boundary, off the surface; choose one that stays on it");
+    return gd_fail(
+        detail, GD_NOT_ON_SURFACE,
+        "the direction leads over the boundary, off the surface; choose one that stays on it");
 }
 
-/* --- from an angle ------------------------------------------------------------------------------------------------------- */
+/* --- from an angle ---------------------------------------------------------------------------- */
 
 static struct heading heading_at(const struct ring *ring, double turned)
 {
@@ -191,10 +201,12 @@ static double reduce(const struct ring *ring, double angle)
     return angle < 2 * M_PI ? angle : 0;
 }
 
-enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh, const struct gd_point *point, double angle,
-                                     struct gd_direction *out, struct gd_detail *detail)
+enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh, const struct gd_point *point,
+                                     double angle, struct gd_direction *out,
+                                     struct gd_detail *detail)
 {
-    if (!isfinite(angle)) return gd_fail(detail, GD_INVALID_ARGUMENT, "the angle is not a finite number");
+    if (!isfinite(angle))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the angle is not a finite number");
     struct ring ring = ring_of(mesh, point);
     angle = reduce(&ring, angle);
     struct heading heading = heading_at(&ring, angle / ring.scale);
@@ -204,7 +216,7 @@ enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh, const struct gd
     return GD_OK;
 }
 
-/* --- from a vector ------------------------------------------------------------------------------------------------------- */
+/* --- from a vector ---------------------------------------------------------------------------- */
 
 /* Of length 1, or 0 for none. */
 static struct gd_vec3 unit(struct gd_vec3 v)
@@ -226,7 +238,8 @@ static struct gd_vec3 normal_of(const struct ring *ring)
     return unit(sum);
 }
 
-/* Projects along the normal, if there is one and the face is not turned away from it, else at right angles to the face. */
+/* Projects along the normal, if there is one and the face is not turned away from it, else at right
+ * angles to the face. */
 static struct heading project(const struct sector *sector, struct gd_vec3 normal, struct gd_vec3 v)
 {
     struct gd_vec3 up = gd_vec3_cross(sector->along, sector->across), w = v;
@@ -248,12 +261,14 @@ static bool is_better(const struct heading *a, const struct heading *b)
     return a->outside < b->outside;
 }
 
-enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_point *point, struct gd_vec3 vector,
-                                  struct gd_direction *out, struct gd_detail *detail)
+enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_point *point,
+                                  struct gd_vec3 vector, struct gd_direction *out,
+                                  struct gd_detail *detail)
 {
     struct gd_vec3 v = unit(vector);
     if (!(gd_vec3_length(v) > 0))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the vector has no direction: it is zero, or not finite");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the vector has no direction: it is zero, or not finite");
     struct ring ring = ring_of(mesh, point);
     struct gd_vec3 normal = normal_of(&ring);
     struct heading best = nowhere;
@@ -264,13 +279,14 @@ enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_po
     }
     if (isinf(best.outside))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the vector is normal to the surface there: nothing of it is left when it is projected");
+                       "the vector is normal to the surface there: nothing of it is left when it "
+                       "is projected");
     if (!ring.is_closed && best.outside > GD_TOL_INPUT) return refuse_outside(detail);
     *out = direction_of(&ring, &best);
     return GD_OK;
 }
 
-/* --- others -------------------------------------------------------------------------------------------------------------- */
+/* --- others ----------------------------------------------------------------------------------- */
 
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,
                                           const struct gd_direction *back)
@@ -279,11 +295,13 @@ struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const stru
     if (!gd_direction_at_angle(mesh, point, back->angle + M_PI, &direction, NULL)) return direction;
     if (!gd_direction_at_angle(mesh, point, back->angle - M_PI, &direction, NULL)) return direction;
     struct ring ring = ring_of(mesh, point);
-    return (struct gd_direction){
-        .angle = reduce(&ring, back->angle + M_PI), .xyz = gd_vec3_scale(back->xyz, -1), .face = back->face};
+    return (struct gd_direction){.angle = reduce(&ring, back->angle + M_PI),
+                                 .xyz = gd_vec3_scale(back->xyz, -1),
+                                 .face = back->face};
 }
 
-void gd_direction_axes(const struct gd_mesh *mesh, struct gd_face face, struct gd_vec3 *x, struct gd_vec3 *y)
+void gd_direction_axes(const struct gd_mesh *mesh, struct gd_face face, struct gd_vec3 *x,
+                       struct gd_vec3 *y)
 {
     struct sector sector = sector_of_face(mesh, mesh->face_of_index[face.index]);
     *x = sector.along;

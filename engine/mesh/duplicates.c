@@ -1,4 +1,5 @@
-/* Polygons over the same set of vertices: bucketed by their lowest vertex, each bucket sorted by the others. */
+/* Polygons over the same set of vertices: bucketed by their lowest vertex, each bucket sorted by
+ * the others. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,10 +44,12 @@ static void sort_corners(const struct gd_polygons *polygons, uint32_t *sorted)
 {
     memcpy(sorted, polygons->corners, gd_polygons_corner_count(polygons) * sizeof *sorted);
     for (uint32_t i = 0; i < polygons->polygon_count; i++)
-        qsort(sorted + gd_polygons_first(polygons, i), size_of(polygons, i), sizeof *sorted, compare_indices);
+        qsort(sorted + gd_polygons_first(polygons, i), size_of(polygons, i), sizeof *sorted,
+              compare_indices);
 }
 
-/* Fills `order` with the polygons that have corners, by lowest vertex: those of v are order[start[v+1] .. start[v+2]). */
+/* Fills `order` with the polygons that have corners, by lowest vertex: those of v are
+ * order[start[v+1] .. start[v+2]). */
 static void bucket(const struct comparison *comparison, uint32_t *start, uint32_t *order)
 {
     const struct gd_polygons *polygons = comparison->polygons;
@@ -55,11 +58,13 @@ static void bucket(const struct comparison *comparison, uint32_t *start, uint32_
     }
     for (uint32_t v = 0; v <= polygons->position_count; v++) start[v + 1] += start[v];
     for (uint32_t i = polygons->polygon_count; i-- > 0;) {
-        if (size_of(polygons, i)) order[--start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]] = i;
+        if (size_of(polygons, i))
+            order[--start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]] = i;
     }
 }
 
-static void name_originals(struct comparison *comparison, const uint32_t *start, uint32_t *order, uint32_t *original)
+static void name_originals(struct comparison *comparison, const uint32_t *start, uint32_t *order,
+                           uint32_t *original)
 {
     const struct gd_polygons *polygons = comparison->polygons;
     for (uint32_t i = 0; i < polygons->polygon_count; i++) original[i] = i;
@@ -67,7 +72,8 @@ static void name_originals(struct comparison *comparison, const uint32_t *start,
         uint32_t *same = order + start[v + 1], count = start[v + 2] - start[v + 1];
         if (count > 1) qsort_r(same, count, sizeof *same, compare_polygons, comparison);
         for (uint32_t k = 1; k < count; k++) {
-            if (compare_sets(comparison, same[k - 1], same[k]) == 0) original[same[k]] = original[same[k - 1]];
+            if (compare_sets(comparison, same[k - 1], same[k]) == 0)
+                original[same[k]] = original[same[k - 1]];
         }
     }
 }

@@ -1,18 +1,20 @@
-/* DESIGN. The polygon is projected to its Newell plane, where it runs counter-clockwise, and kept as a ring of
- * corners. Every corner has a score, the higher the better its triangle (previous, corner, next) as the next one to
- * cut off:
+/* DESIGN. The polygon is projected to its Newell plane, where it runs counter-clockwise, and kept
+ * as a ring of corners. Every corner has a score, the higher the better its triangle (previous,
+ * corner, next) as the next one to cut off:
  *
  *   -INFINITY        the diagonal exists already or has length zero: never
  *   shape - 2        the corner is reflex in the plane
  *   shape - 1        convex, but another corner lies within
  *   shape, in [0,1]  an ear
  *
- * shape: 4 sqrt(3) area / (sum of squared sides), 1 for an equilateral triangle, in space. Of four corners left,
- * cutting one off decides both triangles: the worse one counts. Cutting changes the triangles of the two neighbours
- * only, and in the plane no corner becomes an ear but those: what lies within a triangle stays there.
+ * shape: 4 sqrt(3) area / (sum of squared sides), 1 for an equilateral triangle, in space. Of four
+ * corners left, cutting one off decides both triangles: the worse one counts. Cutting changes the
+ * triangles of the two neighbours only, and in the plane no corner becomes an ear but those: what
+ * lies within a triangle stays there.
  *
- * Greed can end with corners that may not be cut off although another order would have gone through: then the ears
- * are cut again, but the last corners are left to an exhaustive search (interval.c). */
+ * Greed can end with corners that may not be cut off although another order would have gone
+ * through: then the ears are cut again, but the last corners are left to an exhaustive search
+ * (interval.c). */
 #include "mesh/ear.h"
 
 #include <stdlib.h>
@@ -53,20 +55,22 @@ void gd__ear_clipper_free(struct gd__ear_clipper *clipper)
 /* Is another reflex corner in the closed triangle of corner i, which is convex? */
 static bool is_blocked(const struct gd__ear_clipper *clipper, uint32_t i)
 {
-    const struct gd__ring_corner *corner = clipper->corner, *b = &corner[i], *a = &corner[b->previous],
-                                 *c = &corner[b->next];
+    const struct gd__ring_corner *corner = clipper->corner, *b = &corner[i],
+                                 *a = &corner[b->previous], *c = &corner[b->next];
     for (uint32_t r = 0; r < clipper->reflex_count; r++) {
         const struct gd__ring_corner *p = &corner[clipper->reflex[r]];
         if (p == a || p == b || p == c) continue;
-        if (gd__ring_turn(a, b, p) >= 0 && gd__ring_turn(b, c, p) >= 0 && gd__ring_turn(c, a, p) >= 0) return true;
+        if (gd__ring_turn(a, b, p) >= 0 && gd__ring_turn(b, c, p) >= 0 &&
+            gd__ring_turn(c, a, p) >= 0)
+            return true;
     }
     return false;
 }
 
 static double score_of(const struct gd__ear_clipper *clipper, uint32_t i)
 {
-    const struct gd__ring_corner *corner = clipper->corner, *b = &corner[i], *a = &corner[b->previous],
-                                 *c = &corner[b->next];
+    const struct gd__ring_corner *corner = clipper->corner, *b = &corner[i],
+                                 *a = &corner[b->previous], *c = &corner[b->next];
     if (!gd__ring_may_join(clipper->edges, a, c)) return NEVER;
     double quality = gd__ring_shape(a, b, c);
     const struct gd__ring_corner *opposite = &corner[c->next];
@@ -135,8 +139,8 @@ static void emit(const struct gd__ear_clipper *clipper, uint32_t i, uint32_t tri
     triangle[2] = clipper->corner[c->next].vertex;
 }
 
-/* Cuts off ears until `stop` >= 3 corners are left. Returns a corner of what is left, GD_NONE when no corner may be
- * cut off. */
+/* Cuts off ears until `stop` >= 3 corners are left. Returns a corner of what is left, GD_NONE when
+ * no corner may be cut off. */
 static uint32_t cut_ears(struct gd__ear_clipper *clipper, uint32_t stop, uint32_t (*triangle)[3])
 {
     uint32_t at = 0;
@@ -150,7 +154,8 @@ static uint32_t cut_ears(struct gd__ear_clipper *clipper, uint32_t stop, uint32_
     return at;
 }
 
-static void start(struct gd__ear_clipper *clipper, const double (*positions)[3], const uint32_t *vertex, uint32_t count)
+static void start(struct gd__ear_clipper *clipper, const double (*positions)[3],
+                  const uint32_t *vertex, uint32_t count)
 {
     gd__ring_make(positions, vertex, count, clipper->corner);
     clipper->left = count;
@@ -159,8 +164,9 @@ static void start(struct gd__ear_clipper *clipper, const double (*positions)[3],
     for (uint32_t i = 0; i < count; i++) clipper->corner[i].score = score_of(clipper, i);
 }
 
-bool gd__ear_clip(struct gd__ear_clipper *clipper, const double (*positions)[3], const uint32_t *vertex, uint32_t count,
-                  const struct gd__edge_set *edges, uint32_t (*triangle)[3])
+bool gd__ear_clip(struct gd__ear_clipper *clipper, const double (*positions)[3],
+                  const uint32_t *vertex, uint32_t count, const struct gd__edge_set *edges,
+                  uint32_t (*triangle)[3])
 {
     clipper->edges = edges;
     start(clipper, positions, vertex, count);
@@ -171,6 +177,6 @@ bool gd__ear_clip(struct gd__ear_clipper *clipper, const double (*positions)[3],
     }
     start(clipper, positions, vertex, count);
     at = cut_ears(clipper, GD_INTERVAL_MAX_CORNERS, triangle);
-    return at != GD_NONE && gd__interval_cut(&clipper->table, clipper->corner, at, clipper->left, edges,
-                                             triangle + (count - clipper->left));
+    return at != GD_NONE && gd__interval_cut(&clipper->table, clipper->corner, at, clipper->left,
+                                             edges, triangle + (count - clipper->left));
 }

@@ -51,10 +51,11 @@ static void fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__ed
         sort_bucket(table->use + table->first[v], table->first[v + 1] - table->first[v]);
 }
 
-enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count, uint32_t vertex_count,
-                                     struct gd__edge_table *out)
+enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
+                                     uint32_t vertex_count, struct gd__edge_table *out)
 {
-    struct gd__edge_table table = {vertex_count, calloc((size_t)vertex_count + 1, sizeof *table.first),
+    struct gd__edge_table table = {vertex_count,
+                                   calloc((size_t)vertex_count + 1, sizeof *table.first),
                                    malloc((3 * (size_t)face_count + 1) * sizeof *table.use)};
     if (!table.first || !table.use) {
         gd__edge_table_free(&table);

@@ -15,14 +15,16 @@ struct gd__edge_use {
 
 struct gd__edge_table {
     uint32_t vertex_count;
-    uint32_t *first;          /* in `use`, per lower vertex, vertex_count + 1 */
-    struct gd__edge_use *use; /* 3 face_count: of each lower vertex by higher vertex, then by side */
+    uint32_t *first; /* in `use`, per lower vertex, vertex_count + 1 */
+    /* 3 face_count: of each lower vertex by higher vertex, then by side */
+    struct gd__edge_use *use;
 };
 
-/* Gathers the sides of `face_count` triangles over `vertex_count` vertices. Linear time but for the sorting within a
- * bucket, whatever the input. GD_NO_MEMORY. Free by gd__edge_table_free, which takes a zeroed one as well. */
-enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count, uint32_t vertex_count,
-                                     struct gd__edge_table *out);
+/* Gathers the sides of `face_count` triangles over `vertex_count` vertices. Linear time but for the
+ * sorting within a bucket, whatever the input. GD_NO_MEMORY. Free by gd__edge_table_free, which
+ * takes a zeroed one as well. */
+enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
+                                     uint32_t vertex_count, struct gd__edge_table *out);
 void gd__edge_table_free(struct gd__edge_table *table);
 
 /* The uses of one edge. All zero: before the first edge. */

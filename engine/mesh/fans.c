@@ -1,7 +1,8 @@
 /* The faces around each vertex, counter-clockwise, with their angles. */
 #include "mesh/build.h"
 
-/* The next outgoing side counter-clockwise around the vertex; at the end of an open fan the boundary side. */
+/* The next outgoing side counter-clockwise around the vertex; at the end of an open fan the
+ * boundary side. */
 static uint32_t next_in_fan(const struct gd_mesh *mesh, uint32_t side)
 {
     return mesh->side[side].left;
@@ -48,7 +49,8 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
     return entry;
 }
 
-/* Some outgoing side with a face of each vertex, left in fan_first: the fans follow in order of vertex. */
+/* Some outgoing side with a face of each vertex, left in fan_first: the fans follow in order of
+ * vertex. */
 static void find_any_side(const struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -66,7 +68,8 @@ enum gd_status gd__make_fans(struct gd__construction *work)
     mesh->side_fan = gd__mesh_array(mesh, 2 * (size_t)mesh->edge_count, sizeof *mesh->side_fan);
     mesh->total_angle = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->total_angle);
     mesh->vertex_kind = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_kind);
-    if (!mesh->fan_first || !mesh->fan || !mesh->beyond || !mesh->side_fan || !mesh->total_angle || !mesh->vertex_kind)
+    if (!mesh->fan_first || !mesh->fan || !mesh->beyond || !mesh->side_fan || !mesh->total_angle ||
+        !mesh->vertex_kind)
         return GD_NO_MEMORY;
     find_any_side(work);
     uint32_t entry = 0;

@@ -1,19 +1,21 @@
 /* Faces without area, made away with.
  *
- * DESIGN. A face is flat when its height over its longest edge is below GD_TOL_FLAT of that edge: the same test by which
- * gd__make_sides refuses. In rounds, until none is left:
+ * DESIGN. A face is flat when its height over its longest edge is below GD_TOL_FLAT of that edge:
+ * the same test by which gd__make_sides refuses. In rounds, until none is left:
  *
- *   needle  the shortest edge is below GD_TOL_FLAT of the longest: its ends become one vertex, and the faces at the edge
- *           vanish. A round that merges ends here: connectivity is made anew. A face hardly wider than that can be
- *           flat whichever way it is flipped: where rounds of flips did not help, the bound is ten times as much.
- *   cap     the corner opposite to the longest edge lies on it, well between its ends: the edge is flipped in the
- *           quadrilateral with the neighbour across. Where the longest edge has no single face across, the cap is
- *           dropped: the surface stays the same, with the two short edges as its border.
+ *   needle  the shortest edge is below GD_TOL_FLAT of the longest: its ends become one vertex, and
+ * the faces at the edge vanish. A round that merges ends here: connectivity is made anew. A face
+ * hardly wider than that can be flat whichever way it is flipped: where rounds of flips did not
+ * help, the bound is ten times as much. cap     the corner opposite to the longest edge lies on it,
+ * well between its ends: the edge is flipped in the quadrilateral with the neighbour across. Where
+ * the longest edge has no single face across, the cap is dropped: the surface stays the same, with
+ * the two short edges as its border.
  *
- * Caps may lean on caps. They are taken by the length of their longest edges, the longest first: then the face across
- * either is not flat or has the same longest edge, and the flip makes edges that are shorter than it. A cap with the
- * same corners as its neighbour vanishes with it. What flips bring about (an edge of four faces, duplicates) the steps
- * after this one mend. Work is bounded; a flat face that is left is refused by gd__make_sides. */
+ * Caps may lean on caps. They are taken by the length of their longest edges, the longest first:
+ * then the face across either is not flat or has the same longest edge, and the flip makes edges
+ * that are shorter than it. A cap with the same corners as its neighbour vanishes with it. What
+ * flips bring about (an edge of four faces, duplicates) the steps after this one mend. Work is
+ * bounded; a flat face that is left is refused by gd__make_sides. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,7 +43,7 @@ struct flattening {
     double needle; /* shortest edge over longest, below which the ends are merged */
 };
 
-/* --- measuring --- */
+/* --- measuring -------------------------------------------------------------------------------- */
 
 static struct gd__triangle measure(const struct gd__construction *work, uint32_t face, double *unit)
 {
@@ -80,7 +82,7 @@ static void note_shift(const struct gd__construction *work, double length)
     work->mesh->repair->largest_shift = fmax(work->mesh->repair->largest_shift, length);
 }
 
-/* --- the heap --- */
+/* --- the heap --------------------------------------------------------------------------------- */
 
 static bool precedes(struct flat_face a, struct flat_face b)
 {
@@ -126,7 +128,7 @@ static enum gd_status consider(struct flattening *flattening, uint32_t face)
     return push(flattening, (struct flat_face){t.length[t.longest] * unit, face});
 }
 
-/* --- needles --- */
+/* --- needles ---------------------------------------------------------------------------------- */
 
 static bool merge_ends(struct flattening *flattening, uint32_t face)
 {
@@ -156,7 +158,8 @@ static void rename_corners(struct gd__construction *work)
     for (uint32_t f = 0; f < work->mesh->face_count; f++) {
         uint32_t *corner = work->triangle[f];
         for (int k = 0; k < 3; k++) corner[k] = gd__find(work->representative, corner[k]);
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) drop(work, f);
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+            drop(work, f);
     }
 }
 
@@ -164,12 +167,13 @@ static void rename_corners(struct gd__construction *work)
 static bool merge_needles(struct flattening *flattening)
 {
     bool merged = false;
-    for (uint32_t i = 0; i < flattening->count; i++) merged |= merge_ends(flattening, flattening->heap[i].face);
+    for (uint32_t i = 0; i < flattening->count; i++)
+        merged |= merge_ends(flattening, flattening->heap[i].face);
     if (merged) rename_corners(flattening->work);
     return merged;
 }
 
-/* --- caps --- */
+/* --- caps ------------------------------------------------------------------------------------- */
 
 static void link(uint32_t *neighbour, uint32_t a, uint32_t b)
 {
@@ -184,7 +188,8 @@ static void drop_cap(struct flattening *flattening, uint32_t face)
     drop(flattening->work, face);
 }
 
-/* Two faces around an edge u-v that is to be flipped, the second as it runs: u, v, its apex d; b is the first's apex. */
+/* Two faces around an edge u-v that is to be flipped, the second as it runs: u, v, its apex d; b is
+ * the first's apex. */
 struct quadrilateral {
     uint32_t cap, other;                         /* faces */
     uint32_t u, v, b, d;                         /* vertices */
@@ -195,7 +200,8 @@ static struct quadrilateral around(const struct flattening *flattening, uint32_t
 {
     uint32_t across = flattening->neighbour[side], j = across % 3, k = side % 3;
     struct quadrilateral q = {.cap = side / 3, .other = across / 3};
-    const uint32_t *cap = flattening->work->triangle[q.cap], *other = flattening->work->triangle[q.other];
+    const uint32_t *cap = flattening->work->triangle[q.cap],
+                   *other = flattening->work->triangle[q.other];
     const uint32_t *cap_neighbour = flattening->neighbour + 3 * (size_t)q.cap;
     const uint32_t *other_neighbour = flattening->neighbour + 3 * (size_t)q.other;
     q.u = other[j];
@@ -219,7 +225,8 @@ static void close_pocket(struct flattening *flattening, const struct quadrilater
     drop(flattening->work, q->other);
 }
 
-/* The cap's index gets the face at u, the other's the face at v, both as the other one was oriented. */
+/* The cap's index gets the face at u, the other's the face at v, both as the other one was
+ * oriented. */
 static void flip(struct flattening *flattening, const struct quadrilateral *q)
 {
     struct gd__construction *work = flattening->work;
@@ -239,7 +246,8 @@ static enum gd_status mend_cap(struct flattening *flattening, uint32_t face)
 {
     double unit;
     struct gd__triangle t = measure(flattening->work, face, &unit);
-    if (!is_flat(&t) || is_needle(flattening, &t)) return GD_OK; /* mended by a flip since, or for the next round */
+    /* mended by a flip since, or for the next round */
+    if (!is_flat(&t) || is_needle(flattening, &t)) return GD_OK;
     uint32_t side = 3 * face + t.longest;
     note_shift(flattening->work, t.double_area / t.length[t.longest] * unit);
     if (flattening->neighbour[side] == GD_NONE) {
@@ -261,12 +269,15 @@ static enum gd_status find_neighbours(struct flattening *flattening)
 {
     const struct gd__construction *work = flattening->work;
     struct gd__edge_table table;
-    enum gd_status status = gd__edge_table_create((const uint32_t(*)[3])work->triangle, work->mesh->face_count,
-                                                  work->input->position_count, &table);
+    enum gd_status status =
+        gd__edge_table_create((const uint32_t(*)[3])work->triangle, work->mesh->face_count,
+                              work->input->position_count, &table);
     if (status) return status;
-    memset(flattening->neighbour, 0xff, 3 * (size_t)work->mesh->face_count * sizeof *flattening->neighbour);
+    memset(flattening->neighbour, 0xff,
+           3 * (size_t)work->mesh->face_count * sizeof *flattening->neighbour);
     for (struct gd__edge_run run = {0}; gd__edge_table_next(&table, &run);) {
-        if (run.count == 2) link(flattening->neighbour, table.use[run.begin].side, table.use[run.begin + 1].side);
+        if (run.count == 2)
+            link(flattening->neighbour, table.use[run.begin].side, table.use[run.begin + 1].side);
     }
     gd__edge_table_free(&table);
     return GD_OK;
@@ -285,7 +296,7 @@ static enum gd_status mend_caps(struct flattening *flattening)
     return status;
 }
 
-/* --- rounds --- */
+/* --- rounds ----------------------------------------------------------------------------------- */
 
 static enum gd_status find_flat_faces(struct flattening *flattening)
 {
@@ -308,7 +319,8 @@ enum gd_status gd__flatten_faces(struct gd__construction *work)
         status = find_flat_faces(&flattening);
         if (status || flattening.count == 0) break;
         if (!flattening.neighbour)
-            flattening.neighbour = malloc(3 * (size_t)work->mesh->face_count * sizeof *flattening.neighbour);
+            flattening.neighbour =
+                malloc(3 * (size_t)work->mesh->face_count * sizeof *flattening.neighbour);
         if (!flattening.neighbour) status = GD_NO_MEMORY;
         if (!status && !merge_needles(&flattening)) status = mend_caps(&flattening);
         if (!status) status = gd__compact_triangles(work);

@@ -1,6 +1,6 @@
-/* The nearest point of a triangle is the nearest of four candidates: one on each edge, and the foot of the
- * perpendicular if it lies inside. Taking the least of them is right for slivers and faces of area zero too, where
- * telling regions apart by signs would not be. */
+/* The nearest point of a triangle is the nearest of four candidates: one on each edge, and the foot
+ * of the perpendicular if it lies inside. Taking the least of them is right for slivers and faces
+ * of area zero too, where telling regions apart by signs would not be. */
 #include "mesh/foot.h"
 
 #include "base/tolerance.h"
@@ -25,11 +25,13 @@ struct edge_foot {
     struct gd_vec3 position;
 };
 
-/* On side k of the face, but always seen from the edge's side 0: both faces of the edge compute the same. */
+/* On side k of the face, but always seen from the edge's side 0: both faces of the edge compute the
+ * same. */
 static struct edge_foot foot_on_side(const struct corners *c, int k, struct gd_vec3 q)
 {
     int end = k == 2 ? 0 : k + 1, backwards = c->side[k] % 2;
-    struct gd_vec3 a = c->p[backwards ? end : k], b = c->p[backwards ? k : end], along = gd_vec3_sub(b, a);
+    struct gd_vec3 a = c->p[backwards ? end : k], b = c->p[backwards ? k : end],
+                   along = gd_vec3_sub(b, a);
     double t = gd_vec3_dot(gd_vec3_sub(q, a), along) / gd_vec3_dot(along, along);
     if (!(t > 0)) return (struct edge_foot){0, a};
     if (t >= 1) return (struct edge_foot){1, b};
@@ -55,7 +57,8 @@ static struct face_foot foot_in_plane(const struct corners *c, struct gd_vec3 q)
         foot.weight[k] = gd_vec3_dot(area, normal) * scale;
         foot.inside = foot.inside && foot.weight[k] > 0 && foot.weight[k] < 1;
     }
-    struct gd_vec3 moved = gd_vec3_sub(gd_vec3_scale(edge[0], foot.weight[1]), gd_vec3_scale(edge[2], foot.weight[2]));
+    struct gd_vec3 moved =
+        gd_vec3_sub(gd_vec3_scale(edge[0], foot.weight[1]), gd_vec3_scale(edge[2], foot.weight[2]));
     foot.position = gd_vec3_add(c->p[0], moved);
     return foot;
 }
@@ -73,9 +76,11 @@ struct nearest {
     int side; /* 0..2: on that side of the face, -1: inside */
 };
 
-static struct nearest nearest_of(const struct corners *c, struct gd_vec3 q, const struct face_foot *inner)
+static struct nearest nearest_of(const struct corners *c, struct gd_vec3 q,
+                                 const struct face_foot *inner)
 {
-    struct nearest nearest = {inner->inside ? squared_distance(q, inner->position) : INFINITY, inner->position, -1};
+    struct nearest nearest = {inner->inside ? squared_distance(q, inner->position) : INFINITY,
+                              inner->position, -1};
     for (int k = 0; k < 3; k++) {
         struct gd_vec3 p = foot_on_side(c, k, q).position;
         double squared = squared_distance(q, p);
@@ -98,7 +103,8 @@ static double rounding_near(const struct corners *c, double magnitude)
     return GD_TOL_LOCATE * magnitude;
 }
 
-struct gd_point gd__foot_point(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q, double magnitude)
+struct gd_point gd__foot_point(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q,
+                               double magnitude)
 {
     struct corners c = corners_of(mesh, face);
     struct face_foot inner = foot_in_plane(&c, q);

@@ -1,5 +1,5 @@
-/* Dynamic programming over the intervals of the ring, as in G. Klincsek, "Minimal triangulations of polygonal
- * domains", 1980. */
+/* Dynamic programming over the intervals of the ring, as in G. Klincsek, "Minimal triangulations of
+ * polygonal domains", 1980. */
 #include "mesh/interval.h"
 
 struct ring {
@@ -15,7 +15,8 @@ static double cost_of(const struct ring *ring, uint32_t i, uint32_t k, uint32_t 
     return 1 - gd__ring_shape(a, b, c) + (gd__ring_turn(a, b, c) > 0 ? 0 : GD_INTERVAL_MAX_CORNERS);
 }
 
-static void solve_interval(struct gd__interval_table *table, const struct ring *ring, uint32_t i, uint32_t j)
+static void solve_interval(struct gd__interval_table *table, const struct ring *ring, uint32_t i,
+                           uint32_t j)
 {
     bool is_side = i == 0 && j + 1 == ring->count;
     table->cost[i][j] = INFINITY;
@@ -30,7 +31,8 @@ static void solve_interval(struct gd__interval_table *table, const struct ring *
 }
 
 /* Writes the triangles of the whole ring; the intervals still to be cut wait on a stack. */
-static void emit(const struct gd__interval_table *table, const struct ring *ring, uint32_t (*triangle)[3])
+static void emit(const struct gd__interval_table *table, const struct ring *ring,
+                 uint32_t (*triangle)[3])
 {
     uint32_t waiting[GD_INTERVAL_MAX_CORNERS][2] = {{0, ring->count - 1}}, count = 1;
     while (count) {
@@ -48,11 +50,13 @@ static void emit(const struct gd__interval_table *table, const struct ring *ring
     }
 }
 
-bool gd__interval_cut(struct gd__interval_table *table, const struct gd__ring_corner *corner, uint32_t first,
-                      uint32_t count, const struct gd__edge_set *edges, uint32_t (*triangle)[3])
+bool gd__interval_cut(struct gd__interval_table *table, const struct gd__ring_corner *corner,
+                      uint32_t first, uint32_t count, const struct gd__edge_set *edges,
+                      uint32_t (*triangle)[3])
 {
     struct ring ring = {.count = count, .edges = edges};
-    for (uint32_t i = 0, at = first; i < count; i++, at = corner[at].next) ring.corner[i] = &corner[at];
+    for (uint32_t i = 0, at = first; i < count; i++, at = corner[at].next)
+        ring.corner[i] = &corner[at];
     for (uint32_t i = 0; i + 1 < count; i++) table->cost[i][i + 1] = 0;
     for (uint32_t span = 2; span < count; span++) {
         for (uint32_t i = 0; i + span < count; i++) solve_interval(table, &ring, i, i + span);

@@ -1,7 +1,7 @@
 #include "mesh/local.h"
 
-void gd__point_weights_off_edges(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face,
-                                 double weight[3])
+void gd__point_weights_off_edges(const struct gd_mesh *mesh, const struct gd_point *point,
+                                 uint32_t face, double weight[3])
 {
     const uint32_t *side = mesh->face_side[face];
     bool is_inside = point->kind == GD_POINT_FACE;

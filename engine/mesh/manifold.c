@@ -1,10 +1,12 @@
-/* Each vertex must have one fan of faces, open or closed: counts the fans by walking each from its first corner. */
+/* Each vertex must have one fan of faces, open or closed: counts the fans by walking each from its
+ * first corner. */
 #include <stdlib.h>
 
 #include "mesh/build.h"
 #include "mesh/offenders.h"
 
-/* A corner is numbered as the side that starts there: 3 face + k. The next corners around its vertex: */
+/* A corner is numbered as the side that starts there: 3 face + k. The next corners around its
+ * vertex: */
 
 static uint32_t counter_clockwise(const uint32_t *neighbour, uint32_t corner)
 {
@@ -19,8 +21,10 @@ static uint32_t clockwise(const uint32_t *neighbour, uint32_t corner)
 
 static void walk_fan(const uint32_t *neighbour, uint32_t start, uint8_t *visited)
 {
-    for (uint32_t c = start; c != GD_NONE && !visited[c]; c = counter_clockwise(neighbour, c)) visited[c] = 1;
-    for (uint32_t c = clockwise(neighbour, start); c != GD_NONE && !visited[c]; c = clockwise(neighbour, c))
+    for (uint32_t c = start; c != GD_NONE && !visited[c]; c = counter_clockwise(neighbour, c))
+        visited[c] = 1;
+    for (uint32_t c = clockwise(neighbour, start); c != GD_NONE && !visited[c];
+         c = clockwise(neighbour, c))
         visited[c] = 1;
 }
 

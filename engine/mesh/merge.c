@@ -1,5 +1,5 @@
-/* Vertices that become one, by the weld or because an edge of length zero joins them, and what is left of the polygons
- * when each corner is named by the vertex that represents it. */
+/* Vertices that become one, by the weld or because an edge of length zero joins them, and what is
+ * left of the polygons when each corner is named by the vertex that represents it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,8 +40,8 @@ static void join_zero_edges(struct gd__construction *work)
     }
 }
 
-/* Takes out of a ring of corners, in place, what encloses nothing: a corner repeated at once, and the way out and back
- * along one edge. Returns how many corners are left, 0 if fewer than three. */
+/* Takes out of a ring of corners, in place, what encloses nothing: a corner repeated at once, and
+ * the way out and back along one edge. Returns how many corners are left, 0 if fewer than three. */
 static uint32_t simplify(uint32_t *ring, uint32_t count)
 {
     uint32_t begin = 0, end = 0;
@@ -67,10 +67,12 @@ static uint32_t simplify(uint32_t *ring, uint32_t count)
 }
 
 /* Notes the indices of triangles that the polygon has no corners for any more. */
-static void note_lost_triangles(struct gd__construction *work, uint32_t index, uint32_t before, uint32_t after)
+static void note_lost_triangles(struct gd__construction *work, uint32_t index, uint32_t before,
+                                uint32_t after)
 {
     uint32_t kept = after ? after - 2 : 0;
-    for (uint32_t k = kept; k < before - 2; k++) gd__mended_add(&work->mesh->repair->degenerate_faces, index + k, 0);
+    for (uint32_t k = kept; k < before - 2; k++)
+        gd__mended_add(&work->mesh->repair->degenerate_faces, index + k, 0);
 }
 
 /* Writes work->merged; returns whether it differs from the input. */
@@ -81,7 +83,8 @@ static bool rename_corners(struct gd__construction *work)
     bool edited = false;
     merged->first[0] = 0;
     for (uint32_t i = 0, index = 0; i < input->polygon_count; i++) {
-        uint32_t begin = gd_polygons_first(input, i), count = gd_polygons_first(input, i + 1) - begin;
+        uint32_t begin = gd_polygons_first(input, i),
+                 count = gd_polygons_first(input, i + 1) - begin;
         uint32_t *ring = merged->corners + merged->first[i];
         for (uint32_t k = 0; k < count; k++) {
             ring[k] = gd__find(work->representative, input->corners[begin + k]);
@@ -157,7 +160,9 @@ static enum gd_status allocate(struct gd__construction *work)
         .corners = malloc(gd_polygons_corner_count(input) * sizeof *input->corners),
         .first = malloc(((size_t)input->polygon_count + 1) * sizeof *input->first),
     };
-    return mesh->repair && work->representative && work->merged.corners && work->merged.first ? GD_OK : GD_NO_MEMORY;
+    return mesh->repair && work->representative && work->merged.corners && work->merged.first
+               ? GD_OK
+               : GD_NO_MEMORY;
 }
 
 enum gd_status gd__merge_vertices(struct gd__construction *work)
@@ -184,8 +189,9 @@ void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertice
             if (work->representative[i] != vertices[k] || i == vertices[k]) continue;
             size_t length = strlen(detail->text);
             snprintf(detail->text + length, sizeof detail->text - length,
-                     "; the weld brought vertex %u to vertex %u: use a smaller tolerance, or repair=split", i,
-                     vertices[k]);
+                     "; the weld brought vertex %u to vertex %u: use a smaller tolerance, or "
+                     "repair=split",
+                     i, vertices[k]);
             return;
         }
     }

@@ -62,7 +62,8 @@ void gd_mesh_release(const struct gd_mesh *mesh)
 {
     if (!mesh) return;
     struct gd_mesh *shared = (struct gd_mesh *)mesh;
-    if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) == 1) destroy(shared);
+    if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) == 1)
+        destroy(shared);
 }
 
 size_t gd_mesh_memsize(const struct gd_mesh *mesh)
@@ -85,7 +86,8 @@ struct gd_vertex gd_mesh_original(const struct gd_mesh *mesh, struct gd_vertex v
 {
     assert(vertex.index < mesh->summary.index_count);
     uint32_t uploaded = mesh->summary.index_count - gd_mesh_repair(mesh)->copies;
-    return vertex.index < uploaded ? vertex : (struct gd_vertex){mesh->copy_of[vertex.index - uploaded]};
+    return vertex.index < uploaded ? vertex
+                                   : (struct gd_vertex){mesh->copy_of[vertex.index - uploaded]};
 }
 
 struct gd_boundary gd_mesh_boundary(const struct gd_mesh *mesh, uint32_t loop)
@@ -102,7 +104,8 @@ struct gd_vec3 gd_mesh_position(const struct gd_mesh *mesh, struct gd_vertex ver
 
 bool gd_mesh_has_face(const struct gd_mesh *mesh, struct gd_face face)
 {
-    return face.index < mesh->summary.face_index_count && mesh->face_of_index[face.index] != GD_NONE;
+    return face.index < mesh->summary.face_index_count &&
+           mesh->face_of_index[face.index] != GD_NONE;
 }
 
 void gd_mesh_corners(const struct gd_mesh *mesh, struct gd_face face, struct gd_vertex corners[3])
@@ -120,7 +123,8 @@ uint32_t gd_mesh_source_face(const struct gd_mesh *mesh, struct gd_face face)
 
 enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *out)
 {
-    struct gd_polygons polygons = {.position_count = mesh->summary.index_count, .polygon_count = mesh->face_count};
+    struct gd_polygons polygons = {.position_count = mesh->summary.index_count,
+                                   .polygon_count = mesh->face_count};
     polygons.positions = malloc(polygons.position_count * sizeof *polygons.positions);
     polygons.corners = malloc(3 * (size_t)polygons.polygon_count * sizeof *polygons.corners);
     if (!polygons.positions || !polygons.corners) {

@@ -39,12 +39,13 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
     search->limit = reach * reach;
 }
 
-/* To the inside unit. What is too far for its square is brought nearer: from there all of the surface is equally
- * near. */
+/* To the inside unit. What is too far for its square is brought nearer: from there all of the
+ * surface is equally near. */
 static struct gd_vec3 bring_inside(const struct gd_mesh *mesh, struct gd_vec3 xyz)
 {
     double largest = gd__largest_coordinate(xyz);
-    if (largest / GD_EXTENT_MAX > mesh->unit) return gd_vec3_scale(gd_vec3_scale(xyz, 1 / largest), GD_EXTENT_MAX);
+    if (largest / GD_EXTENT_MAX > mesh->unit)
+        return gd_vec3_scale(gd_vec3_scale(xyz, 1 / largest), GD_EXTENT_MAX);
     return gd_vec3_scale(xyz, 1 / mesh->unit);
 }
 
@@ -53,22 +54,25 @@ static double distance_between(struct gd_vec3 a, struct gd_vec3 b)
     return hypot(hypot(a.x - b.x, a.y - b.y), a.z - b.z);
 }
 
-enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz, double max_snap, struct gd_point *out,
-                                 double *distance, struct gd_detail *detail)
+enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz, double max_snap,
+                                 struct gd_point *out, double *distance, struct gd_detail *detail)
 {
     if (!isfinite(xyz.x) || !isfinite(xyz.y) || !isfinite(xyz.z) || isnan(max_snap))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a coordinate or max_snap is not a finite number");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a coordinate or max_snap is not a finite number");
     struct nearest nearest = {
         {INFINITY, bound_of_box, visit_face}, mesh, bring_inside(mesh, xyz), 0, INFINITY, GD_NONE};
     double magnitude = fmax(gd__largest_coordinate(nearest.q), gd__bvh_magnitude(mesh));
     nearest.slack = GD_TOL_LOCATE * magnitude;
     gd__bvh_run(mesh, &nearest.search);
-    struct gd_point point = gd__foot_point(mesh, nearest.face, nearest.q, gd__largest_coordinate(nearest.q));
+    struct gd_point point =
+        gd__foot_point(mesh, nearest.face, nearest.q, gd__largest_coordinate(nearest.q));
     double moved = distance_between(xyz, gd_point_position(mesh, &point));
     if (max_snap >= 0 && moved > max_snap)
-        return gd_fail(detail, GD_NOT_ON_SURFACE,
-                       "the nearest point of the surface is %.17g away, farther than max_snap = %.17g", moved,
-                       max_snap);
+        return gd_fail(
+            detail, GD_NOT_ON_SURFACE,
+            "the nearest point of the surface is %.17g away, farther than max_snap = %.17g", moved,
+            max_snap);
     *out = point;
     if (distance) *distance = moved;
     return GD_OK;

@@ -21,8 +21,8 @@ void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, 
     offenders->lowest[i] = offender;
 }
 
-enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind, enum gd_status status,
-                                    struct gd_detail *detail)
+enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind,
+                                    enum gd_status status, struct gd_detail *detail)
 {
     if (!detail) return status;
     for (uint32_t i = 0; i < offenders->count; i++)

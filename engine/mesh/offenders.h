@@ -1,4 +1,5 @@
-/* Offenders: what a check found wrong, the lowest-numbered elements first, however they were met. */
+/* Offenders: what a check found wrong, the lowest-numbered elements first, however they were met.
+ */
 #ifndef GD_MESH_OFFENDERS_H
 #define GD_MESH_OFFENDERS_H
 
@@ -17,8 +18,9 @@ struct gd__offenders {
 
 void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, uint32_t witness);
 
-/* Appends the elements to `detail`, whose sentence is written already; NULL: does nothing. Returns `status`. */
-enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind, enum gd_status status,
-                                    struct gd_detail *detail);
+/* Appends the elements to `detail`, whose sentence is written already; NULL: does nothing. Returns
+ * `status`. */
+enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind,
+                                    enum gd_status status, struct gd_detail *detail);
 
 #endif

@@ -1,4 +1,5 @@
-/* The inside numbering: vertices by the Morton code of their position, faces by their lowest vertex in that order. */
+/* The inside numbering: vertices by the Morton code of their position, faces by their lowest vertex
+ * in that order. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +35,8 @@ static void mark_referenced(struct gd__construction *work)
         for (int k = 0; k < 3; k++) mesh->vertex_of_index[work->triangle[i][k]] = 0;
     }
     mesh->vertex_count = 0;
-    for (uint32_t i = 0; i < mesh->summary.index_count; i++) mesh->vertex_count += mesh->vertex_of_index[i] != GD_NONE;
+    for (uint32_t i = 0; i < mesh->summary.index_count; i++)
+        mesh->vertex_count += mesh->vertex_of_index[i] != GD_NONE;
 }
 
 static void find_bounding_box(struct gd_mesh *mesh)
@@ -64,7 +66,8 @@ static void encode(const struct gd_mesh *mesh, struct keyed_vertex *keyed)
     }
 }
 
-/* Radix sort by code; equal codes keep their order. The result is in `keyed`; `spare` is as large. */
+/* Radix sort by code; equal codes keep their order. The result is in `keyed`; `spare` is as large.
+ */
 static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare, uint32_t count)
 {
     static_assert(PASSES % 2 == 1, "an odd number of passes ends in the other array");
@@ -73,7 +76,8 @@ static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare,
         int shift = pass * DIGIT_BITS;
         for (uint32_t i = 0; i < count; i++) start[(keyed[i].code >> shift) % DIGIT_COUNT + 1]++;
         for (uint32_t d = 0; d < DIGIT_COUNT; d++) start[d + 1] += start[d];
-        for (uint32_t i = 0; i < count; i++) spare[start[(keyed[i].code >> shift) % DIGIT_COUNT]++] = keyed[i];
+        for (uint32_t i = 0; i < count; i++)
+            spare[start[(keyed[i].code >> shift) % DIGIT_COUNT]++] = keyed[i];
         struct keyed_vertex *swap = keyed;
         keyed = spare;
         spare = swap;
@@ -113,7 +117,8 @@ static void place_face(struct gd__construction *work, uint32_t triangle, uint32_
     uint32_t index = work->face_index ? work->face_index[triangle] : triangle;
     mesh->face_of_index[index] = face;
     mesh->index_of_face[face] = index;
-    for (int k = 0; k < 3; k++) work->corner[face][k] = mesh->vertex_of_index[work->triangle[triangle][k]];
+    for (int k = 0; k < 3; k++)
+        work->corner[face][k] = mesh->vertex_of_index[work->triangle[triangle][k]];
 }
 
 /* Counting sort by the lowest vertex; faces of one vertex keep their order. */
@@ -122,7 +127,8 @@ static enum gd_status number_faces(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     uint32_t *start = calloc((size_t)mesh->vertex_count + 1, sizeof *start);
     if (!start) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < mesh->face_count; i++) start[lowest_vertex(mesh, work->triangle[i]) + 1]++;
+    for (uint32_t i = 0; i < mesh->face_count; i++)
+        start[lowest_vertex(mesh, work->triangle[i]) + 1]++;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) start[v + 1] += start[v];
     memset(mesh->face_of_index, 0xff, mesh->summary.face_index_count * sizeof *mesh->face_of_index);
     for (uint32_t i = 0; i < mesh->face_count; i++)
@@ -148,7 +154,8 @@ static void name_merged_vertices(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     if (!work->representative) return;
     for (uint32_t i = 0; i < work->polygons->position_count; i++) {
-        if (work->representative[i] != i) mesh->vertex_of_index[i] = mesh->vertex_of_index[work->representative[i]];
+        if (work->representative[i] != i)
+            mesh->vertex_of_index[i] = mesh->vertex_of_index[work->representative[i]];
     }
 }
 
@@ -159,11 +166,12 @@ enum gd_status gd__order(struct gd__construction *work)
     mesh->summary.index_count = index_count;
     mesh->input_position = gd__mesh_array(mesh, index_count, sizeof *mesh->input_position);
     mesh->vertex_of_index = gd__mesh_array(mesh, index_count, sizeof *mesh->vertex_of_index);
-    mesh->face_of_index = gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
+    mesh->face_of_index =
+        gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
     mesh->index_of_face = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->index_of_face);
     work->corner = malloc(mesh->face_count * sizeof *work->corner);
-    if (!mesh->input_position || !mesh->vertex_of_index || !mesh->face_of_index || !mesh->index_of_face ||
-        !work->corner)
+    if (!mesh->input_position || !mesh->vertex_of_index || !mesh->face_of_index ||
+        !mesh->index_of_face || !work->corner)
         return GD_NO_MEMORY;
     copy_positions(work);
     mark_referenced(work);

@@ -17,7 +17,8 @@ static void note_contradiction(void *user, uint32_t side)
     const uint32_t *corner = contradictions->work->corner[side / 3];
     uint32_t a = mesh->index_of_vertex[corner[side % 3]];
     uint32_t b = mesh->index_of_vertex[corner[gd__next_corner(side % 3)]];
-    gd__offenders_add(&contradictions->edges, a < b ? a : b, a < b ? b : a, gd__input_polygon(mesh, side / 3));
+    gd__offenders_add(&contradictions->edges, a < b ? a : b, a < b ? b : a,
+                      gd__input_polygon(mesh, side / 3));
 }
 
 static uint32_t side_after_flips(const struct gd_mesh *mesh, uint32_t side)
@@ -41,11 +42,13 @@ static void turn_over(struct gd__construction *work)
     }
 }
 
-static enum gd_status refuse(const struct gd__construction *work, const struct gd__offenders *contradictions)
+static enum gd_status refuse(const struct gd__construction *work,
+                             const struct gd__offenders *contradictions)
 {
     const struct gd__offender *edge = &contradictions->lowest[0];
     gd_fail(work->detail, GD_NON_ORIENTABLE,
-            "the component of face %u is one-sided, like a Moebius strip: its orientation disagrees at edge %u-%u "
+            "the component of face %u is one-sided, like a Moebius strip: its orientation "
+            "disagrees at edge %u-%u "
             "whichever way "
             "faces are turned",
             edge->witness, (unsigned)edge->a, (unsigned)edge->b);

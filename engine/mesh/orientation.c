@@ -35,7 +35,8 @@ static void visit_neighbours(struct search *search, uint32_t face, bool *contrad
 }
 
 /* Lets the majority of queue[begin, end) keep its orientation; returns how many are turned over. */
-static uint32_t side_with_majority(uint8_t *flipped, const uint32_t *queue, uint32_t begin, uint32_t end)
+static uint32_t side_with_majority(uint8_t *flipped, const uint32_t *queue, uint32_t begin,
+                                   uint32_t end)
 {
     uint32_t turned = 0, count = end - begin;
     for (uint32_t i = begin; i < end; i++) turned += flipped[queue[i]];
@@ -51,7 +52,8 @@ static void orient_component(struct search *search, uint32_t seed)
     bool contradicted = false;
     o->component[seed] = o->component_count++;
     search->queue[search->end++] = seed;
-    for (uint32_t i = begin; i < search->end; i++) visit_neighbours(search, search->queue[i], &contradicted);
+    for (uint32_t i = begin; i < search->end; i++)
+        visit_neighbours(search, search->queue[i], &contradicted);
     o->flipped_count += side_with_majority(o->flipped, search->queue, begin, search->end);
 }
 
@@ -63,7 +65,8 @@ enum gd_status gd__orient_faces(struct gd__orientation *orientation)
     orientation->component_count = orientation->flipped_count = 0;
     for (uint32_t i = 0; i < orientation->seed_count; i++) {
         uint32_t seed = orientation->seeds ? orientation->seeds[i] : i;
-        if (seed != GD_NONE && orientation->component[seed] == GD_NONE) orient_component(&search, seed);
+        if (seed != GD_NONE && orientation->component[seed] == GD_NONE)
+            orient_component(&search, seed);
     }
     free(search.queue);
     return GD_OK;

@@ -1,4 +1,5 @@
-/* Orientation: which faces to turn over so that neighbours run along their common edge in opposite directions. */
+/* Orientation: which faces to turn over so that neighbours run along their common edge in opposite
+ * directions. */
 #ifndef GD_MESH_ORIENTATION_H
 #define GD_MESH_ORIENTATION_H
 
@@ -12,9 +13,11 @@ struct gd__orientation {
     const uint32_t (*corner)[3];
     const uint32_t *neighbour; /* per side, as in struct gd__construction */
     uint32_t face_count;
-    const uint32_t *seeds; /* faces in the order in which components begin, GD_NONE is passed over; NULL: by number */
+    /* faces in the order in which components begin, GD_NONE is passed over; NULL: by number */
+    const uint32_t *seeds;
     uint32_t seed_count;
-    /* Called once for each component that has no orientation, with one of the sides where it breaks. May be NULL. */
+    /* Called once for each component that has no orientation, with one of the sides where it
+     * breaks. May be NULL. */
     void (*contradicted)(void *user, uint32_t side);
     void *user;
 
@@ -23,8 +26,8 @@ struct gd__orientation {
     uint32_t component_count, flipped_count;
 };
 
-/* Breadth first over each component; the majority of a component's faces is not turned, at a tie its first one is not.
- * GD_NO_MEMORY. Linear time. */
+/* Breadth first over each component; the majority of a component's faces is not turned, at a tie
+ * its first one is not. GD_NO_MEMORY. Linear time. */
 enum gd_status gd__orient_faces(struct gd__orientation *orientation);
 
 #endif

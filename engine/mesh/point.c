@@ -13,7 +13,8 @@ struct gd_point gd__point_of_vertex(uint32_t vertex)
 
 /* `rest` = 1 - t, less the weight of a third corner that is left out. The lesser of the two has the
  * digits: it tells the place. */
-static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double rest, double border)
+static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double rest,
+                               double border)
 {
     if (t <= border) return gd__point_of_vertex(mesh->origin[2 * edge]);
     if (rest <= border) return gd__point_of_vertex(mesh->origin[2 * edge + 1]);
@@ -23,7 +24,8 @@ static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double
     return point;
 }
 
-static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3], double border)
+static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3],
+                               double border)
 {
     const uint32_t *side = mesh->face_side[face];
     for (int k = 0; k < 3; k++) {
@@ -35,7 +37,8 @@ static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const 
         uint32_t h = side[(k + 1) % 3], end = h % 2 ? 1 : 2;
         return of_edge(mesh, h / 2, weight[(k + end) % 3], weight[(k + 3 - end) % 3], border);
     }
-    return (struct gd_point){.kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
+    return (struct gd_point){
+        .kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
 }
 
 struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
@@ -54,7 +57,8 @@ struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, con
     return of_face(mesh, face, weight, GD_TOL_ON_BORDER);
 }
 
-struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point, double border)
+struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point,
+                                  double border)
 {
     if (point->kind == GD_POINT_EDGE)
         return of_edge(mesh, point->element, point->weight[0], gd__edge_rest(point), border);
@@ -62,21 +66,22 @@ struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_po
     return *point;
 }
 
-static enum gd_status find_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex, uint32_t *out,
-                                  struct gd_detail *detail)
+static enum gd_status find_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex,
+                                  uint32_t *out, struct gd_detail *detail)
 {
     if (vertex.index >= mesh->summary.index_count)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no vertex %u: the mesh has %u, numbered from 0", vertex.index,
+        return gd_fail(detail, GD_OUT_OF_RANGE,
+                       "there is no vertex %u: the mesh has %u, numbered from 0", vertex.index,
                        mesh->summary.index_count);
     if (mesh->vertex_of_index[vertex.index] == GD_NONE)
-        return gd_fail(detail, GD_UNREFERENCED_VERTEX, "vertex %u belongs to no face, so it is not on the surface",
-                       vertex.index);
+        return gd_fail(detail, GD_UNREFERENCED_VERTEX,
+                       "vertex %u belongs to no face, so it is not on the surface", vertex.index);
     *out = mesh->vertex_of_index[vertex.index];
     return GD_OK;
 }
 
-enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex, struct gd_point *out,
-                                  struct gd_detail *detail)
+enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex,
+                                  struct gd_point *out, struct gd_detail *detail)
 {
     uint32_t v = GD_NONE;
     enum gd_status status = find_vertex(mesh, vertex, &v, detail);
@@ -84,8 +89,8 @@ enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex v
     return status;
 }
 
-enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, struct gd_vertex b, double t,
-                                struct gd_point *out, struct gd_detail *detail)
+enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, struct gd_vertex b,
+                                double t, struct gd_point *out, struct gd_detail *detail)
 {
     uint32_t from = GD_NONE, to = GD_NONE;
     enum gd_status status = find_vertex(mesh, a, &from, detail);
@@ -93,10 +98,13 @@ enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, 
     if (status) return status;
     if (!isfinite(t)) return gd_fail(detail, GD_INVALID_ARGUMENT, "t is not a finite number");
     if (t < -GD_TOL_INPUT || t > 1 + GD_TOL_INPUT)
-        return gd_fail(detail, GD_NOT_ON_SURFACE, "t is %.17g; it runs from 0 at vertex %u to 1 at vertex %u", t,
-                       a.index, b.index);
+        return gd_fail(detail, GD_NOT_ON_SURFACE,
+                       "t is %.17g; it runs from 0 at vertex %u to 1 at vertex %u", t, a.index,
+                       b.index);
     uint32_t side = gd__side_between(mesh, from, to);
-    if (side == GD_NONE) return gd_fail(detail, GD_NO_SUCH_EDGE, "vertices %u and %u share no edge", a.index, b.index);
+    if (side == GD_NONE)
+        return gd_fail(detail, GD_NO_SUCH_EDGE, "vertices %u and %u share no edge", a.index,
+                       b.index);
     *out = gd__point_on_side(mesh, side, t, 1 - t);
     return GD_OK;
 }
@@ -105,11 +113,13 @@ static enum gd_status find_face(const struct gd_mesh *mesh, struct gd_face face,
                                 struct gd_detail *detail)
 {
     if (face.index >= mesh->summary.face_index_count)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no face %u: the mesh has %u, numbered from 0", face.index,
+        return gd_fail(detail, GD_OUT_OF_RANGE,
+                       "there is no face %u: the mesh has %u, numbered from 0", face.index,
                        mesh->summary.face_index_count);
     if (!gd_mesh_has_face(mesh, face))
         return gd_fail(detail, GD_OUT_OF_RANGE,
-                       "face %u was removed when the mesh was repaired or welded: it had no area, or was there twice",
+                       "face %u was removed when the mesh was repaired or welded: it had no area, "
+                       "or was there twice",
                        face.index);
     *out = mesh->face_of_index[face.index];
     return GD_OK;
@@ -118,21 +128,25 @@ static enum gd_status find_face(const struct gd_mesh *mesh, struct gd_face face,
 static enum gd_status check_barycentric(const double b[3], struct gd_detail *detail)
 {
     if (!isfinite(b[0]) || !isfinite(b[1]) || !isfinite(b[2]))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a barycentric coordinate is not a finite number");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a barycentric coordinate is not a finite number");
     for (int k = 0; k < 3; k++) {
         if (b[k] < -GD_TOL_INPUT)
-            return gd_fail(detail, GD_NOT_ON_SURFACE,
-                           "barycentric coordinate %.17g is negative: the point is outside the face", b[k]);
+            return gd_fail(
+                detail, GD_NOT_ON_SURFACE,
+                "barycentric coordinate %.17g is negative: the point is outside the face", b[k]);
     }
     double sum = b[0] + b[1] + b[2];
     if (fabs(sum - 1) > GD_TOL_INPUT)
-        return gd_fail(detail, GD_NOT_ON_SURFACE, "the barycentric coordinates sum to %.17g instead of 1", sum);
+        return gd_fail(detail, GD_NOT_ON_SURFACE,
+                       "the barycentric coordinates sum to %.17g instead of 1", sum);
     return GD_OK;
 }
 
-/* Input order -> corners of the face inside; negative rounding is cut off; the sum is made 1 unless it is that
- * already. */
-static void normalise(const struct gd_mesh *mesh, uint32_t face, const double b[3], double weight[3])
+/* Input order -> corners of the face inside; negative rounding is cut off; the sum is made 1 unless
+ * it is that already. */
+static void normalise(const struct gd_mesh *mesh, uint32_t face, const double b[3],
+                      double weight[3])
 {
     bool flipped = mesh->face_flipped[face];
     weight[0] = fmax(b[0], 0);
@@ -143,8 +157,9 @@ static void normalise(const struct gd_mesh *mesh, uint32_t face, const double b[
     for (int k = 0; k < 3; k++) weight[k] /= sum;
 }
 
-enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face, const double barycentric[3],
-                                struct gd_point *out, struct gd_detail *detail)
+enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face,
+                                const double barycentric[3], struct gd_point *out,
+                                struct gd_detail *detail)
 {
     uint32_t f = GD_NONE;
     enum gd_status status = find_face(mesh, face, &f, detail);
@@ -168,7 +183,8 @@ static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32
     return gd_vec3_along(a, t, gd_vec3_sub(input_position(mesh, mesh->origin[2 * edge + 1]), a));
 }
 
-static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3])
+static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face,
+                                       const double weight[3])
 {
     const uint32_t *side = mesh->face_side[face];
     struct gd_vec3 a = input_position(mesh, mesh->origin[side[0]]);
@@ -179,7 +195,8 @@ static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face
 
 static inline struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    if (point->kind == GD_POINT_EDGE) return position_on_edge(mesh, point->element, point->weight[0]);
+    if (point->kind == GD_POINT_EDGE)
+        return position_on_edge(mesh, point->element, point->weight[0]);
     return point->kind == GD_POINT_VERTEX ? input_position(mesh, point->element)
                                           : position_in_face(mesh, point->element, point->weight);
 }
@@ -189,7 +206,8 @@ struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_poi
     return position_of(mesh, point);
 }
 
-void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count, double (*out)[3])
+void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
+                         double (*out)[3])
 {
     for (uint32_t i = 0; i < count; i++) {
         struct gd_vec3 position = position_of(mesh, &points[i]);
@@ -199,7 +217,8 @@ void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *poin
     }
 }
 
-/* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the input. */
+/* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the input.
+ */
 static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE) return point->element;
@@ -217,7 +236,8 @@ static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *p
 }
 
 /* Barycentric coordinates of the point by the corners of `face` inside. */
-static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3])
+static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face,
+                            double weight[3])
 {
     for (int k = 0; k < 3; k++) {
         uint32_t corner = mesh->origin[mesh->face_side[face][k]];
@@ -237,7 +257,8 @@ static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *p
     }
 }
 
-static void describe_edge(const struct gd_mesh *mesh, const struct gd_point *point, struct gd_point_description *out)
+static void describe_edge(const struct gd_mesh *mesh, const struct gd_point *point,
+                          struct gd_point_description *out)
 {
     uint32_t a = mesh->index_of_vertex[mesh->origin[2 * point->element]];
     uint32_t b = mesh->index_of_vertex[mesh->origin[2 * point->element + 1]];
@@ -246,7 +267,8 @@ static void describe_edge(const struct gd_mesh *mesh, const struct gd_point *poi
     out->t = a < b ? point->weight[0] : gd__edge_rest(point);
 }
 
-void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point, struct gd_point_description *out)
+void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point,
+                       struct gd_point_description *out)
 {
     uint32_t face = lowest_face(mesh, point);
     double weight[3];

@@ -6,8 +6,8 @@
 
 /* A point of an edge that ends in the vertex. The edge's outgoing side has no face where it is the
  * last of a boundary vertex' fan. */
-static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t vertex,
-                              struct gd__polar *out)
+static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point *point,
+                              uint32_t vertex, struct gd__polar *out)
 {
     uint32_t side = 2 * point->element;
     double part = point->weight[0];
@@ -18,14 +18,16 @@ static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point 
     }
     bool is_last = gd__side_is_boundary(mesh, side);
     uint32_t entry = is_last ? mesh->fan_first[vertex + 1] - 1 : mesh->side_fan[side];
-    *out = (struct gd__polar){.vertex = vertex,
-                              .entry = entry,
-                              .radius = part * mesh->side[side].length,
-                              .angle = is_last ? mesh->total_angle[vertex] : mesh->fan[entry].angle};
+    *out =
+        (struct gd__polar){.vertex = vertex,
+                           .entry = entry,
+                           .radius = part * mesh->side[side].length,
+                           .angle = is_last ? mesh->total_angle[vertex] : mesh->fan[entry].angle};
     return true;
 }
 
-bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t vertex, struct gd__polar *out)
+bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t vertex,
+                     struct gd__polar *out)
 {
     if (point->kind == GD_POINT_VERTEX) return false;
     if (point->kind == GD_POINT_EDGE) return about_end_of_edge(mesh, point, vertex, out);
@@ -33,7 +35,8 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
     int k = (mesh->origin[side[1]] == vertex) + 2 * (mesh->origin[side[2]] == vertex);
     if (mesh->origin[side[k]] != vertex) return false;
     uint32_t entry = mesh->side_fan[side[k]];
-    struct gd__local at = gd__side_local(&mesh->side[side[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
+    struct gd__local at = gd__side_local(&mesh->side[side[k]], point->weight[(k + 1) % 3],
+                                         point->weight[(k + 2) % 3]);
     *out = (struct gd__polar){.vertex = vertex,
                               .entry = entry,
                               .radius = sqrt(at.x * at.x + at.y * at.y),
@@ -67,7 +70,8 @@ static uint32_t main_vertex(const struct gd_mesh *mesh, const struct gd_point *p
     return GD_NONE;
 }
 
-bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__polar *out)
+bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
+                      struct gd__polar *out)
 {
     uint32_t vertex = main_vertex(mesh, point);
     struct gd__polar polar;

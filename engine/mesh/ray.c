@@ -1,6 +1,7 @@
-/* gd_locate_first_hit. The intersection test is watertight: seen along the ray, two faces compute the position of the
- * ray against their common edge from the same numbers, so that no ray slips between them. Source: S. Woop, C.
- * Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013. */
+/* gd_locate_first_hit. The intersection test is watertight: seen along the ray, two faces compute
+ * the position of the ray against their common edge from the same numbers, so that no ray slips
+ * between them. Source: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT
+ * 2(1), 2013. */
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
 #include "mesh/foot.h"
@@ -25,8 +26,10 @@ struct ray {
 static struct sheared shear(const struct ray *ray, uint32_t vertex)
 {
     struct gd_vec3 p = gd_vec3_sub(ray->mesh->position[vertex], ray->origin), d = ray->direction;
-    if (ray->axis == 0) return (struct sheared){p.y - d.y * d.x * p.x, p.z - d.z * d.x * p.x, d.x * p.x};
-    if (ray->axis == 1) return (struct sheared){p.z - d.z * d.y * p.y, p.x - d.x * d.y * p.y, d.y * p.y};
+    if (ray->axis == 0)
+        return (struct sheared){p.y - d.y * d.x * p.x, p.z - d.z * d.x * p.x, d.x * p.x};
+    if (ray->axis == 1)
+        return (struct sheared){p.z - d.z * d.y * p.y, p.x - d.x * d.y * p.y, d.y * p.y};
     return (struct sheared){p.x - d.x * d.z * p.z, p.y - d.y * d.z * p.z, d.z * p.z};
 }
 
@@ -41,7 +44,9 @@ static void offer(struct ray *ray, uint32_t face, double z, const double weight[
     const uint32_t *index = ray->mesh->index_of_face;
     if (!(z >= -ray->slack)) return;
     z = fmax(z, 0);
-    if (ray->face != GD_NONE && (z > ray->best || (z == ray->best && index[face] > index[ray->face]))) return;
+    if (ray->face != GD_NONE &&
+        (z > ray->best || (z == ray->best && index[face] > index[ray->face])))
+        return;
     ray->best = z;
     ray->face = face;
     for (int k = 0; k < 3; k++) ray->weight[k] = weight[k];
@@ -54,8 +59,8 @@ struct crossing {
     double weight[3];
 };
 
-/* Where the ray meets side k of the face; z is NaN where it does not. A side along the ray counts by its point
- * nearest to the origin. */
+/* Where the ray meets side k of the face; z is NaN where it does not. A side along the ray counts
+ * by its point nearest to the origin. */
 static struct crossing cross_side(const struct ray *ray, const struct sheared p[3], int k)
 {
     struct sheared a = p[k], b = p[(k + 1) % 3];
@@ -69,8 +74,8 @@ static struct crossing cross_side(const struct ray *ray, const struct sheared p[
     return crossing;
 }
 
-/* A face seen edge on: the ray runs in it from the first crossing of its border to the last, and may start between
- * them. */
+/* A face seen edge on: the ray runs in it from the first crossing of its border to the last, and
+ * may start between them. */
 static void offer_edge_on(struct ray *ray, uint32_t face, const struct sheared p[3])
 {
     struct crossing first = {.z = INFINITY}, last = {.z = -INFINITY};
@@ -102,9 +107,10 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
     offer(ray, face, weight[0] * p[0].z + weight[1] * p[1].z + weight[2] * p[2].z, weight);
 }
 
-/* Narrows [*enter, *leave] to where one coordinate of the ray is between min and max. A product of 0 and infinity is
- * NaN and fails every comparison: that coordinate then bounds nothing. */
-static void clip_slab(double min, double max, double origin, double inverse, double *enter, double *leave)
+/* Narrows [*enter, *leave] to where one coordinate of the ray is between min and max. A product of
+ * 0 and infinity is NaN and fails every comparison: that coordinate then bounds nothing. */
+static void clip_slab(double min, double max, double origin, double inverse, double *enter,
+                      double *leave)
 {
     double a = (min - origin) * inverse, b = (max - origin) * inverse;
     double first = inverse < 0 ? b : a, last = inverse < 0 ? a : b;
@@ -122,7 +128,8 @@ static double bound_of_box(const struct gd__bvh_search *search, const struct gd_
     return enter <= leave + s ? enter : INFINITY;
 }
 
-static struct ray make_ray(const struct gd_mesh *mesh, struct gd_vec3 origin, struct gd_vec3 direction)
+static struct ray make_ray(const struct gd_mesh *mesh, struct gd_vec3 origin,
+                           struct gd_vec3 direction)
 {
     double largest = gd__largest_coordinate(direction);
     struct ray ray = {
@@ -145,8 +152,9 @@ static struct gd_vec3 hit_position(const struct ray *ray)
 {
     struct gd_vec3 p = {0, 0, 0};
     for (int k = 0; k < 3; k++)
-        p = gd_vec3_along(p, ray->weight[k],
-                          ray->mesh->position[ray->mesh->origin[ray->mesh->face_side[ray->face][k]]]);
+        p = gd_vec3_along(
+            p, ray->weight[k],
+            ray->mesh->position[ray->mesh->origin[ray->mesh->face_side[ray->face][k]]]);
     return p;
 }
 
@@ -155,16 +163,19 @@ static bool is_finite(struct gd_vec3 p)
     return isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
 }
 
-enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin, struct gd_vec3 direction,
-                                   struct gd_point *out, struct gd_detail *detail)
+enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
+                                   struct gd_vec3 direction, struct gd_point *out,
+                                   struct gd_detail *detail)
 {
     if (!is_finite(origin) || !is_finite(direction))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a coordinate of the ray is not a finite number");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a coordinate of the ray is not a finite number");
     if (gd__largest_coordinate(direction) == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the ray's direction has length zero");
     struct ray ray = make_ray(mesh, origin, direction);
     if (gd__largest_coordinate(ray.origin) <= GD_EXTENT_RATIO) gd__bvh_run(mesh, &ray.search);
-    if (ray.face == GD_NONE) return gd_fail(detail, GD_NOT_ON_SURFACE, "the ray does not meet the surface");
+    if (ray.face == GD_NONE)
+        return gd_fail(detail, GD_NOT_ON_SURFACE, "the ray does not meet the surface");
     *out = gd__foot_point(mesh, ray.face, hit_position(&ray), gd__largest_coordinate(ray.origin));
     return GD_OK;
 }

@@ -1,4 +1,5 @@
-/* The recipe of repair=split, on triangles: faces without area, faces given twice, edges and vertices of too many. */
+/* The recipe of repair=split, on triangles: faces without area, faces given twice, edges and
+ * vertices of too many. */
 #include "mesh/repair.h"
 
 #include <stdlib.h>
@@ -49,12 +50,13 @@ static enum gd_status drop_duplicates(struct gd__construction *work)
     return status ? status : gd__compact_triangles(work);
 }
 
-/* The bound of gd_mesh_build_cost leaves some 50 bytes a face; a copy takes 160 with its edges. So one for each four
- * faces is paid for. */
+/* The bound of gd_mesh_build_cost leaves some 50 bytes a face; a copy takes 160 with its edges. So
+ * one for each four faces is paid for. */
 static enum gd_status afford_copies(const struct gd__construction *work, uint32_t faces)
 {
     if (work->copy_count <= faces / 4) return GD_OK;
-    return gd__afford(work, faces, (uint64_t)work->input->position_count + work->copy_count - faces / 4);
+    return gd__afford(work, faces,
+                      (uint64_t)work->input->position_count + work->copy_count - faces / 4);
 }
 
 enum gd_status gd__repair(struct gd__construction *work)

@@ -1,5 +1,5 @@
-/* What the parts of merging and of gd__repair hand to each other. Each edits work->triangle (vertex indices, the order
- * of faces kept), and notes in mesh->repair what it did. */
+/* What the parts of merging and of gd__repair hand to each other. Each edits work->triangle (vertex
+ * indices, the order of faces kept), and notes in mesh->repair what it did. */
 #ifndef GD_MESH_REPAIR_H
 #define GD_MESH_REPAIR_H
 
@@ -7,12 +7,13 @@
 
 void gd__mended_add(struct gd_mended *mended, uint32_t a, uint32_t b);
 
-/* Lets representative[i] of each vertex that a face uses name the lowest vertex that represents itself and lies within
- * the tolerance. Expected linear time for every input. GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+/* Lets representative[i] of each vertex that a face uses name the lowest vertex that represents
+ * itself and lies within the tolerance. Expected linear time for every input. GD_INVALID_ARGUMENT,
+ * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 enum gd_status gd__weld_vertices(struct gd__construction *work);
 
-/* original[i]: the first of the polygons with the same set of vertices as polygon i; itself for one without corners.
- * GD_NO_MEMORY. */
+/* original[i]: the first of the polygons with the same set of vertices as polygon i; itself for one
+ * without corners. GD_NO_MEMORY. */
 enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, uint32_t *original);
 
 /* Takes the triangles whose first corner is GD_NONE out of the row. GD_NO_MEMORY. */

@@ -1,5 +1,5 @@
-/* Ring: the corners of one polygon that are still to be triangulated, in space and in the polygon's mean plane, where
- * they run counter-clockwise. */
+/* Ring: the corners of one polygon that are still to be triangulated, in space and in the polygon's
+ * mean plane, where they run counter-clockwise. */
 #ifndef GD_MESH_RING_H
 #define GD_MESH_RING_H
 
@@ -8,9 +8,10 @@
 #include "mesh/edge_set.h"
 
 struct gd__ring_corner {
-    double x, y;             /* in the plane */
-    double score;            /* as the next ear, see ear.c */
-    struct gd_vec3 position; /* from corner 0, in units of the polygon's extent: no product overflows or vanishes */
+    double x, y;  /* in the plane */
+    double score; /* as the next ear, see ear.c */
+    /* from corner 0, in units of the polygon's extent: no product overflows or vanishes */
+    struct gd_vec3 position;
     uint32_t vertex, previous, next;
     uint32_t reflex_slot; /* in the list of reflex corners, GD_NONE: convex or cut off */
 };
@@ -26,7 +27,8 @@ static inline double gd__ring_turn(const struct gd__ring_corner *a, const struct
     return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
-/* 4 sqrt(3) area / (sum of squared sides) in space: 1 for an equilateral triangle, 0 for one of area zero. */
+/* 4 sqrt(3) area / (sum of squared sides) in space: 1 for an equilateral triangle, 0 for one of
+ * area zero. */
 double gd__ring_shape(const struct gd__ring_corner *a, const struct gd__ring_corner *b,
                       const struct gd__ring_corner *c);
 

@@ -1,4 +1,5 @@
-/* The inside unit: an exact power of two near the mean edge length, so that no square overflows or vanishes. */
+/* The inside unit: an exact power of two near the mean edge length, so that no square overflows or
+ * vanishes. */
 #include "mesh/build.h"
 
 struct edge_range {
@@ -12,7 +13,8 @@ static struct edge_range measure_edges(const struct gd__construction *work, doub
     for (uint32_t f = 0; f < mesh->face_count; f++) {
         for (uint32_t k = 0; k < 3; k++) {
             struct gd_vec3 a = mesh->input_position[mesh->index_of_vertex[work->corner[f][k]]];
-            struct gd_vec3 b = mesh->input_position[mesh->index_of_vertex[work->corner[f][gd__next_corner(k)]]];
+            struct gd_vec3 b =
+                mesh->input_position[mesh->index_of_vertex[work->corner[f][gd__next_corner(k)]]];
             double length = gd_vec3_length(gd_vec3_scale(gd_vec3_sub(b, a), scale));
             range.min = fmin(range.min, length);
             range.max = fmax(range.max, length);
@@ -35,7 +37,8 @@ static enum gd_status place_vertices(struct gd_mesh *mesh)
     mesh->position = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->position);
     if (!mesh->position) return GD_NO_MEMORY;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        mesh->position[v] = gd_vec3_scale(mesh->input_position[mesh->index_of_vertex[v]], 1 / mesh->unit);
+        mesh->position[v] =
+            gd_vec3_scale(mesh->input_position[mesh->index_of_vertex[v]], 1 / mesh->unit);
     return GD_OK;
 }
 
@@ -45,20 +48,22 @@ enum gd_status gd__scale(struct gd__construction *work)
     struct gd_vec3 size = gd_vec3_sub(mesh->summary.max, mesh->summary.min);
     double extent = fmax(fmax(size.x, size.y), size.z);
     if (!(extent >= 1 / GD_EXTENT_MAX && extent <= GD_EXTENT_MAX))
-        return gd_fail(work->detail, GD_EXTENT, "the bounding box measures %g; between %g and %g can be computed with",
+        return gd_fail(work->detail, GD_EXTENT,
+                       "the bounding box measures %g; between %g and %g can be computed with",
                        extent, 1 / GD_EXTENT_MAX, GD_EXTENT_MAX);
     int exponent, finer;
     frexp(extent, &exponent);
     struct edge_range range = measure_edges(work, ldexp(1, -exponent));
     frexp(range.mean, &finer);
-    double mean = ldexp(1, finer), coordinate = ldexp(farthest_coordinate(&mesh->summary), -exponent) / mean;
+    double mean = ldexp(1, finer),
+           coordinate = ldexp(farthest_coordinate(&mesh->summary), -exponent) / mean;
     if (!(range.min / mean >= 1 / GD_EXTENT_RATIO && range.max / mean <= GD_EXTENT_RATIO &&
           coordinate <= GD_EXTENT_RATIO))
-        return gd_fail(
-            work->detail, GD_EXTENT,
-            "edges between %g and %g at coordinates up to %g: more than a factor of %g apart from their mean",
-            ldexp(range.min, exponent), ldexp(range.max, exponent), farthest_coordinate(&mesh->summary),
-            GD_EXTENT_RATIO);
+        return gd_fail(work->detail, GD_EXTENT,
+                       "edges between %g and %g at coordinates up to %g: more than a factor of %g "
+                       "apart from their mean",
+                       ldexp(range.min, exponent), ldexp(range.max, exponent),
+                       farthest_coordinate(&mesh->summary), GD_EXTENT_RATIO);
     mesh->unit = ldexp(1, exponent + finer);
     return place_vertices(mesh);
 }

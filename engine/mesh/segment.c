@@ -5,8 +5,8 @@
 static bool is_on_edge(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t edge)
 {
     if (point->kind == GD_POINT_EDGE) return point->element == edge;
-    return point->kind == GD_POINT_VERTEX &&
-           (mesh->origin[2 * edge] == point->element || mesh->origin[2 * edge + 1] == point->element);
+    return point->kind == GD_POINT_VERTEX && (mesh->origin[2 * edge] == point->element ||
+                                              mesh->origin[2 * edge + 1] == point->element);
 }
 
 bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
@@ -14,7 +14,8 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
     const uint32_t *side = mesh->face_side[face], element = point->element;
     switch (point->kind) {
     case GD_POINT_VERTEX:
-        return mesh->origin[side[0]] == element || mesh->origin[side[1]] == element || mesh->origin[side[2]] == element;
+        return mesh->origin[side[0]] == element || mesh->origin[side[1]] == element ||
+               mesh->origin[side[2]] == element;
     case GD_POINT_EDGE:
         return side[gd__place_of_edge(side, element)] >> 1 == element;
     case GD_POINT_FACE:
@@ -23,11 +24,15 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
     return false;
 }
 
-uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)
+uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p,
+                         const struct gd_point *q)
 {
-    if (p->kind == GD_POINT_EDGE && q->kind == GD_POINT_EDGE) return gd__face_of_edges(mesh, p->element, q->element);
-    if (p->kind == GD_POINT_FACE) return gd__face_contains(mesh, p->element, q) ? p->element : GD_NONE;
-    if (q->kind != GD_POINT_VERTEX && p->kind == GD_POINT_VERTEX) return gd__common_face(mesh, q, p);
+    if (p->kind == GD_POINT_EDGE && q->kind == GD_POINT_EDGE)
+        return gd__face_of_edges(mesh, p->element, q->element);
+    if (p->kind == GD_POINT_FACE)
+        return gd__face_contains(mesh, p->element, q) ? p->element : GD_NONE;
+    if (q->kind != GD_POINT_VERTEX && p->kind == GD_POINT_VERTEX)
+        return gd__common_face(mesh, q, p);
     uint32_t begin = 2 * p->element, end = begin + 2;
     if (p->kind == GD_POINT_VERTEX) {
         begin = mesh->fan_first[p->element];
@@ -40,7 +45,8 @@ uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, c
     return GD_NONE;
 }
 
-uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
+uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a,
+                          const struct gd_point *b)
 {
     if (a->kind == GD_POINT_EDGE) return a->element;
     if (b->kind == GD_POINT_EDGE) return b->element;
@@ -49,8 +55,8 @@ uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a, 
     return side == GD_NONE ? GD_NONE : side >> 1;
 }
 
-bool gd__segment_home_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                                struct gd__home *out)
+bool gd__segment_home_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a,
+                                const struct gd_point *b, struct gd__home *out)
 {
     struct gd__home home = {GD_NONE, GD_NONE};
     if (gd_point_equal(a, b)) return false;
@@ -72,8 +78,8 @@ double gd__edge_parameter(const struct gd_mesh *mesh, uint32_t edge, const struc
     return mesh->origin[2 * edge] == point->element ? 0 : length;
 }
 
-static struct gd__chord chord_in_frame(const struct gd_mesh *mesh, uint32_t face, int k, const double from[3],
-                                       const double to[3])
+static struct gd__chord chord_in_frame(const struct gd_mesh *mesh, uint32_t face, int k,
+                                       const double from[3], const double to[3])
 {
     const struct gd_side *side = &mesh->side[mesh->face_side[face][k]];
     int l = (k + 1) % 3, m = (k + 2) % 3;
@@ -85,8 +91,8 @@ static struct gd__chord chord_in_frame(const struct gd_mesh *mesh, uint32_t face
                               .length = length};
 }
 
-struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, const struct gd_point *a,
-                           const struct gd_point *b)
+struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k,
+                           const struct gd_point *a, const struct gd_point *b)
 {
     double from[3], to[3];
     gd__point_weights(mesh, a, face, from);
@@ -94,8 +100,8 @@ struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, con
     return chord_in_frame(mesh, face, k, from, to);
 }
 
-void gd__chords(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a, const struct gd_point *b,
-                struct gd__chord out[3])
+void gd__chords(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
+                const struct gd_point *b, struct gd__chord out[3])
 {
     double from[3], to[3];
     gd__point_weights(mesh, a, face, from);

@@ -1,13 +1,15 @@
 /* Which faces stay together at an edge that belongs to more than two.
  *
- * DESIGN. Where solids touch along an edge, or a wall stands on a plate, a path on a body's skin should stay on that
- * body. Seen along the edge, from its lower to its higher vertex, and going round counter-clockwise: a face that runs
- * forward along the edge has its outside ahead and its inside behind, a backward one the other way about. So the
- * inside of a body reaches from a backward face to the next forward one: these two are its skin, and they stay joined.
- * As brackets are matched: each forward face takes the nearest free backward face before it.
+ * DESIGN. Where solids touch along an edge, or a wall stands on a plate, a path on a body's skin
+ * should stay on that body. Seen along the edge, from its lower to its higher vertex, and going
+ * round counter-clockwise: a face that runs forward along the edge has its outside ahead and its
+ * inside behind, a backward one the other way about. So the inside of a body reaches from a
+ * backward face to the next forward one: these two are its skin, and they stay joined. As brackets
+ * are matched: each forward face takes the nearest free backward face before it.
  *
- * Only faces that run in opposite directions are joined, so that no pairing makes a surface one-sided. What is left
- * over, faces that all run alike, is joined to nothing: there each gets a border. */
+ * Only faces that run in opposite directions are joined, so that no pairing makes a surface
+ * one-sided. What is left over, faces that all run alike, is joined to nothing: there each gets a
+ * border. */
 #include "mesh/sheets.h"
 
 #include <stdlib.h>
@@ -28,13 +30,15 @@ static void measure(struct gd__sheet *sheet, uint32_t count, struct gd_vec3 alon
     for (uint32_t i = 0; i < count; i++) {
         struct gd_vec3 across = normalised(sheet[i].across);
         double sine = gd_vec3_dot(gd_vec3_cross(first, across), axis);
-        double cosine = gd_vec3_dot(first, across) - gd_vec3_dot(first, axis) * gd_vec3_dot(across, axis);
+        double cosine =
+            gd_vec3_dot(first, across) - gd_vec3_dot(first, axis) * gd_vec3_dot(across, axis);
         double angle = i == 0 ? 0 : atan2(sine, cosine);
         sheet[i].angle = angle < 0 ? angle + 2 * M_PI : angle;
     }
 }
 
-/* By angle; where faces lie on each other the backward ones come first, so that they enclose nothing. */
+/* By angle; where faces lie on each other the backward ones come first, so that they enclose
+ * nothing. */
 static int compare(const void *x, const void *y)
 {
     const struct gd__sheet *a = x, *b = y;

@@ -1,20 +1,23 @@
-/* The sides of the edges: numbered from the faces' neighbours, with frames from the corners' positions. */
+/* The sides of the edges: numbered from the faces' neighbours, with frames from the corners'
+ * positions. */
 #include "mesh/build.h"
 #include "mesh/offenders.h"
 #include "mesh/triangle.h"
 
 static struct gd__triangle measure(const struct gd_mesh *mesh, const uint32_t corner[3])
 {
-    struct gd_vec3 a = mesh->position[corner[0]], b = mesh->position[corner[1]], c = mesh->position[corner[2]];
+    struct gd_vec3 a = mesh->position[corner[0]], b = mesh->position[corner[1]],
+                   c = mesh->position[corner[2]];
     return gd__triangle_measure(gd_vec3_sub(b, a), gd_vec3_sub(c, b), gd_vec3_sub(a, c));
 }
 
-/* Side k of the triangle: its frame sees the apex at the end of the side before it and at the start of the side after
- * it. */
+/* Side k of the triangle: its frame sees the apex at the end of the side before it and at the start
+ * of the side after it. */
 static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side *side)
 {
     uint32_t after = gd__next_corner(k), before = gd__previous_corner(k);
-    double left_scale = 1 / (t->length[k] * t->length[before]), right_scale = 1 / (t->length[k] * t->length[after]);
+    double left_scale = 1 / (t->length[k] * t->length[before]),
+           right_scale = 1 / (t->length[k] * t->length[after]);
     side->length = t->length[k];
     side->left_length = t->length[before];
     side->right_length = t->length[after];
@@ -35,19 +38,22 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
         side->left = h[gd__previous_corner(k)] ^ 1;
         side->right = h[gd__next_corner(k)] ^ 1;
         if (mesh->side_face[h[k] ^ 1] == GD_NONE)
-            mesh->side[h[k] ^ 1] = (struct gd_side){.length = side->length, .left = GD_NONE, .right = GD_NONE};
+            mesh->side[h[k] ^ 1] =
+                (struct gd_side){.length = side->length, .left = GD_NONE, .right = GD_NONE};
     }
     mesh->summary.area += t.double_area / 2;
     mesh->summary.degenerate_faces += gd__triangle_flatness(&t) < GD_TOL_CAP;
-    if (gd__triangle_flatness(&t) < GD_TOL_FLAT) gd__offenders_add(flat, gd__input_polygon(mesh, face), 0, face);
+    if (gd__triangle_flatness(&t) < GD_TOL_FLAT)
+        gd__offenders_add(flat, gd__input_polygon(mesh, face), 0, face);
 }
 
-/* An edge is met first by its lower-numbered face, which gets side 2e of it, and from the other one, if there is one,
- * as 2e + 1. */
+/* An edge is met first by its lower-numbered face, which gets side 2e of it, and from the other
+ * one, if there is one, as 2e + 1. */
 static uint32_t count_edges(const struct gd__construction *work)
 {
     uint32_t count = 0;
-    for (uint32_t s = 0; s < 3 * work->mesh->face_count; s++) count += work->neighbour[s] > s; /* GD_NONE is */
+    /* GD_NONE is */
+    for (uint32_t s = 0; s < 3 * work->mesh->face_count; s++) count += work->neighbour[s] > s;
     return count;
 }
 
@@ -72,14 +78,18 @@ static uint32_t named(const struct gd_mesh *mesh, uint32_t vertex)
     return gd_mesh_original(mesh, (struct gd_vertex){mesh->index_of_vertex[vertex]}).index;
 }
 
-static enum gd_status refuse_flat_faces(const struct gd__construction *work, const struct gd__offenders *flat)
+static enum gd_status refuse_flat_faces(const struct gd__construction *work,
+                                        const struct gd__offenders *flat)
 {
     const struct gd_mesh *mesh = work->mesh;
     const uint32_t *corner = work->corner[flat->lowest[0].witness];
-    gd_fail(work->detail, GD_DEGENERATE_FACE, "face %u has no area: its vertices %u, %u and %u lie on one line; %s",
-            (unsigned)flat->lowest[0].a, named(mesh, corner[0]), named(mesh, corner[1]), named(mesh, corner[2]),
-            work->options.repair_split ? "repair found no way to mend it, welding near vertices (weld=) may be one"
-                                       : "remove it, or flip its longest edge");
+    gd_fail(work->detail, GD_DEGENERATE_FACE,
+            "face %u has no area: its vertices %u, %u and %u lie on one line; %s",
+            (unsigned)flat->lowest[0].a, named(mesh, corner[0]), named(mesh, corner[1]),
+            named(mesh, corner[2]),
+            work->options.repair_split
+                ? "repair found no way to mend it, welding near vertices (weld=) may be one"
+                : "remove it, or flip its longest edge");
     return gd__offenders_report(flat, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, work->detail);
 }
 

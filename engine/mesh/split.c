@@ -1,12 +1,14 @@
 /* Edges and vertices with more faces than a surface has there, cut apart.
  *
- * DESIGN. First it is decided which faces are joined at each edge (`neighbour`): both of two, pairs among more
- * (sheets.h). The corners of a vertex that joined faces share make a fan; the fan with the lowest-numbered face keeps
- * the vertex, each further one gets a copy. So edges and vertices are cut in one stroke.
+ * DESIGN. First it is decided which faces are joined at each edge (`neighbour`): both of two, pairs
+ * among more (sheets.h). The corners of a vertex that joined faces share make a fan; the fan with
+ * the lowest-numbered face keeps the vertex, each further one gets a copy. So edges and vertices
+ * are cut in one stroke.
  *
- * A mesh is named by the vertices of its faces, and there is one case that copies of whole fans don't express: pairs
- * of faces at an edge whose fans hang together round both ends. There all pairs but the first get a copy of the
- * edge's lower end for themselves, which cuts their other edges at that end as well. */
+ * A mesh is named by the vertices of its faces, and there is one case that copies of whole fans
+ * don't express: pairs of faces at an edge whose fans hang together round both ends. There all
+ * pairs but the first get a copy of the edge's lower end for themselves, which cuts their other
+ * edges at that end as well. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,8 +24,9 @@ struct splitting {
     uint32_t *neighbour;     /* per side: the side that it is joined to, or GD_NONE */
     uint8_t *flipped;        /* per face: against the orientation of most faces around it */
     struct gd__sheet *sheet; /* of one edge, as many as the largest has */
-    uint32_t *fan;           /* per corner, as sides are numbered: a lower corner of the same fan, see union_find.h */
-    uint32_t *copy_of;       /* per copy: the input vertex */
+    /* per corner, as sides are numbered: a lower corner of the same fan, see union_find.h */
+    uint32_t *fan;
+    uint32_t *copy_of; /* per copy: the input vertex */
     uint32_t copy_count, capacity;
 };
 
@@ -47,7 +50,8 @@ static enum gd_status append_copy(struct splitting *s, uint32_t vertex, uint32_t
         s->capacity = capacity;
     }
     if (s->copy_count >= GD_NONE - s->input_vertices)
-        return gd_fail(s->work->detail, GD_TOO_LARGE, "with the copies that repair makes there are too many vertices");
+        return gd_fail(s->work->detail, GD_TOO_LARGE,
+                       "with the copies that repair makes there are too many vertices");
     *copy = s->input_vertices + s->copy_count;
     s->copy_of[s->copy_count++] = original(s, vertex);
     return GD_OK;
@@ -74,10 +78,10 @@ static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *tab
     return most;
 }
 
-/* --- which faces stay together at an edge of more than two --- */
+/* --- which faces stay together at an edge of more than two ------------------------------------ */
 
-/* Files that need this one are often oriented at random: what hangs together by edges of two faces is made
- * consistent before anything is concluded from it. */
+/* Files that need this one are often oriented at random: what hangs together by edges of two faces
+ * is made consistent before anything is concluded from it. */
 static enum gd_status orient(struct splitting *s)
 {
     uint32_t *component = malloc(s->face_count * sizeof *component);
@@ -96,7 +100,8 @@ static enum gd_status orient(struct splitting *s)
 }
 
 /* Fills s->sheet with the faces of an edge, paired and sorted around it. */
-static void pair_sheets(struct splitting *s, const struct gd__edge_table *table, const struct gd__edge_run *run)
+static void pair_sheets(struct splitting *s, const struct gd__edge_table *table,
+                        const struct gd__edge_run *run)
 {
     struct gd_vec3 low = position(s, run->low);
     for (uint32_t i = 0; i < run->count; i++) {
@@ -112,7 +117,8 @@ static void pair_sheets(struct splitting *s, const struct gd__edge_table *table,
     gd__sheets_pair(s->sheet, run->count, gd_vec3_sub(position(s, run->high), low));
 }
 
-static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_table *table, uint32_t most)
+static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_table *table,
+                                   uint32_t most)
 {
     s->sheet = malloc(most * sizeof *s->sheet);
     enum gd_status status = s->sheet ? orient(s) : GD_NO_MEMORY;
@@ -120,12 +126,13 @@ static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_ta
         if (run.count <= 2) continue;
         gd__mended_add(&s->work->mesh->repair->edges_split, run.low, run.high);
         pair_sheets(s, table, &run);
-        for (uint32_t i = 0; i < run.count; i++) s->neighbour[s->sheet[i].side] = s->sheet[i].partner;
+        for (uint32_t i = 0; i < run.count; i++)
+            s->neighbour[s->sheet[i].side] = s->sheet[i].partner;
     }
     return status;
 }
 
-/* --- a vertex for each fan --- */
+/* --- a vertex for each fan -------------------------------------------------------------------- */
 
 static void join_fans(struct splitting *s)
 {
@@ -133,7 +140,8 @@ static void join_fans(struct splitting *s)
     for (uint32_t a = 0; a < 3 * s->face_count; a++) {
         uint32_t b = s->neighbour[a];
         if (b == GD_NONE || b < a) continue;
-        uint32_t a_end = a - a % 3 + gd__next_corner(a % 3), b_end = b - b % 3 + gd__next_corner(b % 3);
+        uint32_t a_end = a - a % 3 + gd__next_corner(a % 3),
+                 b_end = b - b % 3 + gd__next_corner(b % 3);
         bool alike = s->work->triangle[a / 3][a % 3] == s->work->triangle[b / 3][b % 3];
         gd__unite(s->fan, a, alike ? b : b_end);
         gd__unite(s->fan, a_end, alike ? b_end : b);
@@ -160,16 +168,19 @@ static enum gd_status separate_fans(struct splitting *s)
     return status;
 }
 
-/* --- what is left --- */
+/* --- what is left ----------------------------------------------------------------------------- */
 
 static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t vertex)
 {
     uint32_t *corner = s->work->triangle[side / 3];
-    return corner[0] == vertex ? corner : corner[1] == vertex ? corner + 1 : corner[2] == vertex ? corner + 2 : NULL;
+    return corner[0] == vertex   ? corner
+           : corner[1] == vertex ? corner + 1
+           : corner[2] == vertex ? corner + 2
+                                 : NULL;
 }
 
-/* Gives each pair of the edge but that of its first sheet a lower end of its own. A face that got another one at an
- * edge before is not at this edge any more. */
+/* Gives each pair of the edge but that of its first sheet a lower end of its own. A face that got
+ * another one at an edge before is not at this edge any more. */
 static enum gd_status detach_sheets(struct splitting *s, uint32_t low, uint32_t count)
 {
     enum gd_status status = GD_OK;

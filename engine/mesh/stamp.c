@@ -15,7 +15,8 @@ static uint64_t mix(uint64_t hash, const void *bytes, size_t words)
     return hash;
 }
 
-/* Tells meshes apart whose elements are numbered or placed differently: positions and the origins of the sides say both. */
+/* Tells meshes apart whose elements are numbered or placed differently: positions and the origins
+ * of the sides say both. */
 static uint64_t fingerprint_of(const struct gd_mesh *mesh)
 {
     uint64_t counts[3] = {mesh->vertex_count, mesh->face_count, mesh->edge_count};
@@ -26,19 +27,22 @@ static uint64_t fingerprint_of(const struct gd_mesh *mesh)
 
 struct gd__stamp gd__stamp(const struct gd_mesh *mesh, const char magic[8], uint32_t version)
 {
-    struct gd__stamp stamp = {.version = version, .byte_order = byte_order, .fingerprint = fingerprint_of(mesh)};
+    struct gd__stamp stamp = {
+        .version = version, .byte_order = byte_order, .fingerprint = fingerprint_of(mesh)};
     memcpy(stamp.magic, magic, sizeof stamp.magic);
     return stamp;
 }
 
-enum gd_status gd__stamp_check(const struct gd_mesh *mesh, const struct gd__stamp *stamp, const char magic[8],
-                               uint32_t version, struct gd_detail *detail)
+enum gd_status gd__stamp_check(const struct gd_mesh *mesh, const struct gd__stamp *stamp,
+                               const char magic[8], uint32_t version, struct gd_detail *detail)
 {
     if (memcmp(stamp->magic, magic, sizeof stamp->magic) != 0 || stamp->byte_order != byte_order)
-        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are no %s image of a machine like this", magic);
+        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are no %s image of a machine like this",
+                       magic);
     if (stamp->version != version)
-        return gd_fail(detail, GD_UNRECOGNIZED, "the image has version %u, this program reads version %u",
-                       stamp->version, version);
+        return gd_fail(detail, GD_UNRECOGNIZED,
+                       "the image has version %u, this program reads version %u", stamp->version,
+                       version);
     if (stamp->fingerprint != fingerprint_of(mesh))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the image belongs to another mesh");
     return GD_OK;

@@ -1,4 +1,5 @@
-/* What is known of the mesh as a whole: components, boundary loops, Euler characteristic, extents. */
+/* What is known of the mesh as a whole: components, boundary loops, Euler characteristic, extents.
+ */
 #include <stdlib.h>
 
 #include "mesh/build.h"
@@ -6,7 +7,8 @@
 static enum gd_status label_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    mesh->vertex_component = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_component);
+    mesh->vertex_component =
+        gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_component);
     if (!mesh->vertex_component) return GD_NO_MEMORY;
     for (uint32_t f = 0; f < mesh->face_count; f++) {
         for (int k = 0; k < 3; k++) mesh->vertex_component[work->corner[f][k]] = work->component[f];
@@ -22,14 +24,17 @@ static enum gd_status count_components(struct gd__construction *work)
     for (uint32_t f = 0; f < mesh->face_count; f++) {
         struct gd_component *component = &mesh->component[work->component[f]];
         double shortest = HUGE_VAL;
-        for (int k = 0; k < 3; k++) shortest = fmin(shortest, mesh->side[mesh->face_side[f][k]].length);
+        for (int k = 0; k < 3; k++)
+            shortest = fmin(shortest, mesh->side[mesh->face_side[f][k]].length);
         component->faces++;
         component->grain += shortest;
     }
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) mesh->component[mesh->vertex_component[v]].vertices++;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        mesh->component[mesh->vertex_component[v]].vertices++;
     for (uint32_t e = 0; e < mesh->edge_count; e++)
         mesh->component[mesh->vertex_component[mesh->origin[2 * e]]].edges++;
-    for (uint32_t c = 0; c < work->component_count; c++) mesh->component[c].grain /= mesh->component[c].faces;
+    for (uint32_t c = 0; c < work->component_count; c++)
+        mesh->component[c].grain /= mesh->component[c].faces;
     return GD_OK;
 }
 
@@ -70,7 +75,8 @@ static void walk_loops(struct gd_mesh *mesh, uint8_t *visited)
 static enum gd_status find_boundaries(struct gd_mesh *mesh)
 {
     uint32_t boundary_vertices = 0;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) boundary_vertices += mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        boundary_vertices += mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY;
     uint32_t most_loops = boundary_vertices / 3;
     mesh->boundary = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary);
     mesh->boundary_side = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary_side);
@@ -99,7 +105,8 @@ static void measure_edges(struct gd_mesh *mesh)
 static void sum_up(struct gd_mesh *mesh, uint32_t component_count)
 {
     struct gd_mesh_summary *s = &mesh->summary;
-    for (uint32_t i = 0; i < s->index_count; i++) s->unreferenced_vertices += mesh->vertex_of_index[i] == GD_NONE;
+    for (uint32_t i = 0; i < s->index_count; i++)
+        s->unreferenced_vertices += mesh->vertex_of_index[i] == GD_NONE;
     s->vertices = mesh->vertex_count;
     s->faces = mesh->face_count;
     s->edges = mesh->edge_count;

@@ -1,12 +1,15 @@
 /* The mesh from the inside: what mesh builds and what the wedge, field and query rooms read.
  *
- * Everything is numbered anew inside: vertices and faces in Morton order of their positions (cache lines are shared by neighbours), edges
- * in order of first use by the faces in that order. Each edge exists once; 2e and 2e+1 name its two sides, h ^ 1 is the other side of h.
+ * Everything is numbered anew inside: vertices and faces in Morton order of their positions (cache
+ * lines are shared by neighbours), edges in order of first use by the faces in that order. Each
+ * edge exists once; 2e and 2e+1 name its two sides, h ^ 1 is the other side of h.
  *
- * Frame of side h: origin vertex at (0,0), destination at (length,0), the side's face at y > 0. A face runs counter-clockwise along its
- * three sides. A side without a face is a boundary side: `left` and `right` are GD_NONE there.
+ * Frame of side h: origin vertex at (0,0), destination at (length,0), the side's face at y > 0. A
+ * face runs counter-clockwise along its three sides. A side without a face is a boundary side:
+ * `left` and `right` are GD_NONE there.
  *
- * Lengths inside are scaled by the exact power of two 1/unit, so that squares neither overflow nor vanish; multiply by unit going out. */
+ * Lengths inside are scaled by the exact power of two 1/unit, so that squares neither overflow nor
+ * vanish; multiply by unit going out. */
 #ifndef GD_MESH_TOPOLOGY_H
 #define GD_MESH_TOPOLOGY_H
 
@@ -19,14 +22,16 @@
 #include "gd/mesh.h"
 #include "gd/point.h"
 
-/* One cache line: all that propagation across the face of a side needs. p is the apex, the corner opposite to the side. */
+/* One cache line: all that propagation across the face of a side needs. p is the apex, the corner
+ * opposite to the side. */
 struct gd_side {
     double length;                    /* of the edge */
     double left_length, right_length; /* |origin p|, |p destination| */
     double left_x, left_y;            /* unit vector origin -> p in the side's frame */
     double right_x, right_y;          /* unit vector p -> destination */
-    uint32_t left, right; /* sides across: twin of the face's side (p -> origin), runs origin -> p; twin of the side
-                                              (destination -> p), runs p -> destination. Both GD_NONE on the boundary */
+    uint32_t left,
+        right; /* sides across: twin of the face's side (p -> origin), runs origin -> p; twin of the
+                  side (destination -> p), runs p -> destination. Both GD_NONE on the boundary */
 };
 
 enum gd_vertex_kind {
@@ -35,10 +40,13 @@ enum gd_vertex_kind {
     GD_VERTEX_BOUNDARY = 2
 };
 
-/* One entry a face corner: the faces around a vertex, counter-clockwise, starting at the boundary side if there is one. */
+/* One entry a face corner: the faces around a vertex, counter-clockwise, starting at the boundary
+ * side if there is one. */
 struct gd_fan {
     double
-        angle; /* where the face begins, from the first entry's side; at a boundary vertex the first side is a boundary edge */
+        /* where the face begins, from the first entry's side; at a boundary vertex the first side
+           is a boundary edge */
+        angle;
     uint32_t side; /* outgoing side, whose face this is */
     uint32_t tip;  /* its other end */
 };
@@ -64,29 +72,35 @@ struct gd_mesh {
     uint32_t *fan_first; /* vertex_count + 1 */
     struct gd_fan *fan;  /* 3 face_count */
     uint32_t
-        *beyond; /* per entry of a fan: the corner behind the edge opposite to the vertex; GD_NONE: that is boundary */
+        /* per entry of a fan: the corner behind the edge opposite to the vertex; GD_NONE: that is
+           boundary */
+        *beyond;
 
-    struct gd_side *side;     /* 2 edge_count, 64-byte aligned */
-    uint32_t *origin;         /* per side; destination = origin[h ^ 1] */
-    uint32_t *side_face;      /* per side; GD_NONE: boundary */
-    uint32_t *side_fan;       /* per side with a face: its entry in `fan` */
-    uint32_t (*face_side)[3]; /* per face: side k runs from corner k to corner k+1; corner 0 is the input's corner 0 */
+    struct gd_side *side; /* 2 edge_count, 64-byte aligned */
+    uint32_t *origin;     /* per side; destination = origin[h ^ 1] */
+    uint32_t *side_face;  /* per side; GD_NONE: boundary */
+    uint32_t *side_fan;   /* per side with a face: its entry in `fan` */
+    /* per face: side k runs from corner k to corner k+1; corner 0 is the input's corner 0 */
+    uint32_t (*face_side)[3];
 
     struct gd_component *component;
     struct gd_boundary *boundary; /* outside unit */
     uint32_t *boundary_side;      /* per loop one of its boundary sides */
 
     /* numbering */
-    uint32_t *vertex_of_index; /* index_count entries: input index -> vertex, GD_NONE if unreferenced */
+    /* index_count entries: input index -> vertex, GD_NONE if unreferenced */
+    uint32_t *vertex_of_index;
     uint32_t *index_of_vertex;
-    uint32_t *face_of_index; /* face_index_count entries: input triangle -> face, GD_NONE if repair removed it */
+    /* face_index_count entries: input triangle -> face, GD_NONE if repair removed it */
+    uint32_t *face_of_index;
     uint32_t *index_of_face;
     uint8_t *face_flipped;          /* per face: corners 1 and 2 are swapped against the input */
     uint32_t *source_polygon;       /* per input triangle; NULL when the input had only triangles */
     struct gd_vec3 *input_position; /* per input index, as given: to the last bit */
 
     struct gd_mesh_repair *repair; /* NULL: neither repair nor weld was asked for */
-    uint32_t *copy_of; /* per vertex index that repair appended: the input index of its original; NULL: none */
+    /* per vertex index that repair appended: the input index of its original; NULL: none */
+    uint32_t *copy_of;
 
     struct gd_bvh *bvh;
     size_t bytes;
@@ -119,7 +133,8 @@ static inline uint32_t gd__side_apex(const struct gd_mesh *mesh, uint32_t side)
     return mesh->origin[mesh->side[side].right];
 }
 
-/* A vertex' neighbours have the numbers [fan_first[vertex], gd__neighbours_end): those of its fan's entries, and at the boundary one more. */
+/* A vertex' neighbours have the numbers [fan_first[vertex], gd__neighbours_end): those of its fan's
+ * entries, and at the boundary one more. */
 static inline uint32_t gd__neighbours_end(const struct gd_mesh *mesh, uint32_t vertex)
 {
     return mesh->fan_first[vertex + 1] + (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY);
@@ -131,15 +146,15 @@ static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex
                                                 : gd__side_apex(mesh, mesh->fan[number - 1].side);
 }
 
-/* What is left of an edge beyond a point of it, as a part of its length. Stored points of older fields
- * have t alone. */
+/* What is left of an edge beyond a point of it, as a part of its length. Stored points of older
+ * fields have t alone. */
 static inline double gd__edge_rest(const struct gd_point *point)
 {
     return point->weight[1] > 0 ? point->weight[1] : 1 - point->weight[0];
 }
 
-/* Some edge is so much shorter than another that places on the longer one, as they are stored, do not tell
- * the shorter one's ends apart well. */
+/* Some edge is so much shorter than another that places on the longer one, as they are stored, do
+ * not tell the shorter one's ends apart well. */
 static inline bool gd__mesh_is_graded(const struct gd_mesh *mesh)
 {
     return mesh->summary.edge_length.min < GD_TOL_GRADED * mesh->summary.edge_length.max;

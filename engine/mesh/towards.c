@@ -9,7 +9,8 @@ static bool is_in_face(const struct gd_mesh *mesh, const struct gd_point *point,
     return face != GD_NONE && gd__face_contains(mesh, face, point);
 }
 
-/* From side k of a face, in whose frame both lie. Differences are taken of the weights, which keep small ones. */
+/* From side k of a face, in whose frame both lie. Differences are taken of the weights, which keep
+ * small ones. */
 static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *at,
                             const struct gd_point *to)
 {
@@ -24,26 +25,31 @@ static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const str
 }
 
 /* From the first entry of the vertex' fan. */
-static double angle_at_vertex(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *to)
+static double angle_at_vertex(const struct gd_mesh *mesh, const struct gd_point *at,
+                              const struct gd_point *to)
 {
     for (uint32_t i = mesh->fan_first[at->element]; i < mesh->fan_first[at->element + 1]; i++) {
         uint32_t side = mesh->fan[i].side;
-        if (is_in_face(mesh, to, mesh->side_face[side])) return mesh->fan[i].angle + angle_in_face(mesh, side, at, to);
+        if (is_in_face(mesh, to, mesh->side_face[side]))
+            return mesh->fan[i].angle + angle_in_face(mesh, side, at, to);
     }
     return NAN;
 }
 
 /* From the direction of the edge's side 0. */
-static double angle_at_edge(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *to)
+static double angle_at_edge(const struct gd_mesh *mesh, const struct gd_point *at,
+                            const struct gd_point *to)
 {
     for (uint32_t k = 0; k < 2; k++) {
         uint32_t side = 2 * at->element + k;
-        if (is_in_face(mesh, to, mesh->side_face[side])) return k * M_PI + angle_in_face(mesh, side, at, to);
+        if (is_in_face(mesh, to, mesh->side_face[side]))
+            return k * M_PI + angle_in_face(mesh, side, at, to);
     }
     return NAN;
 }
 
-static double angle_towards(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *to)
+static double angle_towards(const struct gd_mesh *mesh, const struct gd_point *at,
+                            const struct gd_point *to)
 {
     switch (at->kind) {
     case GD_POINT_VERTEX:
@@ -53,11 +59,13 @@ static double angle_towards(const struct gd_mesh *mesh, const struct gd_point *a
     case GD_POINT_FACE:
         break;
     }
-    return is_in_face(mesh, to, at->element) ? angle_in_face(mesh, mesh->face_side[at->element][0], at, to) : NAN;
+    return is_in_face(mesh, to, at->element)
+               ? angle_in_face(mesh, mesh->face_side[at->element][0], at, to)
+               : NAN;
 }
 
-double gd__angle_between(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *a,
-                         const struct gd_point *b)
+double gd__angle_between(const struct gd_mesh *mesh, const struct gd_point *at,
+                         const struct gd_point *a, const struct gd_point *b)
 {
     double apart = fabs(angle_towards(mesh, at, a) - angle_towards(mesh, at, b)), total = 2 * M_PI;
     if (at->kind == GD_POINT_VERTEX) {

@@ -1,5 +1,6 @@
-/* Triangle: lengths, area and shape of one face, however it is stored. Scaling by a power of two changes no bit of a
- * shape, so that what is measured before the inside unit is known agrees with what is measured after. */
+/* Triangle: lengths, area and shape of one face, however it is stored. Scaling by a power of two
+ * changes no bit of a shape, so that what is measured before the inside unit is known agrees with
+ * what is measured after. */
 #ifndef GD_MESH_TRIANGLE_H
 #define GD_MESH_TRIANGLE_H
 
@@ -15,7 +16,8 @@ struct gd__triangle {
 };
 
 /* Of the three edges as vectors, whose squares neither overflow nor vanish. */
-static inline struct gd__triangle gd__triangle_measure(struct gd_vec3 edge0, struct gd_vec3 edge1, struct gd_vec3 edge2)
+static inline struct gd__triangle gd__triangle_measure(struct gd_vec3 edge0, struct gd_vec3 edge1,
+                                                       struct gd_vec3 edge2)
 {
     struct gd__triangle t = {.edge = {edge0, edge1, edge2}};
     for (uint32_t k = 0; k < 3; k++) t.length[k] = gd_vec3_length(t.edge[k]);

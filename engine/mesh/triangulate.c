@@ -1,5 +1,5 @@
-/* Polygons to triangles. The triangles of a polygon stand together; each holds at least one diagonal that was no edge
- * before, so that no two polygons can yield the same triangle. */
+/* Polygons to triangles. The triangles of a polygon stand together; each holds at least one
+ * diagonal that was no edge before, so that no two polygons can yield the same triangle. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,12 +24,14 @@ static uint32_t largest_polygon(const struct gd_polygons *polygons, uint32_t *wh
 
 static void insert_ring(struct gd__edge_set *edges, const uint32_t *corner, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; i++) gd__edge_set_insert(edges, corner[i], corner[i + 1 < count ? i + 1 : 0]);
+    for (uint32_t i = 0; i < count; i++)
+        gd__edge_set_insert(edges, corner[i], corner[i + 1 < count ? i + 1 : 0]);
 }
 
 /* Triangulates one polygon into triangle[0 .. n-3] and makes its diagonals edges. */
-static enum gd_status split(struct gd__construction *work, uint32_t polygon, struct gd__ear_clipper *clipper,
-                            struct gd__edge_set *edges, uint32_t (*triangle)[3])
+static enum gd_status split(struct gd__construction *work, uint32_t polygon,
+                            struct gd__ear_clipper *clipper, struct gd__edge_set *edges,
+                            uint32_t (*triangle)[3])
 {
     const struct gd_polygons *polygons = work->polygons;
     uint32_t count = size_of(polygons, polygon);
@@ -38,9 +40,11 @@ static enum gd_status split(struct gd__construction *work, uint32_t polygon, str
         memcpy(triangle, corner, sizeof *triangle);
         return GD_OK;
     }
-    if (!gd__ear_clip(clipper, (const double(*)[3])polygons->positions, corner, count, edges, triangle)) {
+    if (!gd__ear_clip(clipper, (const double(*)[3])polygons->positions, corner, count, edges,
+                      triangle)) {
         gd_fail(work->detail, GD_NOT_TRIANGULABLE,
-                "face %u with %u corners can't be split into triangles: its diagonals are edges of other faces",
+                "face %u with %u corners can't be split into triangles: its diagonals are edges of "
+                "other faces",
                 polygon, count);
         gd_detail_add(work->detail, GD_ELEMENT_FACE, polygon, 0);
         return GD_NOT_TRIANGULABLE;
@@ -49,13 +53,17 @@ static enum gd_status split(struct gd__construction *work, uint32_t polygon, str
     return GD_OK;
 }
 
-/* Face indices count the triangles of the uploaded polygons: a polygon that lost corners leaves its last ones unused.
- * Returns the first index of the next polygon. */
-static uint32_t name_triangles(struct gd__construction *work, uint32_t polygon, uint32_t made, uint32_t index)
+/* Face indices count the triangles of the uploaded polygons: a polygon that lost corners leaves its
+ * last ones unused. Returns the first index of the next polygon. */
+static uint32_t name_triangles(struct gd__construction *work, uint32_t polygon, uint32_t made,
+                               uint32_t index)
 {
-    uint32_t count = size_of(work->polygons, polygon), end = index + size_of(work->input, polygon) - 2;
-    for (uint32_t k = 0; work->face_index && k + 2 < count; k++) work->face_index[made + k] = index + k;
-    for (uint32_t i = index; work->mesh->source_polygon && i < end; i++) work->mesh->source_polygon[i] = polygon;
+    uint32_t count = size_of(work->polygons, polygon),
+             end = index + size_of(work->input, polygon) - 2;
+    for (uint32_t k = 0; work->face_index && k + 2 < count; k++)
+        work->face_index[made + k] = index + k;
+    for (uint32_t i = index; work->mesh->source_polygon && i < end; i++)
+        work->mesh->source_polygon[i] = polygon;
     return end;
 }
 
@@ -64,12 +72,15 @@ static enum gd_status split_all(struct gd__construction *work, struct gd__ear_cl
 {
     const struct gd_polygons *polygons = work->polygons;
     for (uint32_t i = 0; i < polygons->polygon_count; i++)
-        insert_ring(edges, polygons->corners + gd_polygons_first(polygons, i), size_of(polygons, i));
+        insert_ring(edges, polygons->corners + gd_polygons_first(polygons, i),
+                    size_of(polygons, i));
     uint32_t made = 0, index = 0;
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         double done = (double)i / polygons->polygon_count;
-        enum gd_status status = gd_control_check(work->control, work->begun + (work->until - work->begun) * done);
-        if (!status && size_of(polygons, i)) status = split(work, i, clipper, edges, work->triangle + made);
+        enum gd_status status =
+            gd_control_check(work->control, work->begun + (work->until - work->begun) * done);
+        if (!status && size_of(polygons, i))
+            status = split(work, i, clipper, edges, work->triangle + made);
         if (status) return status;
         index = name_triangles(work, i, made, index);
         if (size_of(polygons, i)) made += size_of(polygons, i) - 2;
@@ -85,7 +96,8 @@ static enum gd_status triangulate(struct gd__construction *work, uint32_t most_c
     enum gd_status status = clipper ? GD_OK : GD_NO_MEMORY;
     /* every edge of every polygon, and its diagonals */
     if (!status)
-        status = gd__edge_set_create(gd_polygons_corner_count(work->polygons) + (uint64_t)mesh->face_count, &edges);
+        status = gd__edge_set_create(
+            gd_polygons_corner_count(work->polygons) + (uint64_t)mesh->face_count, &edges);
     if (!status) status = split_all(work, clipper, &edges);
     gd__edge_set_free(&edges);
     gd__ear_clipper_free(clipper);
@@ -95,8 +107,10 @@ static enum gd_status triangulate(struct gd__construction *work, uint32_t most_c
 /* The corners are the triangles. */
 static void take_triangles(struct gd__construction *work)
 {
-    memcpy(work->triangle, work->polygons->corners, work->mesh->face_count * sizeof *work->triangle);
-    for (uint32_t i = 0, made = 0, index = 0; work->face_index && i < work->polygons->polygon_count; i++) {
+    memcpy(work->triangle, work->polygons->corners,
+           work->mesh->face_count * sizeof *work->triangle);
+    for (uint32_t i = 0, made = 0, index = 0; work->face_index && i < work->polygons->polygon_count;
+         i++) {
         index = name_triangles(work, i, made, index);
         made += size_of(work->polygons, i) > 0;
     }
@@ -104,8 +118,9 @@ static void take_triangles(struct gd__construction *work)
 
 static enum gd_status refuse_size(struct gd__construction *work, uint32_t polygon, uint32_t corners)
 {
-    gd_fail(work->detail, GD_UNSUPPORTED, "face %u has %u corners; at most %u are supported, split it", polygon,
-            corners, GD_EAR_MAX_CORNERS);
+    gd_fail(work->detail, GD_UNSUPPORTED,
+            "face %u has %u corners; at most %u are supported, split it", polygon, corners,
+            GD_EAR_MAX_CORNERS);
     gd_detail_add(work->detail, GD_ELEMENT_FACE, polygon, 0);
     return GD_UNSUPPORTED;
 }
@@ -113,7 +128,8 @@ static enum gd_status refuse_size(struct gd__construction *work, uint32_t polygo
 static uint32_t count_triangles(const struct gd_polygons *polygons)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) count += size_of(polygons, i) ? size_of(polygons, i) - 2 : 0;
+    for (uint32_t i = 0; i < polygons->polygon_count; i++)
+        count += size_of(polygons, i) ? size_of(polygons, i) - 2 : 0;
     return count;
 }
 
@@ -129,7 +145,8 @@ enum gd_status gd__triangulate(struct gd__construction *work)
     if (edited) work->face_index = malloc(mesh->face_count * sizeof *work->face_index);
     if (!work->triangle || (edited && !work->face_index)) return GD_NO_MEMORY;
     if (largest_polygon(work->input, &which) > 3) {
-        mesh->source_polygon = gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->source_polygon);
+        mesh->source_polygon =
+            gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->source_polygon);
         if (!mesh->source_polygon) return GD_NO_MEMORY;
     }
     if (most_corners > 3) return triangulate(work, most_corners);

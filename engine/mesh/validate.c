@@ -1,4 +1,5 @@
-/* What can be told from the polygons one by one: indices, coordinates, repeated corners, edges of length zero. */
+/* What can be told from the polygons one by one: indices, coordinates, repeated corners, edges of
+ * length zero. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,12 +12,14 @@ static enum gd_status check_counts(const struct gd_polygons *polygons, struct gd
     uint64_t triangles = gd_polygons_corner_count(polygons) - 2 * (uint64_t)polygons->polygon_count;
     if (!polygons->first) triangles = polygons->polygon_count;
     if (triangles > GD_MESH_MAX_FACES)
-        return gd_fail(detail, GD_TOO_LARGE, "the input has %llu triangles; at most %u are supported",
+        return gd_fail(detail, GD_TOO_LARGE,
+                       "the input has %llu triangles; at most %u are supported",
                        (unsigned long long)triangles, GD_MESH_MAX_FACES);
     return GD_OK;
 }
 
-static enum gd_status check_sizes(const struct gd_polygons *polygons, bool triangles_only, struct gd_detail *detail)
+static enum gd_status check_sizes(const struct gd_polygons *polygons, bool triangles_only,
+                                  struct gd_detail *detail)
 {
     struct gd__offenders small = {0}, large = {0};
     if (!polygons->first) return GD_OK;
@@ -26,14 +29,15 @@ static enum gd_status check_sizes(const struct gd_polygons *polygons, bool trian
         if (size > 3) gd__offenders_add(&large, i, 0, size);
     }
     if (small.total) {
-        gd_fail(detail, GD_DEGENERATE_FACE, "face %u has %u corners; a face needs three", (unsigned)small.lowest[0].a,
-                small.lowest[0].witness);
+        gd_fail(detail, GD_DEGENERATE_FACE, "face %u has %u corners; a face needs three",
+                (unsigned)small.lowest[0].a, small.lowest[0].witness);
         return gd__offenders_report(&small, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, detail);
     }
     if (large.total && triangles_only) {
         gd_fail(detail, GD_NOT_TRIANGLES,
                 "face %u has %u corners and triangulation was refused; %llu faces are no triangles",
-                (unsigned)large.lowest[0].a, large.lowest[0].witness, (unsigned long long)large.total);
+                (unsigned)large.lowest[0].a, large.lowest[0].witness,
+                (unsigned long long)large.total);
         return gd__offenders_report(&large, GD_ELEMENT_FACE, GD_NOT_TRIANGLES, detail);
     }
     return GD_OK;
@@ -55,7 +59,8 @@ static enum gd_status check_indices(const struct gd_polygons *polygons, struct g
     return gd__offenders_report(&offenders, GD_ELEMENT_FACE, GD_INDEX, detail);
 }
 
-static enum gd_status check_coordinates(const struct gd_polygons *polygons, struct gd_detail *detail)
+static enum gd_status check_coordinates(const struct gd_polygons *polygons,
+                                        struct gd_detail *detail)
 {
     struct gd__offenders infinite = {0}, far = {0};
     for (uint32_t i = 0; i < polygons->position_count; i++) {
@@ -72,7 +77,8 @@ static enum gd_status check_coordinates(const struct gd_polygons *polygons, stru
         return gd__offenders_report(&infinite, GD_ELEMENT_VERTEX, GD_NON_FINITE, detail);
     }
     if (far.total) {
-        gd_fail(detail, GD_EXTENT, "vertex %u has a coordinate beyond %g; use a larger unit of length",
+        gd_fail(detail, GD_EXTENT,
+                "vertex %u has a coordinate beyond %g; use a larger unit of length",
                 (unsigned)far.lowest[0].a, GD_EXTENT_MAX);
         return gd__offenders_report(&far, GD_ELEMENT_VERTEX, GD_EXTENT, detail);
     }
@@ -85,7 +91,8 @@ static void find_repeated_corners(const struct gd_polygons *polygons, uint32_t *
 {
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         bool repeated = false;
-        for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1); c++) {
+        for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1);
+             c++) {
             uint32_t v = polygons->corners[c];
             if (seen_in[v] == i + 1 && !repeated) {
                 gd__offenders_add(offenders, i, 0, v);
@@ -96,7 +103,8 @@ static void find_repeated_corners(const struct gd_polygons *polygons, uint32_t *
     }
 }
 
-static enum gd_status check_repeated_corners(const struct gd_polygons *polygons, struct gd_detail *detail)
+static enum gd_status check_repeated_corners(const struct gd_polygons *polygons,
+                                             struct gd_detail *detail)
 {
     uint32_t *seen_in = calloc(polygons->position_count, sizeof *seen_in);
     if (!seen_in) return GD_NO_MEMORY;
@@ -104,12 +112,13 @@ static enum gd_status check_repeated_corners(const struct gd_polygons *polygons,
     find_repeated_corners(polygons, seen_in, &offenders);
     free(seen_in);
     if (!offenders.total) return GD_OK;
-    gd_fail(detail, GD_DEGENERATE_FACE, "face %u has vertex %u as two of its corners", (unsigned)offenders.lowest[0].a,
-            offenders.lowest[0].witness);
+    gd_fail(detail, GD_DEGENERATE_FACE, "face %u has vertex %u as two of its corners",
+            (unsigned)offenders.lowest[0].a, offenders.lowest[0].witness);
     return gd__offenders_report(&offenders, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, detail);
 }
 
-static enum gd_status check_edge_lengths(const struct gd_polygons *polygons, struct gd_detail *detail)
+static enum gd_status check_edge_lengths(const struct gd_polygons *polygons,
+                                         struct gd_detail *detail)
 {
     struct gd__offenders offenders = {0};
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
@@ -125,16 +134,20 @@ static enum gd_status check_edge_lengths(const struct gd_polygons *polygons, str
     }
     if (!offenders.total) return GD_OK;
     const struct gd__offender *edge = &offenders.lowest[0];
-    gd_fail(detail, GD_DEGENERATE_FACE,
-            "edge %u-%u of face %u has length zero: its vertices have the same position; merge them", (unsigned)edge->a,
-            (unsigned)edge->b, edge->witness);
+    gd_fail(
+        detail, GD_DEGENERATE_FACE,
+        "edge %u-%u of face %u has length zero: its vertices have the same position; merge them",
+        (unsigned)edge->a, (unsigned)edge->b, edge->witness);
     return gd__offenders_report(&offenders, GD_ELEMENT_EDGE, GD_DEGENERATE_FACE, detail);
 }
 
-static enum gd_status check_tolerance(const struct gd_mesh_options *options, struct gd_detail *detail)
+static enum gd_status check_tolerance(const struct gd_mesh_options *options,
+                                      struct gd_detail *detail)
 {
-    if (!options->weld || (isfinite(options->weld_tolerance) && options->weld_tolerance >= 0)) return GD_OK;
-    return gd_fail(detail, GD_INVALID_ARGUMENT, "the weld tolerance is %g; it must be a finite length of at least 0",
+    if (!options->weld || (isfinite(options->weld_tolerance) && options->weld_tolerance >= 0))
+        return GD_OK;
+    return gd_fail(detail, GD_INVALID_ARGUMENT,
+                   "the weld tolerance is %g; it must be a finite length of at least 0",
                    options->weld_tolerance);
 }
 

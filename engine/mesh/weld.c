@@ -1,13 +1,14 @@
 /* Vertices within a tolerance of each other, by a spatial hash.
  *
- * DESIGN. Space is divided into cubic cells of twice the tolerance: what lies within the tolerance of a point is in its
- * cell or beyond the nearer of the two faces in each direction, in 8 cells at most. The table holds only vertices that
- * represent themselves. They are more than the tolerance apart, so a cell has room for a few dozen of them whatever the
- * input, and each vertex costs bounded work; no file can make the table's chains long, for their hash is not the same
- * from run to run. Tolerance 0: a cell is a position.
+ * DESIGN. Space is divided into cubic cells of twice the tolerance: what lies within the tolerance
+ * of a point is in its cell or beyond the nearer of the two faces in each direction, in 8 cells at
+ * most. The table holds only vertices that represent themselves. They are more than the tolerance
+ * apart, so a cell has room for a few dozen of them whatever the input, and each vertex costs
+ * bounded work; no file can make the table's chains long, for their hash is not the same from run
+ * to run. Tolerance 0: a cell is a position.
  *
- * Numbers of cells are doubles. Where they exceed 2^53, neighbouring coordinates are farther apart than the tolerance,
- * and cells that rounding does not tell apart hold the same coordinate. */
+ * Numbers of cells are doubles. Where they exceed 2^53, neighbouring coordinates are farther apart
+ * than the tolerance, and cells that rounding does not tell apart hold the same coordinate. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -70,7 +71,8 @@ static bool are_near(const struct cell_table *table, struct gd_vec3 p, struct gd
     return gd_vec3_dot(d, d) <= 1;
 }
 
-static uint32_t lowest_near_in_cell(const struct cell_table *table, struct gd_vec3 cell, struct gd_vec3 p)
+static uint32_t lowest_near_in_cell(const struct cell_table *table, struct gd_vec3 cell,
+                                    struct gd_vec3 p)
 {
     uint32_t lowest = GD_NONE;
     for (uint32_t v = *find_slot(table, cell); v != GD_NONE; v = table->next[v]) {
@@ -91,7 +93,8 @@ static int cells_along(const struct cell_table *table, double x, double cells[2]
 static uint32_t lowest_near(const struct cell_table *table, struct gd_vec3 p)
 {
     double x[2], y[2], z[2];
-    int nx = cells_along(table, p.x, x), ny = cells_along(table, p.y, y), nz = cells_along(table, p.z, z);
+    int nx = cells_along(table, p.x, x), ny = cells_along(table, p.y, y),
+        nz = cells_along(table, p.z, z);
     uint32_t lowest = GD_NONE;
     for (int i = 0; i < nx * ny * nz; i++) {
         struct gd_vec3 cell = {x[i % nx], y[i / nx % ny], z[i / nx / ny]};
@@ -120,7 +123,8 @@ static void weld_vertex(struct cell_table *table, uint32_t vertex)
     struct gd_mesh_repair *repair = work->mesh->repair;
     work->representative[vertex] = near;
     gd__mended_add(&repair->vertices_welded, vertex, near);
-    repair->largest_shift = fmax(repair->largest_shift, gd_vec3_distance(p, gd__input_position(work, near)));
+    repair->largest_shift =
+        fmax(repair->largest_shift, gd_vec3_distance(p, gd__input_position(work, near)));
 }
 
 #define VERTICES_BETWEEN_CHECKS 1024
@@ -153,7 +157,8 @@ static enum gd_status check_tolerance(const struct gd__construction *work)
     }
     if (tolerance == 0 || farthest / tolerance <= GD_EXTENT_MAX) return GD_OK;
     return gd_fail(work->detail, GD_INVALID_ARGUMENT,
-                   "the weld tolerance is %g where coordinates reach %g: it welds only equal positions, as 0 does",
+                   "the weld tolerance is %g where coordinates reach %g: it welds only equal "
+                   "positions, as 0 does",
                    tolerance, farthest);
 }
 

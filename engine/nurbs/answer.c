@@ -53,8 +53,10 @@ static enum gd_status copy_pieces(const struct gd__way *way, struct gd_geodesic 
     return status;
 }
 
-/* Length of a span of a curve that knows no cells: by many panels, as lines of the surface may cross it anywhere. */
-static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
+/* Length of a span of a curve that knows no cells: by many panels, as lines of the surface may
+ * cross it anywhere. */
+static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece,
+                           uint32_t span)
 {
     const double *knot = piece->knots + chain->degree + span, width = (knot[1] - knot[0]) / PANELS;
     const struct gd__gauss *rule = gd__gauss(GD__GAUSS_LEAST);
@@ -65,7 +67,8 @@ static double panel_length(const struct gd__chain *chain, const struct gd__piece
         double t = knot[0] + (i / GD__GAUSS_LEAST + rule->node[i % GD__GAUSS_LEAST]) * width;
         gd__piece_at(chain, piece, span, t, &c);
         gd__piece_jet(chain, piece, c.at, &x);
-        sum += rule->weight[i % GD__GAUSS_LEAST] * width * gd_vec3_length(gd__velocity(&x, c.first));
+        sum +=
+            rule->weight[i % GD__GAUSS_LEAST] * width * gd_vec3_length(gd__velocity(&x, c.first));
     }
     return sum;
 }
@@ -156,16 +159,19 @@ static void piece_place(const struct gd_geodesic_piece *piece, double t, double 
     gd__basis(piece->degree, piece->knots, span, t, &basis);
     at[0] = at[1] = 0;
     for (uint32_t i = 0; i <= piece->degree; i++)
-        for (int k = 0; k < 2; k++) at[k] += basis.value[i] * piece->points[span - piece->degree + i][k];
+        for (int k = 0; k < 2; k++)
+            at[k] += basis.value[i] * piece->points[span - piece->degree + i][k];
 }
 
-enum gd_status gd_geodesic_sample(const struct gd_parametric *surface, const struct gd_geodesic *geodesic,
-                                  uint32_t count, double (*uv)[2], struct gd_vec3 *xyz)
+enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
+                                  const struct gd_geodesic *geodesic, uint32_t count,
+                                  double (*uv)[2], struct gd_vec3 *xyz)
 {
     if (count < 2 || !geodesic->piece_count) return GD_INVALID_ARGUMENT;
     for (uint32_t i = 0; i < count; i++) {
         double place = (double)i / (count - 1) * geodesic->piece_count, at[2];
-        uint32_t piece = place < geodesic->piece_count ? (uint32_t)place : geodesic->piece_count - 1;
+        uint32_t piece =
+            place < geodesic->piece_count ? (uint32_t)place : geodesic->piece_count - 1;
         piece_place(&geodesic->pieces[piece], place - piece, at);
         for (int k = 0; k < 2; k++) { /* rounding leads no farther than the border */
             const struct gd_axis *axis = surface->axis[k];

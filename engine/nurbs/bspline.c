@@ -13,8 +13,10 @@ static void raise_degree(uint32_t j, const double *knots, uint32_t span, double 
     n[j] = saved;
 }
 
-/* From the j values (or derivatives) of degree j - 1 to the derivatives of the j + 1 functions of degree j. */
-static void differentiate(uint32_t j, const double *knots, uint32_t span, const double *lower, double *out)
+/* From the j values (or derivatives) of degree j - 1 to the derivatives of the j + 1 functions of
+ * degree j. */
+static void differentiate(uint32_t j, const double *knots, uint32_t span, const double *lower,
+                          double *out)
 {
     double before = 0;
     for (uint32_t r = 0; r < j; r++) {

@@ -17,7 +17,8 @@ size_t gd__chain_bytes(uint32_t degree, uint32_t piece_count, const uint32_t *sp
 {
     size_t bytes = sizeof(struct gd__chain) + sizeof(struct gd__joint);
     for (uint32_t i = 0; i < piece_count; i++)
-        bytes += sizeof(struct gd__piece) + sizeof(struct gd__joint) + piece_bytes(degree, spans[i]);
+        bytes +=
+            sizeof(struct gd__piece) + sizeof(struct gd__joint) + piece_bytes(degree, spans[i]);
     return bytes;
 }
 
@@ -28,13 +29,14 @@ static char *carve(char **at, size_t bytes)
     return begin;
 }
 
-struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__watch *watch, uint32_t degree,
-                                   uint32_t piece_count, const uint32_t *spans)
+struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__watch *watch,
+                                   uint32_t degree, uint32_t piece_count, const uint32_t *spans)
 {
     char *at = calloc(1, gd__chain_bytes(degree, piece_count, spans));
     if (!at) return NULL;
     struct gd__chain *chain = (void *)carve(&at, sizeof *chain);
-    *chain = (struct gd__chain){.surface = surface, .degree = degree, .piece_count = piece_count, .watch = watch};
+    *chain = (struct gd__chain){
+        .surface = surface, .degree = degree, .piece_count = piece_count, .watch = watch};
     chain->pieces = (void *)carve(&at, piece_count * sizeof *chain->pieces);
     chain->joints = (void *)carve(&at, (piece_count + 1) * sizeof *chain->joints);
     for (uint32_t i = 0; i < piece_count; i++) {
@@ -45,7 +47,9 @@ struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct g
         piece->points = (void *)carve(&at, (spans[i] + degree) * sizeof *piece->points);
         piece->nodes = (void *)carve(&at, spans[i] * (degree + 2) * sizeof *piece->nodes);
         for (uint32_t k = 0; k < knots; k++)
-            piece->knots[k] = k < degree ? 0 : k > degree + spans[i] ? 1 : (double)(k - degree) / spans[i];
+            piece->knots[k] = k < degree              ? 0
+                              : k > degree + spans[i] ? 1
+                                                      : (double)(k - degree) / spans[i];
     }
     return chain;
 }
@@ -104,8 +108,8 @@ void gd__chain_attach(struct gd__chain *chain)
     }
 }
 
-static void combine(const struct gd__chain *chain, const double (*points)[2], const double *value, const double *first,
-                    const double *second, struct gd__curve_jet *out)
+static void combine(const struct gd__chain *chain, const double (*points)[2], const double *value,
+                    const double *first, const double *second, struct gd__curve_jet *out)
 {
     *out = (struct gd__curve_jet){0};
     for (uint32_t i = 0; i <= chain->degree; i++) {
@@ -117,22 +121,25 @@ static void combine(const struct gd__chain *chain, const double (*points)[2], co
     }
 }
 
-void gd__piece_node(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, int node,
-                    struct gd__curve_jet *out)
+void gd__piece_node(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
+                    int node, struct gd__curve_jet *out)
 {
-    const struct gd__node *n = &piece->nodes[span * (uint32_t)gd__chain_gauss(chain) + (uint32_t)node];
+    const struct gd__node *n =
+        &piece->nodes[span * (uint32_t)gd__chain_gauss(chain) + (uint32_t)node];
     combine(chain, (const double(*)[2])piece->points + span, n->value, n->first, n->second, out);
 }
 
-void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double t,
-                  struct gd__curve_jet *out)
+void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
+                  double t, struct gd__curve_jet *out)
 {
     struct gd__basis basis;
     gd__basis(chain->degree, piece->knots, chain->degree + span, t, &basis);
-    combine(chain, (const double(*)[2])piece->points + span, basis.value, basis.first, basis.second, out);
+    combine(chain, (const double(*)[2])piece->points + span, basis.value, basis.first, basis.second,
+            out);
 }
 
-void gd__piece_jet(const struct gd__chain *chain, const struct gd__piece *piece, const double at[2], struct gd_jet *out)
+void gd__piece_jet(const struct gd__chain *chain, const struct gd__piece *piece, const double at[2],
+                   struct gd_jet *out)
 {
     if (piece->whole)
         gd__surface_at(chain->surface, at, out);
@@ -158,7 +165,8 @@ double gd__chain_rounding(const struct gd__chain *chain)
         struct gd_jet x;
         gd__joint_jet(joint, joint->at, &c);
         gd__piece_jet(chain, &chain->pieces[side ? chain->piece_count - 1 : 0], c.at, &x);
-        sum += 0.5 * DBL_EPSILON * (fabs(c.at[0]) * gd_vec3_length(x.u) + fabs(c.at[1]) * gd_vec3_length(x.v));
+        sum += 0.5 * DBL_EPSILON *
+               (fabs(c.at[0]) * gd_vec3_length(x.u) + fabs(c.at[1]) * gd_vec3_length(x.v));
     }
     return sum;
 }
@@ -170,23 +178,27 @@ uint32_t gd__chain_spans(const struct gd__chain *chain)
     return spans;
 }
 
-/* --- refinement --------------------------------------------------------------------------------------------------- */
+/* --- refinement ------------------------------------------------------------------------------- */
 
-/* Inserts t into a clamped knot vector of `*count` points; arrays have room. Boehm 1980; The NURBS Book, section 5.2. */
-static void insert_knot(uint32_t degree, double *knots, double (*points)[2], uint32_t *count, double t)
+/* Inserts t into a clamped knot vector of `*count` points; arrays have room. Boehm 1980; The NURBS
+ * Book, section 5.2. */
+static void insert_knot(uint32_t degree, double *knots, double (*points)[2], uint32_t *count,
+                        double t)
 {
     uint32_t span = gd__basis_span(degree, *count, knots, t);
     for (uint32_t i = *count; i > span; i--) memcpy(points[i], points[i - 1], sizeof *points);
     for (uint32_t i = span; i > span - degree; i--) {
         double part = (t - knots[i]) / (knots[i + degree] - knots[i]);
-        for (int k = 0; k < 2; k++) points[i][k] = part * points[i][k] + (1 - part) * points[i - 1][k];
+        for (int k = 0; k < 2; k++)
+            points[i][k] = part * points[i][k] + (1 - part) * points[i - 1][k];
     }
     memmove(knots + span + 2, knots + span + 1, (*count + degree - span) * sizeof *knots);
     knots[span + 1] = t;
     (*count)++;
 }
 
-static void refine_piece(uint32_t degree, const struct gd__piece *from, const bool *marked, struct gd__piece *to)
+static void refine_piece(uint32_t degree, const struct gd__piece *from, const bool *marked,
+                         struct gd__piece *to)
 {
     uint32_t count = from->spans + degree;
     memcpy(to->knots, from->knots, (from->spans + 1 + 2 * degree) * sizeof *to->knots);
@@ -209,7 +221,8 @@ struct gd__chain *gd__chain_refine(const struct gd__chain *chain, const bool *ma
         spans[i] = chain->pieces[i].spans;
         for (uint32_t k = 0; k < chain->pieces[i].spans; k++) spans[i] += *mark++;
     }
-    struct gd__chain *finer = gd__chain_create(chain->surface, chain->watch, chain->degree, chain->piece_count, spans);
+    struct gd__chain *finer =
+        gd__chain_create(chain->surface, chain->watch, chain->degree, chain->piece_count, spans);
     free(spans);
     if (!finer) return NULL;
     memcpy(finer->joints, chain->joints, (chain->piece_count + 1) * sizeof *chain->joints);

@@ -27,7 +27,8 @@ static double unround(const struct gd_axis *axis, double t)
     return fmin(fmax(t, axis->low), axis->high);
 }
 
-static void evaluate(const struct gd_domain_curve *curve, uint32_t span, double s, struct gd__curve_jet *out)
+static void evaluate(const struct gd_domain_curve *curve, uint32_t span, double s,
+                     struct gd__curve_jet *out)
 {
     struct gd__basis basis;
     gd__basis(curve->degree, curve->knots, span, s, &basis);
@@ -59,7 +60,8 @@ void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__cur
     for (int k = 0; k < 2; k++) out->at[k] += turns * curve->winding[k];
 }
 
-void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s, struct gd__curve_jet *out)
+void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s,
+                      struct gd__curve_jet *out)
 {
     evaluate(curve, span_of(curve, 0.5 * (curve->breaks[i] + curve->breaks[i + 1])), s, out);
 }
@@ -71,7 +73,7 @@ uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
     return i;
 }
 
-/* --- breaks ------------------------------------------------------------------------------------------------------- */
+/* --- breaks ----------------------------------------------------------------------------------- */
 
 enum { LOOKS = 32 }; /* at a polynomial piece, for where it crosses lines of the surface */
 
@@ -96,7 +98,8 @@ static enum gd_status add_break(struct gd_domain_curve *curve, struct breaking *
 }
 
 /* Where the coordinate changes between cells, between a and b: bisection. */
-static double crossing(const struct gd_domain_curve *curve, uint32_t span, int k, double a, double b)
+static double crossing(const struct gd_domain_curve *curve, uint32_t span, int k, double a,
+                       double b)
 {
     const struct gd_axis *axis = curve->surface->axis[k];
     struct gd__curve_jet jet;
@@ -113,16 +116,19 @@ static double crossing(const struct gd_domain_curve *curve, uint32_t span, int k
     return b;
 }
 
-static bool crosses_several(const struct gd_parametric *surface, const double a[2], const double b[2])
+static bool crosses_several(const struct gd_parametric *surface, const double a[2],
+                            const double b[2])
 {
     for (int k = 0; k < 2; k++)
-        if (abs(gd__axis_cell(surface->axis[k], a[k]) - gd__axis_cell(surface->axis[k], b[k])) > 1) return true;
+        if (abs(gd__axis_cell(surface->axis[k], a[k]) - gd__axis_cell(surface->axis[k], b[k])) > 1)
+            return true;
     return false;
 }
 
-/* Appends the crossings within one step of a polynomial piece, in order. A step over several lines of a direction is halved until it crosses one. */
-static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking *breaking, uint32_t span, double a,
-                                 double b)
+/* Appends the crossings within one step of a polynomial piece, in order. A step over several lines
+ * of a direction is halved until it crosses one. */
+static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking *breaking,
+                                 uint32_t span, double a, double b)
 {
     struct gd__curve_jet from, to;
     double middle = 0.5 * (a + b), at[2] = {INFINITY, INFINITY};
@@ -135,7 +141,8 @@ static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking 
     }
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = curve->surface->axis[k];
-        if (gd__axis_cell(axis, from.at[k]) != gd__axis_cell(axis, to.at[k])) at[k] = crossing(curve, span, k, a, b);
+        if (gd__axis_cell(axis, from.at[k]) != gd__axis_cell(axis, to.at[k]))
+            at[k] = crossing(curve, span, k, a, b);
     }
     enum gd_status status = GD_OK;
     if (fmin(at[0], at[1]) <= b) status = add_break(curve, breaking, fmin(at[0], at[1]));
@@ -173,7 +180,7 @@ static enum gd_status find_breaks(struct gd_domain_curve *curve, const struct gd
     return status;
 }
 
-/* --- making one --------------------------------------------------------------------------------------------------- */
+/* --- making one ------------------------------------------------------------------------------- */
 
 /* Closed: both ends are one place, or as many whole periods apart. */
 static void find_closure(struct gd_domain_curve *curve)
@@ -186,7 +193,8 @@ static void find_closure(struct gd_domain_curve *curve)
         const struct gd_axis *axis = curve->surface->axis[k];
         double period = gd__axis_period(axis), apart = to.at[k] - from.at[k];
         curve->winding[k] = axis->closed ? round(apart / period) * period : 0;
-        if (fabs(apart - curve->winding[k]) > GD_TOL_ADJACENT * (axis->high - axis->low)) curve->closed = false;
+        if (fabs(apart - curve->winding[k]) > GD_TOL_ADJACENT * (axis->high - axis->low))
+            curve->closed = false;
     }
     if (!curve->closed) curve->winding[0] = curve->winding[1] = 0;
 }
@@ -196,30 +204,36 @@ static bool is_far(const struct gd_parametric *surface, const double at[2])
 {
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = surface->axis[k];
-        if (axis->closed && fabs(at[k] - axis->low) > GD_DOMAIN_CURVE_PERIODS_MAX * gd__axis_period(axis)) return true;
+        if (axis->closed &&
+            fabs(at[k] - axis->low) > GD_DOMAIN_CURVE_PERIODS_MAX * gd__axis_period(axis))
+            return true;
     }
     return false;
 }
 
-static enum gd_status check_places(const struct gd_parametric *surface, const double (*points)[2], uint32_t count,
-                                   struct gd_detail *detail)
+static enum gd_status check_places(const struct gd_parametric *surface, const double (*points)[2],
+                                   uint32_t count, struct gd_detail *detail)
 {
     for (uint32_t i = 0; i < count; i++) {
         if (!isfinite(points[i][0]) || !isfinite(points[i][1]))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "point %u of the curve has a coordinate that is not finite", i);
-        if (!gd_parametric_contains(surface, points[i][0], points[i][1]))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "point %u of the curve, (%.17g, %.17g), lies outside the surface's domain", i, points[i][0],
-                           points[i][1]);
+                           "point %u of the curve has a coordinate that is not finite", i);
+        if (!gd_parametric_contains(surface, points[i][0], points[i][1]))
+            return gd_fail(
+                detail, GD_INVALID_ARGUMENT,
+                "point %u of the curve, (%.17g, %.17g), lies outside the surface's domain", i,
+                points[i][0], points[i][1]);
         if (is_far(surface, points[i]))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "point %u of the curve, (%.17g, %.17g), lies more than %d periods away from the domain", i,
-                           points[i][0], points[i][1], GD_DOMAIN_CURVE_PERIODS_MAX);
+                           "point %u of the curve, (%.17g, %.17g), lies more than %d periods away "
+                           "from the domain",
+                           i, points[i][0], points[i][1], GD_DOMAIN_CURVE_PERIODS_MAX);
     }
     return GD_OK;
 }
 
-static enum gd_status check_knots(uint32_t degree, const double *knots, uint32_t count, struct gd_detail *detail)
+static enum gd_status check_knots(uint32_t degree, const double *knots, uint32_t count,
+                                  struct gd_detail *detail)
 {
     for (uint32_t i = 0; i < count + degree + 1; i++)
         if (!isfinite(knots[i]) || (i && knots[i] < knots[i - 1]))
@@ -227,17 +241,18 @@ static enum gd_status check_knots(uint32_t degree, const double *knots, uint32_t
                            "knot %u of the curve is not finite or less than the one before", i);
     for (uint32_t i = degree + 1; i + degree < count; i++)
         if (knots[i] == knots[i + degree])
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "knot %u of the curve is repeated more than %u times", i,
-                           degree);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "knot %u of the curve is repeated more than %u times", i, degree);
     if (!(knots[degree] < knots[count]))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's knots leave it no domain");
     return GD_OK;
 }
 
 /* Takes checked arrays; `degree` 0 with one point is a point. */
-static enum gd_status make(const struct gd_parametric *surface, uint32_t degree, const double *knots,
-                           const double (*points)[2], uint32_t count, const struct gd_control *control,
-                           struct gd_domain_curve **out, struct gd_detail *detail)
+static enum gd_status make(const struct gd_parametric *surface, uint32_t degree,
+                           const double *knots, const double (*points)[2], uint32_t count,
+                           const struct gd_control *control, struct gd_domain_curve **out,
+                           struct gd_detail *detail)
 {
     struct gd_domain_curve *curve = calloc(1, sizeof *curve);
     if (!curve) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
@@ -272,31 +287,36 @@ enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double
 {
     const double at[1][2] = {{u, v}};
     if (!gd_parametric_contains(surface, u, v))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the point (%.17g, %.17g) lies outside the surface's domain", u, v);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the point (%.17g, %.17g) lies outside the surface's domain", u, v);
     if (is_far(surface, at[0]))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the point (%.17g, %.17g) lies more than %d periods away from the domain", u, v,
-                       GD_DOMAIN_CURVE_PERIODS_MAX);
+                       "the point (%.17g, %.17g) lies more than %d periods away from the domain", u,
+                       v, GD_DOMAIN_CURVE_PERIODS_MAX);
     return make(surface, 0, (double[]){0, 1}, at, 1, NULL, out, detail);
 }
 
-enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree, const double *knots,
-                                       const double (*points)[2], uint32_t count, const struct gd_control *control,
+enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree,
+                                       const double *knots, const double (*points)[2],
+                                       uint32_t count, const struct gd_control *control,
                                        struct gd_domain_curve **out, struct gd_detail *detail)
 {
     if (degree < 1 || degree > GD__DEGREE_MAX)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve's degree is between 1 and %d", GD__DEGREE_MAX);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve's degree is between 1 and %d",
+                       GD__DEGREE_MAX);
     if (count < degree + 1 || count > GD_DOMAIN_CURVE_COUNT_MAX)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve of degree %u has between %u and %d points", degree,
-                       degree + 1, GD_DOMAIN_CURVE_COUNT_MAX);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a curve of degree %u has between %u and %d points", degree, degree + 1,
+                       GD_DOMAIN_CURVE_COUNT_MAX);
     enum gd_status status = check_places(surface, points, count, detail);
     if (!status) status = check_knots(degree, knots, count, detail);
     return status ? status : make(surface, degree, knots, points, count, control, out, detail);
 }
 
-enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, const double (*corners)[2], uint32_t count,
-                                        const struct gd_control *control, struct gd_domain_curve **out,
-                                        struct gd_detail *detail)
+enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
+                                        const double (*corners)[2], uint32_t count,
+                                        const struct gd_control *control,
+                                        struct gd_domain_curve **out, struct gd_detail *detail)
 {
     if (count < 2 || count > GD_DOMAIN_CURVE_COUNT_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has between 2 and %d corners",
@@ -305,7 +325,8 @@ enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, con
     if (status) return status;
     for (uint32_t i = 1; i < count; i++)
         if (corners[i][0] == corners[i - 1][0] && corners[i][1] == corners[i - 1][1])
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "corners %u and %u of the polyline are one place", i - 1, i);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "corners %u and %u of the polyline are one place", i - 1, i);
     double *knots = malloc((count + 2) * sizeof *knots);
     if (!knots) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     for (uint32_t i = 0; i < count; i++) knots[i + 1] = i;
@@ -316,8 +337,9 @@ enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, con
     return status;
 }
 
-enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_iso fixed, double at,
-                                   struct gd_domain_curve **out, struct gd_detail *detail)
+enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_iso fixed,
+                                   double at, struct gd_domain_curve **out,
+                                   struct gd_detail *detail)
 {
     int k = fixed == GD_ISO_U ? 0 : 1;
     const struct gd_axis *along = surface->axis[1 - k];
@@ -327,9 +349,10 @@ enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_
         ends[i][1 - k] = i ? along->high : along->low;
     }
     if (gd__surface_pole(surface, k, at))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the line %c = %.17g is a pole: one point of the surface", "uv"[k],
-                       at);
-    return gd_domain_curve_bspline(surface, 1, (double[]){along->low, along->low, along->high, along->high},
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the line %c = %.17g is a pole: one point of the surface", "uv"[k], at);
+    return gd_domain_curve_bspline(surface, 1,
+                                   (double[]){along->low, along->low, along->high, along->high},
                                    (const double(*)[2])ends, 2, NULL, out, detail);
 }
 
@@ -343,7 +366,8 @@ struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *cur
 void gd_domain_curve_release(const struct gd_domain_curve *curve)
 {
     struct gd_domain_curve *shared = (struct gd_domain_curve *)curve;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
+        return;
     gd_parametric_release(shared->surface);
     free(shared->knots);
     free(shared->points);

@@ -29,8 +29,10 @@ struct gd__curve_jet {
 /* At any parameter: on a closed curve beyond its range too, where (u, v) goes on by `winding`. */
 void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__curve_jet *out);
 
-/* The same, by the polynomial that the curve is between breaks[i] and breaks[i + 1]; s may lie on either, or a little outside. */
-void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s, struct gd__curve_jet *out);
+/* The same, by the polynomial that the curve is between breaks[i] and breaks[i + 1]; s may lie on
+ * either, or a little outside. */
+void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s,
+                      struct gd__curve_jet *out);
 
 /* The interval of breaks that s (in range) lies in. */
 uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s);

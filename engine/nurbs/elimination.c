@@ -10,14 +10,15 @@ static bool is_held(const struct gd_axis *axis, double t, double gradient)
     return !axis->closed && ((t <= axis->low && gradient > 0) || (t >= axis->high && gradient < 0));
 }
 
-static void hold(const struct gd__chain *chain, const struct gd__piece *piece, struct gd__part *part)
+static void hold(const struct gd__chain *chain, const struct gd__piece *piece,
+                 struct gd__part *part)
 {
     uint32_t unknowns = gd__piece_unknowns(chain, piece);
     part->contact = false;
     for (uint32_t k = 0; k < unknowns; k++) {
         bool end = k < 2 || k >= unknowns - 2;
-        bool border =
-            !end && is_held(chain->surface->axis[k % 2], piece->points[k / 2][k % 2], part->energy.gradient[k]);
+        bool border = !end && is_held(chain->surface->axis[k % 2], piece->points[k / 2][k % 2],
+                                      part->energy.gradient[k]);
         part->held[k] = end || border;
         part->contact = part->contact || border;
     }
@@ -30,8 +31,8 @@ static double entry(const double *row, uint32_t width, uint32_t i, uint32_t j)
 }
 
 /* Column of the Hessian for a joint's unknown: its end point moves by the joint's derivative. */
-static void joint_column(const struct gd__chain *chain, const struct gd__part *part, uint32_t unknowns, int side,
-                         double *out)
+static void joint_column(const struct gd__chain *chain, const struct gd__part *part,
+                         uint32_t unknowns, int side, double *out)
 {
     uint32_t width = gd__energy_width(chain), first = side ? unknowns - 2 : 0;
     for (uint32_t k = 0; k < unknowns; k++)
@@ -52,9 +53,10 @@ static bool factor_interior(const struct gd__chain *chain, struct gd__part *part
     return gd__band_factor(unknowns, width, part->factor);
 }
 
-/* What the curve that an end slides on adds: its own acceleration along the path. `*weight`: its squared speed. */
-static double end_bend(const struct gd__chain *chain, const struct gd__piece *piece, const struct gd__curve_jet *end,
-                       int side, double *weight)
+/* What the curve that an end slides on adds: its own acceleration along the path. `*weight`: its
+ * squared speed. */
+static double end_bend(const struct gd__chain *chain, const struct gd__piece *piece,
+                       const struct gd__curve_jet *end, int side, double *weight)
 {
     struct gd_jet x;
     struct gd__curve_jet c;
@@ -68,7 +70,8 @@ static double end_bend(const struct gd__chain *chain, const struct gd__piece *pi
     return (side ? 1 : -1) * gd_vec3_dot(gd__velocity(&x, c.first), a);
 }
 
-static double dot_free(const struct gd__part *part, uint32_t unknowns, const double *a, const double *b)
+static double dot_free(const struct gd__part *part, uint32_t unknowns, const double *a,
+                       const double *b)
 {
     double sum = 0;
     for (uint32_t k = 0; k < unknowns; k++)
@@ -77,8 +80,8 @@ static double dot_free(const struct gd__part *part, uint32_t unknowns, const dou
 }
 
 /* Eliminates the interior of a piece. False: its Hessian is not positive definite. */
-static bool reduce(const struct gd__chain *chain, const struct gd__piece *piece, enum gd__hessian kind,
-                   struct gd__part *part)
+static bool reduce(const struct gd__chain *chain, const struct gd__piece *piece,
+                   enum gd__hessian kind, struct gd__part *part)
 {
     uint32_t unknowns = gd__piece_unknowns(chain, piece);
     hold(chain, piece, part);
@@ -88,11 +91,12 @@ static bool reduce(const struct gd__chain *chain, const struct gd__piece *piece,
     for (int side = 0; side < 2; side++) {
         uint32_t end = side ? unknowns - 2 : 0;
         joint_column(chain, part, unknowns, side, column[side]);
-        part->slope[side] = gradient[end] * part->end[side].first[0] + gradient[end + 1] * part->end[side].first[1];
+        part->slope[side] =
+            gradient[end] * part->end[side].first[0] + gradient[end + 1] * part->end[side].first[1];
         for (int other = 0; other <= side; other++) {
             uint32_t at = other ? unknowns - 2 : 0;
-            part->schur[side][other] =
-                column[side][at] * part->end[other].first[0] + column[side][at + 1] * part->end[other].first[1];
+            part->schur[side][other] = column[side][at] * part->end[other].first[0] +
+                                       column[side][at + 1] * part->end[other].first[1];
         }
         double bend = end_bend(chain, piece, &part->end[side], side, &part->weight[side]);
         if (kind == GD__HESSIAN_NEWTON) part->schur[side][side] += bend;
@@ -106,15 +110,16 @@ static bool reduce(const struct gd__chain *chain, const struct gd__piece *piece,
 }
 
 /* Solves for the piece's right-hand sides and finishes its part of the joints' system. */
-bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece, enum gd__hessian kind,
-                        double *scratch, struct gd__part *part)
+bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
+                        enum gd__hessian kind, double *scratch, struct gd__part *part)
 {
     if (!reduce(chain, piece, kind, part)) return false;
     uint32_t unknowns = gd__piece_unknowns(chain, piece), width = gd__energy_width(chain);
     gd__band_solve(unknowns, width, part->factor, part->solution[GD__PART_GRADIENT]);
     for (int side = 0; side < 2; side++)
         part->reduced[side] =
-            part->slope[side] - dot_free(part, unknowns, part->solution[side ? GD__PART_TO : GD__PART_FROM],
+            part->slope[side] - dot_free(part, unknowns,
+                                         part->solution[side ? GD__PART_TO : GD__PART_FROM],
                                          part->solution[GD__PART_GRADIENT]);
     for (int side = 0; side < 2; side++) {
         double *column = part->solution[side ? GD__PART_TO : GD__PART_FROM];
@@ -122,7 +127,8 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
         gd__band_solve(unknowns, width, part->factor, column);
         part->schur[side][side] -= dot_free(part, unknowns, scratch, column);
         /* the other column: still unsolved for side 0, solved for side 1 */
-        if (side == 1) part->schur[1][0] -= dot_free(part, unknowns, scratch, part->solution[GD__PART_FROM]);
+        if (side == 1)
+            part->schur[1][0] -= dot_free(part, unknowns, scratch, part->solution[GD__PART_FROM]);
     }
     return true;
 }

@@ -1,4 +1,5 @@
-/* Elimination: the interior of a piece taken out of Newton's system, which leaves its length as a function of the joints at its ends. */
+/* Elimination: the interior of a piece taken out of Newton's system, which leaves its length as a
+ * function of the joints at its ends. */
 #ifndef GD_NURBS_ELIMINATION_H
 #define GD_NURBS_ELIMINATION_H
 
@@ -16,7 +17,8 @@ struct gd__part {
     double length;
     double *factor;                       /* as energy.hessian */
     double *solution[GD__PART_SOLUTIONS]; /* 2 n each */
-    bool *held;                  /* unknowns that do not move of themselves: the ends, and what is held on a border */
+    /* unknowns that do not move of themselves: the ends, and what is held on a border */
+    bool *held;
     struct gd__curve_jet end[2]; /* of its joints */
     double slope[2];             /* dE by the joints' unknowns, interior unmoved */
     double reduced[2];           /* the same when the interior follows */
@@ -25,14 +27,15 @@ struct gd__part {
     double weight[2];            /* squared speed at which the ends move by the joints' unknowns */
 };
 
-static inline uint32_t gd__piece_unknowns(const struct gd__chain *chain, const struct gd__piece *piece)
+static inline uint32_t gd__piece_unknowns(const struct gd__chain *chain,
+                                          const struct gd__piece *piece)
 {
     return 2 * gd__piece_points(chain, piece);
 }
 
-/* From energy and ends to solution, slope, reduced, schur and weight. `scratch`: as many numbers as there are unknowns. False: the Hessian is not positive
- * definite. O(spans degree^2). */
-bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece, enum gd__hessian kind,
-                        double *scratch, struct gd__part *part);
+/* From energy and ends to solution, slope, reduced, schur and weight. `scratch`: as many numbers as
+ * there are unknowns. False: the Hessian is not positive definite. O(spans degree^2). */
+bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
+                        enum gd__hessian kind, double *scratch, struct gd__part *part);
 
 #endif

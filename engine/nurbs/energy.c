@@ -22,8 +22,8 @@ double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *p
 }
 
 /* What the Hessian needs of a node: with J_ia = N_i' x_a + N_i y_a, y_a = d/dt x_a,
- * J_ia . J_jb = N_i' N_j' metric + N_i' N_j mixed[a][b] + N_i N_j' mixed[b][a] + N_i N_j square, and `square` also takes what goes off the tangent plane
- * and the curvature. */
+ * J_ia . J_jb = N_i' N_j' metric + N_i' N_j mixed[a][b] + N_i N_j' mixed[b][a] + N_i N_j square,
+ * and `square` also takes what goes off the tangent plane and the curvature. */
 struct forms {
     double linear[2], slope[2]; /* d . y_a, d . x_a */
     double metric[2][2], mixed[2][2], square[2][2];
@@ -36,14 +36,16 @@ static void make_covariant(const struct gd_jet *x, const double first[2], struct
     double area = gd_vec3_length(normal);
     if (!(area > 0)) return;
     normal = gd_vec3_scale(normal, 1 / area);
-    double l = gd_vec3_dot(x->uu, normal), m = gd_vec3_dot(x->uv, normal), n = gd_vec3_dot(x->vv, normal);
+    double l = gd_vec3_dot(x->uu, normal), m = gd_vec3_dot(x->uv, normal),
+           n = gd_vec3_dot(x->vv, normal);
     double off[2] = {l * first[0] + m * first[1], m * first[0] + n * first[1]}, k = l * n - m * m;
     double across[2] = {-first[1], first[0]};
     for (int a = 0; a < 2; a++)
         for (int b = 0; b < 2; b++) f->square[a][b] -= off[a] * off[b] + k * across[a] * across[b];
 }
 
-static void forms_of(const struct gd_jet *x, const double first[2], enum gd__hessian kind, struct forms *out)
+static void forms_of(const struct gd_jet *x, const double first[2], enum gd__hessian kind,
+                     struct forms *out)
 {
     struct gd_vec3 d = gd__velocity(x, first), tangent[2] = {x->u, x->v};
     struct gd_vec3 turn[2] = {gd_vec3_along(gd_vec3_scale(x->uu, first[0]), first[1], x->uv),
@@ -61,8 +63,9 @@ static void forms_of(const struct gd_jet *x, const double first[2], enum gd__hes
 }
 
 /* Adds a node to gradient and Hessian; `first_unknown` belongs to the span's first point. */
-static void add_node(const struct gd__chain *chain, const struct gd__node *node, const struct forms *f, double weight,
-                     uint32_t first_unknown, struct gd__energy *out)
+static void add_node(const struct gd__chain *chain, const struct gd__node *node,
+                     const struct forms *f, double weight, uint32_t first_unknown,
+                     struct gd__energy *out)
 {
     uint32_t width = gd__energy_width(chain);
     for (uint32_t i = 0; i <= chain->degree; i++) {
@@ -74,15 +77,16 @@ static void add_node(const struct gd__chain *chain, const struct gd__node *node,
             for (uint32_t j = 0; j <= i; j++) {
                 double m = node->value[j], m1 = node->first[j];
                 for (int b = 0; b < (j == i ? a + 1 : 2); b++)
-                    entry[2 * (i - j) + (uint32_t)(a - b)] += n1 * (m1 * f->metric[a][b] + m * f->mixed[a][b]) +
-                                                              n * (m1 * f->mixed[b][a] + m * f->square[a][b]);
+                    entry[2 * (i - j) + (uint32_t)(a - b)] +=
+                        n1 * (m1 * f->metric[a][b] + m * f->mixed[a][b]) +
+                        n * (m1 * f->mixed[b][a] + m * f->square[a][b]);
             }
         }
     }
 }
 
-void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *piece, enum gd__hessian kind,
-                       struct gd__energy *out)
+void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *piece,
+                       enum gd__hessian kind, struct gd__energy *out)
 {
     uint32_t unknowns = 2 * gd__piece_points(chain, piece);
     int gauss = gd__chain_gauss(chain);
@@ -99,14 +103,16 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
             gd__piece_node(chain, piece, span, g, &c);
             gd__piece_jet(chain, piece, c.at, &x);
             forms_of(&x, c.first, kind, &forms);
-            out->value += 0.5 * weight * (forms.slope[0] * c.first[0] + forms.slope[1] * c.first[1]);
-            add_node(chain, &piece->nodes[span * (uint32_t)gauss + (uint32_t)g], &forms, weight, 2 * span, out);
+            out->value +=
+                0.5 * weight * (forms.slope[0] * c.first[0] + forms.slope[1] * c.first[1]);
+            add_node(chain, &piece->nodes[span * (uint32_t)gauss + (uint32_t)g], &forms, weight,
+                     2 * span, out);
         }
     }
 }
 
-void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double *bend,
-                     double *length)
+void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
+                     double *bend, double *length)
 {
     int gauss = gd__chain_gauss(chain);
     const double *knot = piece->knots + chain->degree + span;
@@ -126,12 +132,14 @@ void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piec
         double weight = (knot[1] - knot[0]) * gd__gauss(gauss)->weight[g];
         *length += weight * speed;
         if (!(area > 0) || !(speed > 0)) continue;
-        double curvature = gd_vec3_dot(gd_vec3_cross(d, a), normal) / (area * speed * speed * speed);
+        double curvature =
+            gd_vec3_dot(gd_vec3_cross(d, a), normal) / (area * speed * speed * speed);
         *bend += weight * speed * curvature * curvature;
     }
 }
 
-double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double length)
+double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece,
+                         uint32_t span, double length)
 {
     int gauss = gd__chain_gauss(chain);
     const double *knot = piece->knots + chain->degree + span, half = 0.5 * (knot[1] - knot[0]);
@@ -139,9 +147,11 @@ double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *
     for (int g = 0; g < 2 * gauss && gd__watch_step(chain->watch); g++) {
         struct gd__curve_jet c;
         struct gd_jet x;
-        gd__piece_at(chain, piece, span, knot[0] + half * (g / gauss + gd__gauss(gauss)->node[g % gauss]), &c);
+        gd__piece_at(chain, piece, span,
+                     knot[0] + half * (g / gauss + gd__gauss(gauss)->node[g % gauss]), &c);
         gd__piece_jet(chain, piece, c.at, &x);
-        sum += gd__gauss(gauss)->weight[g % gauss] * half * gd_vec3_length(gd__velocity(&x, c.first));
+        sum +=
+            gd__gauss(gauss)->weight[g % gauss] * half * gd_vec3_length(gd__velocity(&x, c.first));
     }
     return fabs(sum - length);
 }

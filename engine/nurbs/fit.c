@@ -35,9 +35,10 @@ static enum gd_status add_cut(struct cuts *cuts, const struct cut *cut)
     return GD_OK;
 }
 
-/* --- cells ---------------------------------------------------------------------------------------------------------- */
+/* --- cells ------------------------------------------------------------------------------------ */
 
-/* The lines around a cell in one direction; a border of the domain is none and nothing passes it. */
+/* The lines around a cell in one direction; a border of the domain is none and nothing passes it.
+ */
 struct slab {
     double low, high, slack;
 };
@@ -62,8 +63,8 @@ static bool is_inside(const struct gd_parametric *surface, struct gd__cell cell,
 }
 
 /* The first place after `from` that is not inside; count if there is none. */
-static uint32_t first_outside(const struct gd_parametric *surface, const struct gd__trail *trail, struct gd__cell cell,
-                              uint32_t from)
+static uint32_t first_outside(const struct gd_parametric *surface, const struct gd__trail *trail,
+                              struct gd__cell cell, uint32_t from)
 {
     while (from < trail->count && is_inside(surface, cell, trail->at[from])) from++;
     return from;
@@ -76,7 +77,8 @@ static bool exists(const struct gd_axis *axis, int32_t index)
 }
 
 /* Of the cells around the first place, the one in which the trail stays longest. */
-static struct gd__cell first_cell(const struct gd_parametric *surface, const struct gd__trail *trail)
+static struct gd__cell first_cell(const struct gd_parametric *surface,
+                                  const struct gd__trail *trail)
 {
     struct gd__cell base = gd__surface_cell(surface, trail->at[0][0], trail->at[0][1]), best = base;
     uint32_t longest = 0;
@@ -84,27 +86,30 @@ static struct gd__cell first_cell(const struct gd_parametric *surface, const str
         /* the place's own cell first */
         static const int32_t offsets[] = {0, -1, 1};
         struct gd__cell cell = {{base.index[0] + offsets[i / 3], base.index[1] + offsets[i % 3]}};
-        if (!exists(surface->axis[0], cell.index[0]) || !exists(surface->axis[1], cell.index[1])) continue;
+        if (!exists(surface->axis[0], cell.index[0]) || !exists(surface->axis[1], cell.index[1]))
+            continue;
         uint32_t stay = first_outside(surface, trail, cell, 0);
         if (stay > longest) longest = stay, best = cell;
     }
     return best;
 }
 
-/* --- crossings ------------------------------------------------------------------------------------------------------ */
+/* --- crossings -------------------------------------------------------------------------------- */
 
 /* How far along the segment from a to b the slab is left, and to which side; INFINITY: not. */
 static double leaves(const struct slab *slab, double a, double b, int *side)
 {
-    double line = b > slab->high + slab->slack ? slab->high : b < slab->low - slab->slack ? slab->low : NAN;
+    double line = b > slab->high + slab->slack  ? slab->high
+                  : b < slab->low - slab->slack ? slab->low
+                                                : NAN;
     if (isnan(line)) return INFINITY;
     *side = line == slab->high ? 1 : -1;
     return a == b ? 0 : fmin(fmax((line - a) / (b - a), 0), 1);
 }
 
 /* The cut on the segment that ends at place i, which lies outside `cell`. */
-static struct cut find_cut(const struct gd_parametric *surface, const struct gd__trail *trail, struct gd__cell cell,
-                           uint32_t i, double corner)
+static struct cut find_cut(const struct gd_parametric *surface, const struct gd__trail *trail,
+                           struct gd__cell cell, uint32_t i, double corner)
 {
     const double *a = trail->at[i - 1], *b = trail->at[i];
     double part[2];
@@ -125,14 +130,15 @@ static struct cut find_cut(const struct gd_parametric *surface, const struct gd_
         /* heading for the corner: over to the opposite cell at once */
         double line = s > 0 ? slab[1 - k].high : slab[1 - k].low;
         uint32_t ahead = i + 2 < trail->count ? i + 2 : trail->count - 1;
-        if (fabs(cut.along - line) <= near && s * (trail->at[ahead][1 - k] - line) > slab[1 - k].slack)
+        if (fabs(cut.along - line) <= near &&
+            s * (trail->at[ahead][1 - k] - line) > slab[1 - k].slack)
             cut.next.index[1 - k] += s;
     }
     return cut;
 }
 
-static enum gd_status find_cuts(const struct gd_parametric *surface, const struct gd__trail *trail, double corner,
-                                struct gd__cell *cell, struct cuts *out)
+static enum gd_status find_cuts(const struct gd_parametric *surface, const struct gd__trail *trail,
+                                double corner, struct gd__cell *cell, struct cuts *out)
 {
     *cell = first_cell(surface, trail);
     struct gd__cell now = *cell;
@@ -147,11 +153,11 @@ static enum gd_status find_cuts(const struct gd_parametric *surface, const struc
     return status;
 }
 
-/* --- pieces --------------------------------------------------------------------------------------------------------- */
+/* --- pieces ----------------------------------------------------------------------------------- */
 
 /* Control points at the Greville abscissae: they give back the trail but for its bends. */
-static void fill(const struct gd__chain *chain, struct gd__piece *piece, const struct gd__trail *trail, double from,
-                 double to)
+static void fill(const struct gd__chain *chain, struct gd__piece *piece,
+                 const struct gd__trail *trail, double from, double to)
 {
     uint32_t first = (uint32_t)from < trail->count - 1 ? (uint32_t)from : trail->count - 2;
     double run[2];
@@ -200,8 +206,9 @@ static struct gd__joint joint_of(const struct gd_parametric *surface, const stru
                               .value = cut->line};
 }
 
-static struct gd__chain *assemble(const struct gd_parametric *surface, const struct gd__trail *trail,
-                                  const struct gd__fit *fit, struct gd__watch *watch, struct gd__cell cell,
+static struct gd__chain *assemble(const struct gd_parametric *surface,
+                                  const struct gd__trail *trail, const struct gd__fit *fit,
+                                  struct gd__watch *watch, struct gd__cell cell,
                                   const struct cuts *cuts, const uint32_t *spans)
 {
     struct gd__chain *chain = gd__chain_create(surface, watch, fit->degree, cuts->count + 1, spans);
@@ -224,14 +231,18 @@ static struct gd__chain *assemble(const struct gd_parametric *surface, const str
 }
 
 enum gd_status gd__trail_fit(const struct gd_parametric *surface, const struct gd__trail *trail,
-                             const struct gd__fit *fit, struct gd__watch *watch, struct gd__chain **out)
+                             const struct gd__fit *fit, struct gd__watch *watch,
+                             struct gd__chain **out)
 {
     struct cuts cuts = {0};
     struct gd__cell cell = gd__surface_cell(surface, trail->at[0][0], trail->at[0][1]);
-    enum gd_status status = fit->whole ? GD_OK : find_cuts(surface, trail, fit->corner, &cell, &cuts);
+    enum gd_status status =
+        fit->whole ? GD_OK : find_cuts(surface, trail, fit->corner, &cell, &cuts);
     uint32_t *spans = status ? NULL : share_spans(trail, &cuts, fit->spans);
     if (!status && !spans) status = GD_NO_MEMORY;
-    if (!status) status = gd_control_afford(watch->control, gd__chain_bytes(fit->degree, cuts.count + 1, spans));
+    if (!status)
+        status =
+            gd_control_afford(watch->control, gd__chain_bytes(fit->degree, cuts.count + 1, spans));
     if (!status) {
         struct gd__chain *chain = assemble(surface, trail, fit, watch, cell, &cuts, spans);
         if (chain)

@@ -1,4 +1,5 @@
-/* The recipe: do the curves meet? ways on the mesh, each brought to a coarse curve, the promising ones to fine ones, the shortest minimum answered. */
+/* The recipe: do the curves meet? ways on the mesh, each brought to a coarse curve, the promising
+ * ones to fine ones, the shortest minimum answered. */
 #include "gd/geodesic_like.h"
 
 #include <math.h>
@@ -14,8 +15,10 @@
 
 static const double hopeless =
     1.01; /* a coarse curve longer than the shortest coarse one by more is not the shortest */
-static const double hopeless_by_pole = 1.08; /* ... where some pass close by a pole: coarse curves there are too long */
-static const double twins = 1e-7; /* two answers whose lengths agree to this and whose middles to its root are one */
+/* ... where some pass close by a pole: coarse curves there are too long */
+static const double hopeless_by_pole = 1.08;
+/* two answers whose lengths agree to this and whose middles to its root are one */
+static const double twins = 1e-7;
 
 static const double beside =
     1e-2; /* a way is beside one through a pole if length and middle agree to this and its root */
@@ -30,7 +33,8 @@ struct candidates {
 /* The same way found twice: ways through a pole differ from those beside it. */
 static bool is_twin(const struct gd__way *a, const struct gd__way *b)
 {
-    return a->parts == b->parts && a->tip == b->tip && fabs(a->coarse - b->coarse) <= twins * a->coarse &&
+    return a->parts == b->parts && a->tip == b->tip &&
+           fabs(a->coarse - b->coarse) <= twins * a->coarse &&
            gd_vec3_distance(a->middle, b->middle) <= sqrt(twins) * a->coarse;
 }
 
@@ -40,7 +44,8 @@ static void candidates_free(struct candidates *candidates)
     free(candidates->way);
 }
 
-static enum gd_status add_candidates(const struct gd__task *task, const struct gd_domain_curve *const ends[2],
+static enum gd_status add_candidates(const struct gd__task *task,
+                                     const struct gd_domain_curve *const ends[2],
                                      const struct gd__seed *seed, struct candidates *candidates)
 {
     struct gd__way found[GD__WAYS_MOST];
@@ -59,7 +64,8 @@ static enum gd_status add_candidates(const struct gd__task *task, const struct g
         way->middle = gd__way_middle(task->surface, way);
         status = task->watch->status;
         bool known = status;
-        for (uint32_t k = 0; k < candidates->count && !known; k++) known = is_twin(&candidates->way[k], way);
+        for (uint32_t k = 0; k < candidates->count && !known; k++)
+            known = is_twin(&candidates->way[k], way);
         if (known)
             gd__way_free(way);
         else
@@ -68,7 +74,8 @@ static enum gd_status add_candidates(const struct gd__task *task, const struct g
     return GD_OK;
 }
 
-static enum gd_status make_candidates(const struct gd__task *task, const struct gd_domain_curve *const ends[2],
+static enum gd_status make_candidates(const struct gd__task *task,
+                                      const struct gd_domain_curve *const ends[2],
                                       const struct gd__seeds *seeds, struct candidates *candidates)
 {
     enum gd_status status = GD_OK;
@@ -102,10 +109,12 @@ static int through_first(const void *x, const void *y)
     return p->coarse < q->coarse ? -1 : p->coarse > q->coarse;
 }
 
-/* Keeps the shorter of two ways that would not become geodesics: better than nothing if nothing else is found, and said to be so. */
+/* Keeps the shorter of two ways that would not become geodesics: better than nothing if nothing
+ * else is found, and said to be so. */
 static void spare_way(struct gd__way *way, struct gd__way *spare)
 {
-    for (uint32_t i = 0; i < way->parts; i++) way->part[i].converged = way->part[i].report.converged = false;
+    for (uint32_t i = 0; i < way->parts; i++)
+        way->part[i].converged = way->part[i].report.converged = false;
     bool better = !spare->parts || way->coarse < spare->coarse;
     gd__way_free(better ? spare : way);
     if (better) *spare = *way;
@@ -117,7 +126,8 @@ static enum gd_status finish(const struct gd__task *task, bool all, struct candi
     double least = INFINITY;
     for (uint32_t i = 0; i < candidates->count; i++) least = fmin(least, candidates->way[i].coarse);
     bool by_pole = false;
-    for (uint32_t i = 0; i < candidates->count; i++) by_pole = by_pole || candidates->way[i].by_pole;
+    for (uint32_t i = 0; i < candidates->count; i++)
+        by_pole = by_pole || candidates->way[i].by_pole;
     qsort(candidates->way, candidates->count, sizeof *candidates->way, through_first);
     uint32_t kept = 0;
     struct gd__way spare = {0};
@@ -125,8 +135,10 @@ static enum gd_status finish(const struct gd__task *task, bool all, struct candi
     for (uint32_t i = 0; i < candidates->count; i++) {
         struct gd__way way = candidates->way[i];
         task->watch->fraction = COARSE_SHARE + (1 - COARSE_SHARE) * i / candidates->count;
-        bool wanted = !status && (all || way.coarse <= (by_pole ? hopeless_by_pole : hopeless) * least);
-        for (uint32_t k = 0; k < kept && wanted; k++) wanted = !is_covered(&candidates->way[k], &way);
+        bool wanted =
+            !status && (all || way.coarse <= (by_pole ? hopeless_by_pole : hopeless) * least);
+        for (uint32_t k = 0; k < kept && wanted; k++)
+            wanted = !is_covered(&candidates->way[k], &way);
         if (wanted && !task->control_points) status = finish_way(task, &way);
         if (wanted && !status && gd__way_is_geodesic(task, &way))
             candidates->way[kept++] = way;
@@ -184,8 +196,9 @@ static enum gd_status answer(const struct candidates *candidates, struct gd_geod
     return status;
 }
 
-static enum gd_status answer_meeting(const struct gd_domain_curve *from, const struct gd_domain_curve *to,
-                                     const double s[2], struct gd_geodesics *out)
+static enum gd_status answer_meeting(const struct gd_domain_curve *from,
+                                     const struct gd_domain_curve *to, const double s[2],
+                                     struct gd_geodesics *out)
 {
     struct gd_geodesic *item = calloc(1, sizeof *item);
     if (!item) return GD_NO_MEMORY;
@@ -199,27 +212,33 @@ static enum gd_status answer_meeting(const struct gd_domain_curve *from, const s
     return GD_OK;
 }
 
-static enum gd_status check(const struct gd_tessellation *tessellation, const struct gd_domain_curve *from,
-                            const struct gd_domain_curve *to, const struct gd_geodesic_options *o,
-                            struct gd_detail *detail)
+static enum gd_status check(const struct gd_tessellation *tessellation,
+                            const struct gd_domain_curve *from, const struct gd_domain_curve *to,
+                            const struct gd_geodesic_options *o, struct gd_detail *detail)
 {
     if (from->surface != tessellation->surface || to->surface != tessellation->surface)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "both curves must lie on the tessellation's surface");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "both curves must lie on the tessellation's surface");
     if (o->degree && (o->degree < GD_GEODESIC_DEGREE_LEAST || o->degree > GD_GEODESIC_DEGREE_MOST))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the degree is between %d and %d", GD_GEODESIC_DEGREE_LEAST,
-                       GD_GEODESIC_DEGREE_MOST);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the degree is between %d and %d",
+                       GD_GEODESIC_DEGREE_LEAST, GD_GEODESIC_DEGREE_MOST);
     uint32_t degree = o->degree ? o->degree : GD_GEODESIC_DEGREE;
-    if (o->control_points && (o->control_points <= degree || o->control_points > GD_GEODESIC_CONTROL_POINTS_MOST))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "degree %u needs between %u and %d control points", degree,
-                       degree + 1, GD_GEODESIC_CONTROL_POINTS_MOST);
+    if (o->control_points &&
+        (o->control_points <= degree || o->control_points > GD_GEODESIC_CONTROL_POINTS_MOST))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "degree %u needs between %u and %d control points", degree, degree + 1,
+                       GD_GEODESIC_CONTROL_POINTS_MOST);
     if (o->tolerance != 0 && !(o->tolerance >= GD_GEODESIC_TOLERANCE_LEAST && o->tolerance <= 1))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the tolerance is a part of the length between %g and 1",
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the tolerance is a part of the length between %g and 1",
                        GD_GEODESIC_TOLERANCE_LEAST);
     return GD_OK;
 }
 
-static enum gd_status solve(const struct gd__task *task, const struct gd_domain_curve *const ends[2], bool all,
-                            const struct gd__seeds *seeds, struct gd_geodesics *out, struct gd_detail *detail)
+static enum gd_status solve(const struct gd__task *task,
+                            const struct gd_domain_curve *const ends[2], bool all,
+                            const struct gd__seeds *seeds, struct gd_geodesics *out,
+                            struct gd_detail *detail)
 {
     struct candidates candidates = {0};
     enum gd_status status = make_candidates(task, ends, seeds, &candidates);
@@ -231,9 +250,12 @@ static enum gd_status solve(const struct gd__task *task, const struct gd_domain_
     return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
 }
 
-enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation, const struct gd_domain_curve *from,
-                                 const struct gd_domain_curve *to, const struct gd_geodesic_options *options,
-                                 const struct gd_control *control, struct gd_geodesics *out, struct gd_detail *detail)
+enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
+                                 const struct gd_domain_curve *from,
+                                 const struct gd_domain_curve *to,
+                                 const struct gd_geodesic_options *options,
+                                 const struct gd_control *control, struct gd_geodesics *out,
+                                 struct gd_detail *detail)
 {
     struct gd_geodesic_options o = options ? *options : (struct gd_geodesic_options){0};
     enum gd_status status = check(tessellation, from, to, &o, detail);
@@ -255,7 +277,8 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation, con
     struct gd__seeds seeds;
     status = gd__seeds_find(tessellation, from, to, o.all_minima, &share, &seeds, detail);
     if (status) return status;
-    status = solve(&task, (const struct gd_domain_curve *const[2]){from, to}, o.all_minima, &seeds, out, detail);
+    status = solve(&task, (const struct gd_domain_curve *const[2]){from, to}, o.all_minima, &seeds,
+                   out, detail);
     gd__seeds_free(&seeds);
     return status;
 }

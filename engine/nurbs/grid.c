@@ -9,7 +9,8 @@ enum {
     LEAST_STEPS = 8
 }; /* lines at which a cell is measured, places on each; fewest steps in a direction */
 
-/* Length of a cell in one direction and its bend |x''| width^2: the greatest of several lines across it. */
+/* Length of a cell in one direction and its bend |x''| width^2: the greatest of several lines
+ * across it. */
 struct cell_size {
     double low, high, length, bend;
 };
@@ -43,7 +44,8 @@ static struct cell_size measure(const struct gd_parametric *surface, int k, int3
     if (index > 0) size.low = gd__axis_line(axis, index, &is_line);
     if (index < (int32_t)axis->line_count) size.high = gd__axis_line(axis, index + 1, &is_line);
     for (int i = 0; i < ACROSS; i++)
-        measure_line(surface, k, index, other->low + (other->high - other->low) * (i + 0.5) / ACROSS, &size);
+        measure_line(surface, k, index,
+                     other->low + (other->high - other->low) * (i + 0.5) / ACROSS, &size);
     return size;
 }
 
@@ -54,7 +56,8 @@ static double total_length(const struct cell_size *sizes, uint32_t count)
     return sum;
 }
 
-/* An edge of 1/steps of the cell deviates by bend / (8 steps^2); both directions share what is allowed. */
+/* An edge of 1/steps of the cell deviates by bend / (8 steps^2); both directions share what is
+ * allowed. */
 static double steps_of(const struct cell_size *size, double step, double deviation, double share)
 {
     double steps = fmax(ceil(size->length / step), 1);
@@ -62,8 +65,8 @@ static double steps_of(const struct cell_size *size, double step, double deviati
     return fmax(steps, ceil(LEAST_STEPS * share));
 }
 
-static enum gd_status divide(const struct cell_size *sizes, uint32_t cells, double step, double deviation, double **out,
-                             uint32_t *steps)
+static enum gd_status divide(const struct cell_size *sizes, uint32_t cells, double step,
+                             double deviation, double **out, uint32_t *steps)
 {
     double count = 0;
     for (uint32_t i = 0; i < cells; i++) count += steps_of(&sizes[i], step, deviation, 1.0 / cells);
@@ -93,11 +96,14 @@ static enum gd_status divide_evenly(const struct gd_axis *axis, uint32_t steps, 
     return GD_OK;
 }
 
-static enum gd_status make_even(const struct gd_parametric *surface, const uint32_t steps[2], struct gd__grid *out)
+static enum gd_status make_even(const struct gd_parametric *surface, const uint32_t steps[2],
+                                struct gd__grid *out)
 {
     struct gd__grid grid = {.steps = {steps[0], steps[1]}};
-    enum gd_status status = 2.0 * steps[0] * steps[1] > GD_TESSELLATION_FACES_MAX ? GD_TOO_LARGE : GD_OK;
-    for (int k = 0; k < 2 && !status; k++) status = divide_evenly(surface->axis[k], steps[k], &grid.at[k]);
+    enum gd_status status =
+        2.0 * steps[0] * steps[1] > GD_TESSELLATION_FACES_MAX ? GD_TOO_LARGE : GD_OK;
+    for (int k = 0; k < 2 && !status; k++)
+        status = divide_evenly(surface->axis[k], steps[k], &grid.at[k]);
     if (status)
         gd__grid_free(&grid);
     else
@@ -105,8 +111,8 @@ static enum gd_status make_even(const struct gd_parametric *surface, const uint3
     return status;
 }
 
-enum gd_status gd__grid_make(const struct gd_parametric *surface, const struct gd_tessellation_options *options,
-                             struct gd__grid *out)
+enum gd_status gd__grid_make(const struct gd_parametric *surface,
+                             const struct gd_tessellation_options *options, struct gd__grid *out)
 {
     if (options && options->steps[0]) return make_even(surface, options->steps, out);
     struct gd__grid grid = {0};
@@ -117,16 +123,20 @@ enum gd_status gd__grid_make(const struct gd_parametric *surface, const struct g
         uint32_t cells = surface->axis[k]->line_count + 1;
         sizes[k] = malloc(cells * sizeof **sizes);
         if (!sizes[k]) status = GD_NO_MEMORY;
-        for (uint32_t i = 0; i < cells && !status; i++) sizes[k][i] = measure(surface, k, (int32_t)i);
+        for (uint32_t i = 0; i < cells && !status; i++)
+            sizes[k][i] = measure(surface, k, (int32_t)i);
         if (!status) lengths[k] = total_length(sizes[k], cells);
     }
     double faces = options && options->faces ? options->faces : GD_TESSELLATION_FACES;
-    double step = sqrt(2 * lengths[0] * lengths[1] / faces), deviation = options ? options->deviation : 0;
+    double step = sqrt(2 * lengths[0] * lengths[1] / faces),
+           deviation = options ? options->deviation : 0;
     for (int k = 0; k < 2 && !status; k++)
-        status = divide(sizes[k], surface->axis[k]->line_count + 1, step, deviation, &grid.at[k], &grid.steps[k]);
+        status = divide(sizes[k], surface->axis[k]->line_count + 1, step, deviation, &grid.at[k],
+                        &grid.steps[k]);
     free(sizes[0]);
     free(sizes[1]);
-    if (!status && 2.0 * grid.steps[0] * grid.steps[1] > GD_TESSELLATION_FACES_MAX) status = GD_TOO_LARGE;
+    if (!status && 2.0 * grid.steps[0] * grid.steps[1] > GD_TESSELLATION_FACES_MAX)
+        status = GD_TOO_LARGE;
     if (status)
         gd__grid_free(&grid);
     else

@@ -10,9 +10,11 @@ struct gd__grid {
     double *at[2];     /* steps + 1 increasing parameters from low to high, all lines among them */
 };
 
-/* Even steps of about equal length within each cell, or of the domain where their number is given. GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Even steps of about equal length within each cell, or of the domain where their number is given.
+ * GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__grid_make(const struct gd_parametric *surface,
-                                         const struct gd_tessellation_options *options, struct gd__grid *out);
+                                         const struct gd_tessellation_options *options,
+                                         struct gd__grid *out);
 
 void gd__grid_free(struct gd__grid *grid);
 

@@ -6,8 +6,8 @@
 const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw)
 {
     switch (flaw) {
-#define FLAW_NAME(NAME, name)                                                                                          \
-    case GD_NURBS_FLAW_##NAME:                                                                                         \
+#define FLAW_NAME(NAME, name)                                                                      \
+    case GD_NURBS_FLAW_##NAME:                                                                     \
         return #name;
         GD_NURBS_FLAW_MAP(FLAW_NAME)
 #undef FLAW_NAME
@@ -16,7 +16,7 @@ const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw)
 }
 
 /* Fills the detail; the flaw stands in a return. */
-#define refuse(flaw, detail, ...)                                                                                      \
+#define refuse(flaw, detail, ...)                                                                  \
     (gd_fail(detail, GD_INVALID_ARGUMENT, __VA_ARGS__) == GD_OK ? GD_NURBS_FLAW_NONE : (flaw))
 
 struct direction {
@@ -29,17 +29,17 @@ struct direction {
 static enum gd_nurbs_flaw inspect_counts(const struct direction *d, struct gd_detail *detail)
 {
     if (d->degree < 1 || d->degree > GD_NURBS_DEGREE_MAX)
-        return refuse(GD_NURBS_FLAW_DEGREE, detail, "degree %u in %c is not between 1 and %d", d->degree, d->name,
-                      GD_NURBS_DEGREE_MAX);
+        return refuse(GD_NURBS_FLAW_DEGREE, detail, "degree %u in %c is not between 1 and %d",
+                      d->degree, d->name, GD_NURBS_DEGREE_MAX);
     if (d->count < d->degree + 1 || d->count > GD_NURBS_COUNT_MAX)
         return refuse(GD_NURBS_FLAW_CONTROL_COUNT, detail,
-                      "%u control points in %c: degree %u needs at least %u, and %d are the most", d->count, d->name,
-                      d->degree, d->degree + 1, GD_NURBS_COUNT_MAX);
+                      "%u control points in %c: degree %u needs at least %u, and %d are the most",
+                      d->count, d->name, d->degree, d->degree + 1, GD_NURBS_COUNT_MAX);
     uint32_t needed = d->count + d->degree + 1 - (d->short_knots ? 2 : 0);
     if (d->knot_count != needed)
         return refuse(GD_NURBS_FLAW_KNOT_COUNT, detail,
-                      "%u knots in %c: %u control points of degree %u need %u in this convention", d->knot_count,
-                      d->name, d->count, d->degree, needed);
+                      "%u knots in %c: %u control points of degree %u need %u in this convention",
+                      d->knot_count, d->name, d->count, d->degree, needed);
     return GD_NURBS_FLAW_NONE;
 }
 
@@ -49,11 +49,12 @@ static enum gd_nurbs_flaw inspect_knots(const struct direction *d, struct gd_det
     const double *k = d->knots;
     for (uint32_t i = 0; i < d->knot_count; i++) {
         if (!isfinite(k[i]) || fabs(k[i]) > GD_EXTENT_MAX)
-            return refuse(GD_NURBS_FLAW_NON_FINITE, detail, "knot %u in %c is not a finite number of sense", i,
-                          d->name);
+            return refuse(GD_NURBS_FLAW_NON_FINITE, detail,
+                          "knot %u in %c is not a finite number of sense", i, d->name);
         if (i && k[i] < k[i - 1])
-            return refuse(GD_NURBS_FLAW_DECREASING_KNOTS, detail, "knot %u in %c is %.17g, less than %.17g before it",
-                          i, d->name, k[i], k[i - 1]);
+            return refuse(GD_NURBS_FLAW_DECREASING_KNOTS, detail,
+                          "knot %u in %c is %.17g, less than %.17g before it", i, d->name, k[i],
+                          k[i - 1]);
     }
     double low = k[d->degree - skip], high = k[d->count - skip];
     if (!(low < high))
@@ -64,8 +65,9 @@ static enum gd_nurbs_flaw inspect_knots(const struct direction *d, struct gd_det
         bool inside = k[i] > low && k[i] < high;
         if (inside && i - first >= d->degree)
             return refuse(GD_NURBS_FLAW_KNOT_MULTIPLICITY, detail,
-                          "knot %.17g in %c is repeated more than %u times: the surface would fall apart there", k[i],
-                          d->name, d->degree);
+                          "knot %.17g in %c is repeated more than %u times: the surface would fall "
+                          "apart there",
+                          k[i], d->name, d->degree);
     }
     return GD_NURBS_FLAW_NONE;
 }
@@ -75,16 +77,20 @@ static enum gd_nurbs_flaw inspect_points(const struct gd_nurbs_data *data, struc
     for (uint32_t i = 0; i < data->count_u * data->count_v; i++) {
         uint32_t row = i / data->count_v, column = i % data->count_v;
         double weight = data->weights ? data->weights[i] : 1;
-        if (!(weight > 0) || !isfinite(weight) || weight > GD_EXTENT_RATIO || weight < 1 / GD_EXTENT_RATIO)
-            return refuse(GD_NURBS_FLAW_WEIGHT, detail, "the weight of control point (%u, %u) is %.17g: must be > 0",
-                          row, column, weight);
+        if (!(weight > 0) || !isfinite(weight) || weight > GD_EXTENT_RATIO ||
+            weight < 1 / GD_EXTENT_RATIO)
+            return refuse(GD_NURBS_FLAW_WEIGHT, detail,
+                          "the weight of control point (%u, %u) is %.17g: must be > 0", row, column,
+                          weight);
         for (int c = 0; c < 3; c++) {
             if (!isfinite(data->points[i][c]))
                 return refuse(GD_NURBS_FLAW_NON_FINITE, detail,
-                              "control point (%u, %u) has a coordinate that is no number", row, column);
+                              "control point (%u, %u) has a coordinate that is no number", row,
+                              column);
             if (fabs(data->points[i][c]) > GD_EXTENT_RATIO)
-                return refuse(GD_NURBS_FLAW_EXTENT, detail, "control point (%u, %u) lies too far out to compute with",
-                              row, column);
+                return refuse(GD_NURBS_FLAW_EXTENT, detail,
+                              "control point (%u, %u) lies too far out to compute with", row,
+                              column);
         }
     }
     return GD_NURBS_FLAW_NONE;

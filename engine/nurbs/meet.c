@@ -15,7 +15,8 @@ struct places {
     struct gd_vec3 *x;
 };
 
-static enum gd_status look(const struct gd_domain_curve *curve, struct gd__watch *watch, struct places *out)
+static enum gd_status look(const struct gd_domain_curve *curve, struct gd__watch *watch,
+                           struct places *out)
 {
     uint32_t intervals = curve->is_point ? 1 : curve->break_count - 1;
     uint32_t each = curve->is_point ? 1 : (PLACES_LEAST + intervals - 1) / intervals;
@@ -26,7 +27,8 @@ static enum gd_status look(const struct gd_domain_curve *curve, struct gd__watch
     if (!out->s || !out->x) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < intervals && !curve->is_point; i++)
         for (uint32_t k = 0; k < each; k++)
-            out->s[out->count++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
+            out->s[out->count++] =
+                curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
     out->s[out->count++] = curve->is_point ? 0 : curve->high;
     for (uint32_t i = 0; i < out->count && gd__watch_step(watch); i++) {
         struct gd__curve_jet jet;
@@ -85,8 +87,8 @@ static double nearness(const struct gd_parametric *surface)
 }
 
 /* Gauss-Newton on x(a(s)) - x(b(t)): quadratic where the curves cross. True: they meet. */
-static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b, struct gd__watch *watch,
-                     double s[2])
+static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
+                     struct gd__watch *watch, double s[2])
 {
     double near = nearness(a->surface);
     for (int i = 0; i < STEPS_MOST && gd__watch_step(watch); i++) {
@@ -94,11 +96,14 @@ static bool approach(const struct gd_domain_curve *a, const struct gd_domain_cur
         struct gd_vec3 r = gd_vec3_sub(p.x, q.x);
         if (gd_vec3_length(r) <= near) return is_one_place(a->surface, p.c.at, q.c.at);
         double aa = gd_vec3_dot(p.first, p.first), bb = gd_vec3_dot(q.first, q.first);
-        double ab = gd_vec3_dot(p.first, q.first), ra = gd_vec3_dot(r, p.first), rb = gd_vec3_dot(r, q.first);
+        double ab = gd_vec3_dot(p.first, q.first), ra = gd_vec3_dot(r, p.first),
+               rb = gd_vec3_dot(r, q.first);
         double damp = GD_TOL_PIVOT * (aa + bb), determinant = (aa + damp) * (bb + damp) - ab * ab;
         if (!(determinant > 0)) return false;
-        double ds = (ab * rb - ra * (bb + damp)) / determinant, dt = ((aa + damp) * rb - ab * ra) / determinant;
-        double next[2] = {clamp(a, s[0] + (a->is_point ? 0 : ds)), clamp(b, s[1] + (b->is_point ? 0 : dt))};
+        double ds = (ab * rb - ra * (bb + damp)) / determinant,
+               dt = ((aa + damp) * rb - ab * ra) / determinant;
+        double next[2] = {clamp(a, s[0] + (a->is_point ? 0 : ds)),
+                          clamp(b, s[1] + (b->is_point ? 0 : dt))};
         if (next[0] == s[0] && next[1] == s[1]) return false;
         s[0] = next[0], s[1] = next[1];
     }
@@ -110,8 +115,10 @@ static double apart(const struct places *a, const struct places *b, uint32_t i, 
     return gd_vec3_distance(a->x[i], b->x[j]);
 }
 
-/* A pair no farther apart than the pairs around it, and near enough that the curves can meet between. */
-static bool is_candidate(const struct places *a, const struct places *b, double near, uint32_t i, uint32_t j)
+/* A pair no farther apart than the pairs around it, and near enough that the curves can meet
+ * between. */
+static bool is_candidate(const struct places *a, const struct places *b, double near, uint32_t i,
+                         uint32_t j)
 {
     double here = apart(a, b, i, j), step = 0;
     if (i) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i - 1]));

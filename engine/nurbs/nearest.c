@@ -11,7 +11,8 @@ struct target {
     double value, gradient[2], hessian[3];
 };
 
-static struct target look(const struct gd_parametric *surface, struct gd_vec3 xyz, const double at[2])
+static struct target look(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                          const double at[2])
 {
     struct gd_jet jet;
     gd__surface_at(surface, at, &jet);
@@ -19,7 +20,8 @@ static struct target look(const struct gd_parametric *surface, struct gd_vec3 xy
     return (struct target){
         0.5 * gd_vec3_dot(r, r),
         {gd_vec3_dot(r, jet.u), gd_vec3_dot(r, jet.v)},
-        {gd_vec3_dot(jet.u, jet.u) + gd_vec3_dot(r, jet.uu), gd_vec3_dot(jet.u, jet.v) + gd_vec3_dot(r, jet.uv),
+        {gd_vec3_dot(jet.u, jet.u) + gd_vec3_dot(r, jet.uu),
+         gd_vec3_dot(jet.u, jet.v) + gd_vec3_dot(r, jet.uv),
          gd_vec3_dot(jet.v, jet.v) + gd_vec3_dot(r, jet.vv)},
     };
 }
@@ -27,10 +29,12 @@ static struct target look(const struct gd_parametric *surface, struct gd_vec3 xy
 /* Is the coordinate on its border with the descent pointing out? */
 static bool is_held(const struct gd_axis *axis, double t, double gradient)
 {
-    return !axis->closed && ((t <= axis->low && gradient >= 0) || (t >= axis->high && gradient <= 0));
+    return !axis->closed &&
+           ((t <= axis->low && gradient >= 0) || (t >= axis->high && gradient <= 0));
 }
 
-/* Newton's step among the coordinates that are free, steepest descent where the Hessian is not positive. */
+/* Newton's step among the coordinates that are free, steepest descent where the Hessian is not
+ * positive. */
 static void step_of(const struct target *t, const bool held[2], double step[2])
 {
     const double *h = t->hessian, *g = t->gradient;
@@ -72,8 +76,8 @@ static void descend(const struct gd_parametric *surface, struct gd_vec3 xyz, dou
 }
 
 /* Is the node no farther than its neighbours? */
-static bool is_lowest(const struct gd_parametric *surface, const struct gd__grid *grid, const double *distance,
-                      uint32_t i, uint32_t j)
+static bool is_lowest(const struct gd_parametric *surface, const struct gd__grid *grid,
+                      const double *distance, uint32_t i, uint32_t j)
 {
     uint32_t at[2] = {i, j}, columns = grid->steps[1] + 1;
     for (int k = 0; k < 2; k++) {
@@ -89,8 +93,9 @@ static bool is_lowest(const struct gd_parametric *surface, const struct gd__grid
     return true;
 }
 
-static void improve(const struct gd_parametric *surface, struct gd_vec3 xyz, const struct gd__grid *grid, uint32_t i,
-                    uint32_t j, struct gd_parametric_foot *best)
+static void improve(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                    const struct gd__grid *grid, uint32_t i, uint32_t j,
+                    struct gd_parametric_foot *best)
 {
     double at[2] = {grid->at[0][i], grid->at[1][j]};
     descend(surface, xyz, at);
@@ -101,8 +106,9 @@ static void improve(const struct gd_parametric *surface, struct gd_vec3 xyz, con
 }
 
 /* Distances of all nodes, then Newton's method from each that is lower than those around it. */
-static enum gd_status search(const struct gd_parametric *surface, struct gd_vec3 xyz, const struct gd__grid *grid,
-                             const struct gd_control *control, double *distance, struct gd_parametric_foot *best)
+static enum gd_status search(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                             const struct gd__grid *grid, const struct gd_control *control,
+                             double *distance, struct gd_parametric_foot *best)
 {
     uint32_t columns = grid->steps[1] + 1, nodes = (grid->steps[0] + 1) * columns;
     enum gd_status status = GD_OK;
@@ -120,19 +126,22 @@ static enum gd_status search(const struct gd_parametric *surface, struct gd_vec3
 }
 
 enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct gd_vec3 xyz,
-                                     const struct gd_control *control, struct gd_parametric_foot *out,
-                                     struct gd_detail *detail)
+                                     const struct gd_control *control,
+                                     struct gd_parametric_foot *out, struct gd_detail *detail)
 {
     if (!(isfinite(xyz.x) && isfinite(xyz.y) && isfinite(xyz.z)))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the point has a coordinate that is not finite");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the point has a coordinate that is not finite");
     struct gd__grid grid;
-    enum gd_status status = gd__grid_make(surface, &(struct gd_tessellation_options){.faces = GRID_FACES}, &grid);
+    enum gd_status status =
+        gd__grid_make(surface, &(struct gd_tessellation_options){.faces = GRID_FACES}, &grid);
     if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
     size_t bytes = (grid.steps[0] + (size_t)1) * (grid.steps[1] + (size_t)1) * sizeof(double);
     struct gd_parametric_foot best = {.distance = INFINITY};
     status = gd_control_afford(control, bytes);
     double *distance = status ? NULL : malloc(bytes);
-    if (!status) status = distance ? search(surface, xyz, &grid, control, distance, &best) : GD_NO_MEMORY;
+    if (!status)
+        status = distance ? search(surface, xyz, &grid, control, distance, &best) : GD_NO_MEMORY;
     free(distance);
     gd__grid_free(&grid);
     if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));

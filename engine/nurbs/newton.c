@@ -78,7 +78,7 @@ static void state_free(struct state *state)
     free(state->parts);
 }
 
-/* --- the joints ----------------------------------------------------------------------------------------------------- */
+/* --- the joints ------------------------------------------------------------------------------- */
 
 static bool joint_is_held(const struct gd__joint *joint, double slope)
 {
@@ -86,8 +86,9 @@ static bool joint_is_held(const struct gd__joint *joint, double slope)
     return (joint->at <= joint->low && slope > 0) || (joint->at >= joint->high && slope < 0);
 }
 
-/* The system of F = sum sqrt(2 E_k): S / L - g g^T / L^3; the last term is Newton's only. Gauss-Newton's matrix does not see a path that moves sideways as a
- * whole; its ends are damped as if the path were a spring of its own length. */
+/* The system of F = sum sqrt(2 E_k): S / L - g g^T / L^3; the last term is Newton's only.
+ * Gauss-Newton's matrix does not see a path that moves sideways as a whole; its ends are damped as
+ * if the path were a spring of its own length. */
 static void couple(struct state *state, enum gd__hessian kind)
 {
     uint32_t joints = state->chain->piece_count + 1;
@@ -97,10 +98,11 @@ static void couple(struct state *state, enum gd__hessian kind)
     memset(state->least, 0, joints * sizeof *state->least);
     for (uint32_t i = 0; i < state->chain->piece_count; i++) {
         const struct gd__part *part = &state->parts[i];
-        double length = part->length, cubic = kind == GD__HESSIAN_NEWTON ? 1 / (length * length * length) : 0;
+        double length = part->length,
+               cubic = kind == GD__HESSIAN_NEWTON ? 1 / (length * length * length) : 0;
         for (uint32_t side = 0; side < 2; side++) {
-            state->diagonal[i + side] +=
-                part->schur[side][side] / length - part->reduced[side] * part->reduced[side] * cubic;
+            state->diagonal[i + side] += part->schur[side][side] / length -
+                                         part->reduced[side] * part->reduced[side] * cubic;
             state->move[i + side] -= part->reduced[side] / length;
             state->least[i + side] += GD_TOL_DEGENERATE * part->weight[side] / length;
             if (kind == GD__HESSIAN_GAUSS) state->diagonal[i + side] += part->weight[side] / length;
@@ -124,8 +126,8 @@ static void hold_joints(struct state *state)
     }
 }
 
-/* L D L^T of the tridiagonal system, in place. False: it has a negative pivot. One that is zero, as where all paths of a family are equally long, is taken
- * for a small positive one. */
+/* L D L^T of the tridiagonal system, in place. False: it has a negative pivot. One that is zero, as
+ * where all paths of a family are equally long, is taken for a small positive one. */
 static bool solve_joints(struct state *state)
 {
     uint32_t joints = state->chain->piece_count + 1;
@@ -147,7 +149,7 @@ static bool solve_joints(struct state *state)
     return true;
 }
 
-/* --- a step --------------------------------------------------------------------------------------------------------- */
+/* --- a step ----------------------------------------------------------------------------------- */
 
 static double expand(struct state *state, enum gd__hessian kind)
 {
@@ -171,8 +173,10 @@ static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
     state->contact = false;
     double *scratch = state->points_move;
     for (uint32_t i = 0; i < chain->piece_count; i++)
-        if (!gd__part_eliminate(chain, &chain->pieces[i], kind, scratch, &state->parts[i])) return false;
-    for (uint32_t i = 0; i < chain->piece_count; i++) state->contact = state->contact || state->parts[i].contact;
+        if (!gd__part_eliminate(chain, &chain->pieces[i], kind, scratch, &state->parts[i]))
+            return false;
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        state->contact = state->contact || state->parts[i].contact;
     couple(state, kind);
     hold_joints(state);
     if (!solve_joints(state)) return false;
@@ -184,10 +188,10 @@ static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
         double sum = 0;
         for (uint32_t side = 0; side < 2; side++) sum += part->slope[side] * state->move[i + side];
         for (uint32_t k = 0; k < unknowns; k++) {
-            move[k] = part->held[k]
-                          ? 0
-                          : -part->solution[GD__PART_GRADIENT][k] - part->solution[GD__PART_FROM][k] * state->move[i] -
-                                part->solution[GD__PART_TO][k] * state->move[i + 1];
+            move[k] = part->held[k] ? 0
+                                    : -part->solution[GD__PART_GRADIENT][k] -
+                                          part->solution[GD__PART_FROM][k] * state->move[i] -
+                                          part->solution[GD__PART_TO][k] * state->move[i + 1];
             sum += part->energy.gradient[k] * move[k];
         }
         *slope += sum / part->length;
@@ -202,7 +206,8 @@ static void keep(struct state *state)
     double *to = state->kept_points;
     for (uint32_t i = 0; i <= chain->piece_count; i++) state->kept_at[i] = chain->joints[i].at;
     for (uint32_t i = 0; i < chain->piece_count; i++) {
-        memcpy(to, chain->pieces[i].points, gd__piece_unknowns(chain, &chain->pieces[i]) * sizeof *to);
+        memcpy(to, chain->pieces[i].points,
+               gd__piece_unknowns(chain, &chain->pieces[i]) * sizeof *to);
         to += gd__piece_unknowns(chain, &chain->pieces[i]);
     }
 }
@@ -215,14 +220,16 @@ static void move_by(struct state *state, double part)
     for (uint32_t i = 0; i <= chain->piece_count; i++) {
         struct gd__joint *joint = &chain->joints[i];
         if (joint->kind != GD__JOINT_FIXED)
-            joint->at = fmin(fmax(state->kept_at[i] + part * state->move[i], joint->low), joint->high);
+            joint->at =
+                fmin(fmax(state->kept_at[i] + part * state->move[i], joint->low), joint->high);
     }
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         uint32_t unknowns = gd__piece_unknowns(chain, &chain->pieces[i]);
         for (uint32_t k = 0; k < unknowns; k++) {
             const struct gd_axis *axis = chain->surface->axis[k % 2];
             double t = from[k] + part * move[k];
-            chain->pieces[i].points[k / 2][k % 2] = axis->closed ? t : fmin(fmax(t, axis->low), axis->high);
+            chain->pieces[i].points[k / 2][k % 2] =
+                axis->closed ? t : fmin(fmax(t, axis->low), axis->high);
         }
         from += unknowns;
         move += unknowns;
@@ -233,23 +240,28 @@ static void move_by(struct state *state, double part)
 static double length_of(const struct gd__chain *chain)
 {
     double sum = 0;
-    for (uint32_t i = 0; i < chain->piece_count; i++) sum += sqrt(2 * gd__energy_value(chain, &chain->pieces[i]));
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        sum += sqrt(2 * gd__energy_value(chain, &chain->pieces[i]));
     return sum;
 }
 
-/* The part of a way to a pole that a step may go: a curve that fell into the pole could slide along it for nothing. */
+/* The part of a way to a pole that a step may go: a curve that fell into the pole could slide along
+ * it for nothing. */
 static const double towards_pole = 0.8;
 
 /* By how much of what it may a coordinate moves. */
 static double excess(const struct gd_axis *axis, double t, double move)
 {
     double part = 2 * fabs(move) / (axis->high - axis->low);
-    if (move < 0 && axis->pole_low && t > axis->low) part = fmax(part, -move / (towards_pole * (t - axis->low)));
-    if (move > 0 && axis->pole_high && t < axis->high) part = fmax(part, move / (towards_pole * (axis->high - t)));
+    if (move < 0 && axis->pole_low && t > axis->low)
+        part = fmax(part, -move / (towards_pole * (t - axis->low)));
+    if (move > 0 && axis->pole_high && t < axis->high)
+        part = fmax(part, move / (towards_pole * (axis->high - t)));
     return part;
 }
 
-/* The greatest part of a step that moves no control point by more than half of the domain, or into a pole. */
+/* The greatest part of a step that moves no control point by more than half of the domain, or into
+ * a pole. */
 static double longest(const struct state *state)
 {
     const struct gd__chain *chain = state->chain;
@@ -257,7 +269,8 @@ static double longest(const struct state *state)
     double most = 0;
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         for (uint32_t k = 0; k < gd__piece_unknowns(chain, &chain->pieces[i]); k++)
-            most = fmax(most, excess(chain->surface->axis[k % 2], chain->pieces[i].points[k / 2][k % 2], move[k]));
+            most = fmax(most, excess(chain->surface->axis[k % 2],
+                                     chain->pieces[i].points[k / 2][k % 2], move[k]));
         move += gd__piece_unknowns(chain, &chain->pieces[i]);
     }
     return most > 1 ? 1 / most : 1;
@@ -279,8 +292,10 @@ static bool search(struct state *state, double length, double slope)
 
 static void report_pull(const struct state *state, struct gd__newton_report *report)
 {
-    const struct gd__part *first = &state->parts[0], *last = &state->parts[state->chain->piece_count - 1];
-    uint32_t unknowns = gd__piece_unknowns(state->chain, &state->chain->pieces[state->chain->piece_count - 1]);
+    const struct gd__part *first = &state->parts[0],
+                          *last = &state->parts[state->chain->piece_count - 1];
+    uint32_t unknowns =
+        gd__piece_unknowns(state->chain, &state->chain->pieces[state->chain->piece_count - 1]);
     for (int k = 0; k < 2; k++) {
         report->pull[0][k] = first->energy.gradient[k] / first->length;
         report->pull[1][k] = last->energy.gradient[unknowns - 2 + (uint32_t)k] / last->length;
@@ -309,7 +324,8 @@ static bool iterate(struct state *state, double stop, struct gd__newton_report *
     report->converged = report->decrement <= stop || (blind && report->decrement > 0.5 * before);
     if (report->converged) return false;
     if (search(state, report->length, slope)) return true;
-    return report->positive && fall_back(state, report, &slope) && search(state, report->length, slope);
+    return report->positive && fall_back(state, report, &slope) &&
+           search(state, report->length, slope);
 }
 
 enum gd_status gd__newton(struct gd__chain *chain, const struct gd__newton_limits *limits,

@@ -6,9 +6,10 @@
 
 #include "base/tolerance.h"
 
-/* --- one direction ------------------------------------------------------------------------------------------------ */
+/* --- one direction ---------------------------------------------------------------------------- */
 
-static bool take_knots(struct gd__knots *out, uint32_t degree, uint32_t count, const double *knots, bool is_short)
+static bool take_knots(struct gd__knots *out, uint32_t degree, uint32_t count, const double *knots,
+                       bool is_short)
 {
     uint32_t total = count + degree + 1;
     *out = (struct gd__knots){.degree = degree, .count = count};
@@ -48,7 +49,7 @@ void gd__nurbs_destroy(void *shape)
     free(nurbs);
 }
 
-/* --- control points ----------------------------------------------------------------------------------------------- */
+/* --- control points --------------------------------------------------------------------------- */
 
 static bool take_points(struct gd__nurbs *nurbs, const struct gd_nurbs_data *data)
 {
@@ -70,7 +71,7 @@ static bool take_points(struct gd__nurbs *nurbs, const struct gd_nurbs_data *dat
     return true;
 }
 
-/* --- closed directions and poles ------------------------------------------------------------------------------------ */
+/* --- closed directions and poles -------------------------------------------------------------- */
 
 static void axis_of(const struct gd__knots *knots, struct gd_axis *out)
 {
@@ -80,7 +81,8 @@ static void axis_of(const struct gd__knots *knots, struct gd_axis *out)
                             .lines = knots->lines};
 }
 
-static struct gd_vec3 position(const struct gd__nurbs *nurbs, bool u_is_border, bool upper, double along)
+static struct gd_vec3 position(const struct gd__nurbs *nurbs, bool u_is_border, bool upper,
+                               double along)
 {
     const struct gd__knots *border = u_is_border ? &nurbs->u : &nurbs->v;
     const struct gd__knots *other = u_is_border ? &nurbs->v : &nurbs->u;
@@ -99,12 +101,15 @@ static double extent(const struct gd__nurbs *nurbs)
 {
     double most = 0;
     for (size_t i = 0; i < (size_t)nurbs->u.count * nurbs->v.count; i++)
-        for (int c = 0; c < 3; c++) most = fmax(most, fabs(nurbs->control[i][c] / nurbs->control[i][3]));
+        for (int c = 0; c < 3; c++)
+            most = fmax(most, fabs(nurbs->control[i][c] / nurbs->control[i][3]));
     return most;
 }
 
-/* Looks at both borders of a direction at as many places of each cell as tell two rational pieces of its degree apart. */
-static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double size, struct gd_axis *axis)
+/* Looks at both borders of a direction at as many places of each cell as tell two rational pieces
+ * of its degree apart. */
+static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double size,
+                      struct gd_axis *axis)
 {
     const struct gd__knots *other = u_is_border ? &nurbs->v : &nurbs->u;
     bool closed = true, pole_low = true, pole_high = true;
@@ -129,13 +134,15 @@ static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double si
     axis->closed = axis->seam = closed && !pole_low && !pole_high;
 }
 
-enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_parametric **out, struct gd_detail *detail)
+enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_parametric **out,
+                               struct gd_detail *detail)
 {
     if (gd_nurbs_inspect(data, detail)) return GD_INVALID_ARGUMENT;
     bool rhino = data->convention == GD_NURBS_RHINO;
     struct gd__nurbs *nurbs = calloc(1, sizeof *nurbs);
     if (!nurbs || !take_knots(&nurbs->u, data->degree_u, data->count_u, data->knots_u, rhino) ||
-        !take_knots(&nurbs->v, data->degree_v, data->count_v, data->knots_v, rhino) || !take_points(nurbs, data)) {
+        !take_knots(&nurbs->v, data->degree_v, data->count_v, data->knots_v, rhino) ||
+        !take_points(nurbs, data)) {
         gd__nurbs_destroy(nurbs);
         return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     }

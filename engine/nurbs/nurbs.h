@@ -4,7 +4,8 @@
 
 #include "gd/nurbs.h"
 
-/* One direction: all n + degree + 1 knots, and the spans that are not empty, which are the surface's cells. */
+/* One direction: all n + degree + 1 knots, and the spans that are not empty, which are the
+ * surface's cells. */
 struct gd__knots {
     uint32_t degree, count;
     double *knots;
@@ -20,7 +21,8 @@ struct gd__nurbs {
 };
 
 /* gd_evaluator's `jet` and `destroy` for a struct gd__nurbs. */
-void gd__nurbs_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v, struct gd_jet *out);
+void gd__nurbs_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
+                   struct gd_jet *out);
 void gd__nurbs_destroy(void *shape);
 
 #endif

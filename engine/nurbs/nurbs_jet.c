@@ -4,7 +4,8 @@
 #include "nurbs/nurbs.h"
 
 /* Sums of one row of control points over v: values, first and second derivatives. */
-static void sum_row(const double (*row)[4], const struct gd__basis *basis, uint32_t order, double sums[3][4])
+static void sum_row(const double (*row)[4], const struct gd__basis *basis, uint32_t order,
+                    double sums[3][4])
 {
     memset(sums, 0, 3 * sizeof *sums);
     for (uint32_t j = 0; j < order; j++) {
@@ -18,18 +19,20 @@ static void sum_row(const double (*row)[4], const struct gd__basis *basis, uint3
 
 enum { VALUE, U, V, UU, UV, VV, SUMS };
 
-static void homogeneous(const struct gd__nurbs *nurbs, uint32_t cell_u, uint32_t cell_v, double u, double v,
-                        double sums[SUMS][4])
+static void homogeneous(const struct gd__nurbs *nurbs, uint32_t cell_u, uint32_t cell_v, double u,
+                        double v, double sums[SUMS][4])
 {
     struct gd__basis bu, bv;
-    uint32_t su = nurbs->u.spans[cell_u], sv = nurbs->v.spans[cell_v], pu = nurbs->u.degree, pv = nurbs->v.degree;
+    uint32_t su = nurbs->u.spans[cell_u], sv = nurbs->v.spans[cell_v], pu = nurbs->u.degree,
+             pv = nurbs->v.degree;
     gd__basis(pu, nurbs->u.knots, su, u, &bu);
     gd__basis(pv, nurbs->v.knots, sv, v, &bv);
     memset(sums, 0, SUMS * sizeof *sums);
     for (uint32_t i = 0; i <= pu; i++) {
         double row[3][4];
-        sum_row((const double(*)[4])nurbs->control + (size_t)(su - pu + i) * nurbs->v.count + (sv - pv), &bv, pv + 1,
-                row);
+        sum_row((const double(*)[4])nurbs->control + (size_t)(su - pu + i) * nurbs->v.count +
+                    (sv - pv),
+                &bv, pv + 1, row);
         for (int c = 0; c < 4; c++) {
             sums[VALUE][c] += bu.value[i] * row[0][c];
             sums[U][c] += bu.first[i] * row[0][c];
@@ -59,7 +62,8 @@ static void divide(double s[SUMS][4], const double centre[3], struct gd_jet *out
     for (int k = 0; k < SUMS; k++) *to[k] = (struct gd_vec3){part[k][0], part[k][1], part[k][2]};
 }
 
-void gd__nurbs_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v, struct gd_jet *out)
+void gd__nurbs_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
+                   struct gd_jet *out)
 {
     const struct gd__nurbs *nurbs = shape;
     double sums[SUMS][4];

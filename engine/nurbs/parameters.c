@@ -3,13 +3,15 @@
 
 #include <math.h>
 
-void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex, double uv[2])
+void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex,
+                            double uv[2])
 {
     gd__node_parameters(&tessellation->grid, tessellation->node_of[vertex.index], uv);
 }
 
 /* A corner at a pole has no parameter along it: the other two's mean, by weight. */
-static void settle_poles(const struct gd_parametric *surface, const double weight[3], double uv[3][2])
+static void settle_poles(const struct gd_parametric *surface, const double weight[3],
+                         double uv[3][2])
 {
     for (int k = 0; k < 2; k++) {
         for (int i = 0; i < 3; i++) {
@@ -21,7 +23,8 @@ static void settle_poles(const struct gd_parametric *surface, const double weigh
     }
 }
 
-void gd_tessellation_parameters(const struct gd_tessellation *tessellation, const struct gd_point *point, double uv[2])
+void gd_tessellation_parameters(const struct gd_tessellation *tessellation,
+                                const struct gd_point *point, double uv[2])
 {
     struct gd_point_description at;
     gd_point_describe(tessellation->mesh, point, &at);
@@ -30,10 +33,12 @@ void gd_tessellation_parameters(const struct gd_tessellation *tessellation, cons
     for (int i = 0; i < 3; i++) gd__node_parameters(&tessellation->grid, nodes[i], corner[i]);
     settle_poles(tessellation->surface, at.barycentric, corner);
     for (int k = 0; k < 2; k++)
-        uv[k] = at.barycentric[0] * corner[0][k] + at.barycentric[1] * corner[1][k] + at.barycentric[2] * corner[2][k];
+        uv[k] = at.barycentric[0] * corner[0][k] + at.barycentric[1] * corner[1][k] +
+                at.barycentric[2] * corner[2][k];
 }
 
-/* Weight of a node of the cell at (part u, part v) within the face, by the plane through the face's corners in parameters. */
+/* Weight of a node of the cell at (part u, part v) within the face, by the plane through the face's
+ * corners in parameters. */
 static void barycentric(const double corner[3][2], const double at[2], double weight[3])
 {
     double ax = corner[1][0] - corner[0][0], ay = corner[1][1] - corner[0][1];
@@ -45,8 +50,8 @@ static void barycentric(const double corner[3][2], const double at[2], double we
 }
 
 /* The one triangle of a cell at a pole: all of the cell's width belongs to its apex. */
-static void barycentric_at_pole(const struct gd_parametric *surface, const double corner[3][2], const double at[2],
-                                double weight[3])
+static void barycentric_at_pole(const struct gd_parametric *surface, const double corner[3][2],
+                                const double at[2], double weight[3])
 {
     for (int k = 0; k < 2; k++) {
         for (int i = 0; i < 3; i++) {
@@ -71,17 +76,20 @@ enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation,
 {
     const struct gd_parametric *surface = tessellation->surface;
     if (!gd_parametric_contains(surface, u, v))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "(%.17g, %.17g) lies outside the surface's domain", u, v);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "(%.17g, %.17g) lies outside the surface's domain", u, v);
     double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)}, part;
     uint32_t i = gd__grid_step(&tessellation->grid, 0, at[0], &part);
     uint32_t j = gd__grid_step(&tessellation->grid, 1, at[1], &part);
-    uint32_t cell = i * tessellation->grid.steps[1] + j, first = tessellation->first_face[cell], best = first;
+    uint32_t cell = i * tessellation->grid.steps[1] + j, first = tessellation->first_face[cell],
+             best = first;
     uint32_t faces = tessellation->first_face[cell + 1] - first;
     double weights[2][3];
     for (uint32_t f = 0; f < faces; f++) {
         double corner[3][2];
         for (int k = 0; k < 3; k++)
-            gd__node_parameters(&tessellation->grid, tessellation->corners[first + f][k], corner[k]);
+            gd__node_parameters(&tessellation->grid, tessellation->corners[first + f][k],
+                                corner[k]);
         if (faces == 2)
             barycentric((const double(*)[2])corner, at, weights[f]);
         else

@@ -1,4 +1,5 @@
-/* Surface of revolution: its profile is a NURBS curve, kept as a NURBS surface of degree 1 across, which does not vary there. */
+/* Surface of revolution: its profile is a NURBS curve, kept as a NURBS surface of degree 1 across,
+ * which does not vary there. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,7 +20,8 @@ static void destroy(void *shape)
     free(revolution);
 }
 
-static void jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v, struct gd_jet *out)
+static void jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
+                struct gd_jet *out)
 {
     (void)cell_u;
     const struct revolution *revolution = shape;
@@ -48,11 +50,13 @@ static enum gd_status take_profile(const struct gd_profile *profile, struct gd_p
                                    struct gd_detail *detail)
 {
     if (profile->count > GD_NURBS_COUNT_MAX)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the profile has more than %d points", GD_NURBS_COUNT_MAX);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the profile has more than %d points",
+                       GD_NURBS_COUNT_MAX);
     double(*points)[3] = malloc(2 * profile->count * sizeof *points + 1);
     double *weights = malloc(2 * profile->count * sizeof *weights + 1);
     double width = extent(profile);
-    enum gd_status status = points && weights ? GD_OK : gd_fail(detail, GD_NO_MEMORY, "out of memory");
+    enum gd_status status =
+        points && weights ? GD_OK : gd_fail(detail, GD_NO_MEMORY, "out of memory");
     for (uint32_t i = 0; i < 2 * profile->count && !status; i++) {
         const double *point = profile->points[i / 2];
         points[i][0] = point[0], points[i][1] = i % 2 * width, points[i][2] = point[1];
@@ -79,7 +83,8 @@ static double radius(const struct gd_parametric *profile, double t)
     return gd__surface_position(profile, (double[2]){t, 0}).x;
 }
 
-static enum gd_status check_radius(const struct gd_parametric *profile, struct gd_axis *v, struct gd_detail *detail)
+static enum gd_status check_radius(const struct gd_parametric *profile, struct gd_axis *v,
+                                   struct gd_detail *detail)
 {
     double near = GD_TOL_CLOSED * profile->size;
     v->pole_low = !v->closed && fabs(radius(profile, v->low)) <= near;
@@ -89,13 +94,14 @@ static enum gd_status check_radius(const struct gd_parametric *profile, struct g
         double t = i == PLACES ? v->high : v->low + (v->high - v->low) * i / PLACES;
         if (radius(profile, t) <= near)
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "the profile meets the axis at its parameter %.17g: only its ends may", t);
+                           "the profile meets the axis at its parameter %.17g: only its ends may",
+                           t);
     }
     return GD_OK;
 }
 
-enum gd_status gd_parametric_revolution(const struct gd_profile *profile, struct gd_parametric **out,
-                                        struct gd_detail *detail)
+enum gd_status gd_parametric_revolution(const struct gd_profile *profile,
+                                        struct gd_parametric **out, struct gd_detail *detail)
 {
     struct revolution *revolution = calloc(1, sizeof *revolution);
     if (!revolution) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
@@ -113,5 +119,6 @@ enum gd_status gd_parametric_revolution(const struct gd_profile *profile, struct
     }
     struct gd_axis turn = {.low = 0, .high = 2 * M_PI, .closed = true};
     size_t bytes = sizeof *revolution + gd_parametric_memsize(revolution->profile);
-    return gd_parametric_create(&(struct gd_evaluator){turn, v, jet, destroy, revolution, bytes}, out, detail);
+    return gd_parametric_create(&(struct gd_evaluator){turn, v, jet, destroy, revolution, bytes},
+                                out, detail);
 }

@@ -15,9 +15,11 @@ enum {
 }; /* SEEDS_FEW where only the shortest way is wanted */
 
 static const double same =
-    0.02; /* seeds whose lengths, ends and middles agree to this part of the length lead to one way */
+    /* seeds whose lengths, ends and middles agree to this part of the length lead to one way */
+    0.02;
 static const double margin =
-    1.08; /* ways longer than the shortest by more on the mesh are not the shortest on the surface */
+    /* ways longer than the shortest by more on the mesh are not the shortest on the surface */
+    1.08;
 
 /* One curve on the mesh, and the distance from it. */
 struct side {
@@ -44,10 +46,10 @@ void gd__seeds_free(struct gd__seeds *seeds)
     *seeds = (struct gd__seeds){0};
 }
 
-/* --- the curves as sources --------------------------------------------------------------------------------------------- */
+/* --- the curves as sources -------------------------------------------------------------------- */
 
-static enum gd_status place_side(const struct gd_tessellation *t, struct side *side, struct gd__watch *watch,
-                                 struct gd_detail *detail)
+static enum gd_status place_side(const struct gd_tessellation *t, struct side *side,
+                                 struct gd__watch *watch, struct gd_detail *detail)
 {
     const struct gd_domain_curve *curve = side->curve;
     uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1;
@@ -56,23 +58,27 @@ static enum gd_status place_side(const struct gd_tessellation *t, struct side *s
     if (each * intervals > PLACES_MOST) each = PLACES_MOST / intervals + 1;
     side->s = malloc((each * intervals + 1) * sizeof *side->s);
     side->seeds = calloc(each * intervals + 1, sizeof *side->seeds);
-    if (!side->s || !side->seeds) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!side->s || !side->seeds)
+        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     for (uint32_t i = 0; i < intervals; i++)
         for (uint32_t k = 0; k < each; k++)
-            side->s[side->count++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
-    if (!curve->closed || curve->is_point) side->s[side->count++] = curve->is_point ? 0 : curve->high;
+            side->s[side->count++] =
+                curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
+    if (!curve->closed || curve->is_point)
+        side->s[side->count++] = curve->is_point ? 0 : curve->high;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < side->count && !status && gd__watch_step(watch); i++) {
         double uv[2];
         gd_domain_curve_at(curve, side->s[i], uv);
         status = gd_tessellation_point(t, uv[0], uv[1], &side->seeds[i].point, detail);
     }
-    if (watch->status) return gd_fail(detail, watch->status, "%s", gd_status_sentence(watch->status));
+    if (watch->status)
+        return gd_fail(detail, watch->status, "%s", gd_status_sentence(watch->status));
     return status;
 }
 
-static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side, struct gd__watch *watch,
-                                   struct gd_detail *detail)
+static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side,
+                                   struct gd__watch *watch, struct gd_detail *detail)
 {
     enum gd_status status = place_side(t, side, watch, detail);
     if (status) return status;
@@ -80,7 +86,8 @@ static enum gd_status measure_side(const struct gd_tessellation *t, struct side 
     status = gd_field_build(t->mesh, &request, watch->control, NULL, &side->field, detail);
     if (status) return status;
     side->distance = malloc(gd_mesh_summary(t->mesh)->index_count * sizeof *side->distance);
-    if (!side->distance) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!side->distance)
+        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     gd_field_vertex_distances(side->field, side->distance);
     return GD_OK;
 }
@@ -93,9 +100,10 @@ static void side_free(struct side *side)
     gd_field_release(side->field);
 }
 
-/* --- trails ------------------------------------------------------------------------------------------------------------ */
+/* --- trails ----------------------------------------------------------------------------------- */
 
-/* The copy of a place nearest to another in closed directions. A pole has no place along itself: it takes the other's. */
+/* The copy of a place nearest to another in closed directions. A pole has no place along itself: it
+ * takes the other's. */
 static void unwind(const struct gd_parametric *surface, const double before[2], double at[2])
 {
     for (int k = 0; k < 2; k++) {
@@ -106,14 +114,15 @@ static void unwind(const struct gd_parametric *surface, const double before[2], 
         if (gd__surface_pole(surface, k, at[k])) at[1 - k] = before[1 - k];
 }
 
-static enum gd_status add_place(const struct gd_parametric *surface, struct gd__trail *trail, double at[2])
+static enum gd_status add_place(const struct gd_parametric *surface, struct gd__trail *trail,
+                                double at[2])
 {
     if (trail->count) unwind(surface, trail->at[trail->count - 1], at);
     return gd__trail_add(trail, at);
 }
 
-static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_path *path, bool backwards,
-                               struct gd__trail *trail)
+static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_path *path,
+                               bool backwards, struct gd__trail *trail)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < path->count && !status; i++) {
@@ -125,7 +134,8 @@ static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_
 }
 
 /* Parameter of the place of a side nearest to a point of the mesh, and the path to it. */
-static enum gd_status reach(const struct side *side, const struct gd_point *point, double *s, struct gd_path *path)
+static enum gd_status reach(const struct side *side, const struct gd_point *point, double *s,
+                            struct gd_path *path)
 {
     double distance;
     uint32_t number;
@@ -153,7 +163,8 @@ static enum gd_status set_ends(const struct search *search, struct gd__seed *see
     memcpy(trail->at[trail->count - 1], at, sizeof at);
     for (int k = 0; k < 2; k++) { /* a path that begins in a pole leaves it along its own line */
         uint32_t outside = 0;
-        while (outside + 1 < trail->count && gd__surface_pole(surface, k, trail->at[outside][k])) outside++;
+        while (outside + 1 < trail->count && gd__surface_pole(surface, k, trail->at[outside][k]))
+            outside++;
         for (uint32_t i = 0; i < outside; i++) trail->at[i][1 - k] = trail->at[outside][1 - k];
     }
     gd__trail_measure(surface, trail);
@@ -180,7 +191,8 @@ static enum gd_status add_seed(struct search *search, const struct gd_point *poi
     struct gd__seed seed = {0};
     struct gd_path path[2] = {{0}};
     enum gd_status status = GD_OK;
-    for (int k = 0; k < 2 && !status; k++) status = reach(&search->side[k], point, &seed.s[k], &path[k]);
+    for (int k = 0; k < 2 && !status; k++)
+        status = reach(&search->side[k], point, &seed.s[k], &path[k]);
     if (!status) status = add_path(search->tessellation, &path[0], true, &seed.trail);
     if (!status) status = add_path(search->tessellation, &path[1], false, &seed.trail);
     if (!status) status = set_ends(search, &seed);
@@ -192,7 +204,7 @@ static enum gd_status add_seed(struct search *search, const struct gd_point *poi
     return status;
 }
 
-/* --- local minima -------------------------------------------------------------------------------------------------------- */
+/* --- local minima ----------------------------------------------------------------------------- */
 
 /* Where d1 = d2 on an edge of the mesh. */
 struct crossing {
@@ -213,7 +225,8 @@ static bool cross(const struct search *search, uint32_t a, uint32_t b, struct cr
     double at_a = d1[a] - d2[a], at_b = d1[b] - d2[b];
     if ((at_a < 0) == (at_b < 0) || !isfinite(at_a) || !isfinite(at_b)) return false;
     double part = at_a / (at_a - at_b);
-    *out = (struct crossing){a, b, part, (1 - part) * (d1[a] + d2[a]) + part * (d1[b] + d2[b]), INFINITY};
+    *out = (struct crossing){a, b, part, (1 - part) * (d1[a] + d2[a]) + part * (d1[b] + d2[b]),
+                             INFINITY};
     return true;
 }
 
@@ -224,16 +237,19 @@ static int by_edge(const void *x, const void *y)
     return p->b < q->b ? -1 : p->b > q->b;
 }
 
-/* Each crossing once for each face at it, with the other crossing of that face. `out` NULL: only counts. */
+/* Each crossing once for each face at it, with the other crossing of that face. `out` NULL: only
+ * counts. */
 static uint32_t list_crossings(struct search *search, struct crossing *out)
 {
     const struct gd_polygons *polygons = &search->tessellation->polygons;
     uint32_t count = 0;
-    for (uint32_t face = 0; face < polygons->polygon_count && gd__watch_step(&search->watch); face++) {
+    for (uint32_t face = 0; face < polygons->polygon_count && gd__watch_step(&search->watch);
+         face++) {
         const uint32_t *corner = polygons->corners + 3 * (size_t)face;
         struct crossing found[3];
         int in_face = 0;
-        for (int k = 0; k < 3; k++) in_face += cross(search, corner[k], corner[(k + 1) % 3], &found[in_face]);
+        for (int k = 0; k < 3; k++)
+            in_face += cross(search, corner[k], corner[(k + 1) % 3], &found[in_face]);
         if (in_face != 2) continue;
         found[0].least = found[1].sum;
         found[1].least = found[0].sum;
@@ -243,11 +259,13 @@ static uint32_t list_crossings(struct search *search, struct crossing *out)
     return count;
 }
 
-static enum gd_status add_crossing(struct search *search, const struct crossing *crossing, struct gd_detail *detail)
+static enum gd_status add_crossing(struct search *search, const struct crossing *crossing,
+                                   struct gd_detail *detail)
 {
     struct gd_point point;
-    enum gd_status status = gd_point_on_edge(search->tessellation->mesh, (struct gd_vertex){crossing->a},
-                                             (struct gd_vertex){crossing->b}, crossing->part, &point, detail);
+    enum gd_status status =
+        gd_point_on_edge(search->tessellation->mesh, (struct gd_vertex){crossing->a},
+                         (struct gd_vertex){crossing->b}, crossing->part, &point, detail);
     return status ? status : add_seed(search, &point);
 }
 
@@ -260,8 +278,10 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
     enum gd_status status = search->watch.status;
     for (uint32_t i = 0; i < count && !status; i++) {
         bool twice = i + 1 < count && by_edge(&list[i], &list[i + 1]) == 0;
-        double least = twice ? fmin(list[i].least, list[i + 1].least) : list[i].least, sum = list[i].sum;
-        if (sum <= least && (search->all || sum <= margin * shortest) && search->seeds.count < SEEDS_MOST)
+        double least = twice ? fmin(list[i].least, list[i + 1].least) : list[i].least,
+               sum = list[i].sum;
+        if (sum <= least && (search->all || sum <= margin * shortest) &&
+            search->seeds.count < SEEDS_MOST)
             status = add_crossing(search, &list[i], detail);
         i += twice;
     }
@@ -269,7 +289,8 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
     return status;
 }
 
-/* Local minima of the other side's distance along a curve: the ends of ways. `*shortest`: the least. */
+/* Local minima of the other side's distance along a curve: the ends of ways. `*shortest`: the
+ * least. */
 static enum gd_status find_ends(struct search *search, int k, double *distance, double *shortest)
 {
     const struct side *side = &search->side[k];
@@ -293,7 +314,9 @@ static enum gd_status add_ends(struct search *search, int k, double *shortest)
     bool around = side->curve->closed;
     for (uint32_t i = 0; i < n && !status; i++) {
         if (i ? distance[i - 1] < distance[i] : around && distance[n - 1] < distance[i]) continue;
-        if (i + 1 < n ? distance[i + 1] <= distance[i] : around && n > 1 && distance[0] <= distance[i]) continue;
+        if (i + 1 < n ? distance[i + 1] <= distance[i]
+                      : around && n > 1 && distance[0] <= distance[i])
+            continue;
         if ((search->all || distance[i] <= margin * *shortest) && search->seeds.count < SEEDS_MOST)
             status = add_seed(search, &side->seeds[i].point);
     }
@@ -307,15 +330,16 @@ static int by_length(const void *x, const void *y)
     return p->length < q->length ? -1 : p->length > q->length;
 }
 
-static struct gd_vec3 trail_position(const struct gd_parametric *surface, const struct gd__trail *trail, double part)
+static struct gd_vec3 trail_position(const struct gd_parametric *surface,
+                                     const struct gd__trail *trail, double part)
 {
     double at[2];
     gd__trail_place(trail, gd__trail_position(trail, part * trail->run[trail->count - 1], 0), at);
     return gd__surface_position(surface, at);
 }
 
-static bool is_same(const struct gd_parametric *surface, struct gd__watch *watch, const struct gd__seed *a,
-                    const struct gd__seed *b)
+static bool is_same(const struct gd_parametric *surface, struct gd__watch *watch,
+                    const struct gd__seed *a, const struct gd__seed *b)
 {
     if (fabs(a->length - b->length) > same * a->length) return false;
     for (int i = 0; i <= 4 && gd__watch_step(watch); i++)
@@ -325,16 +349,18 @@ static bool is_same(const struct gd_parametric *surface, struct gd__watch *watch
     return true;
 }
 
-/* Sorts by length; of those that are the same way the shortest stays, and of all only the first `most`. */
-static enum gd_status sift(const struct gd_parametric *surface, uint32_t most, struct gd__watch *watch,
-                           struct gd__seeds *seeds)
+/* Sorts by length; of those that are the same way the shortest stays, and of all only the first
+ * `most`. */
+static enum gd_status sift(const struct gd_parametric *surface, uint32_t most,
+                           struct gd__watch *watch, struct gd__seeds *seeds)
 {
     qsort(seeds->seed, seeds->count, sizeof *seeds->seed, by_length);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < seeds->count; i++) {
         struct gd__seed seed = seeds->seed[i];
         bool wanted = kept < most;
-        for (uint32_t k = 0; k < kept && wanted; k++) wanted = !is_same(surface, watch, &seeds->seed[k], &seed);
+        for (uint32_t k = 0; k < kept && wanted; k++)
+            wanted = !is_same(surface, watch, &seeds->seed[k], &seed);
         if (wanted)
             seeds->seed[kept++] = seed;
         else
@@ -344,13 +370,16 @@ static enum gd_status sift(const struct gd_parametric *surface, uint32_t most, s
     return watch->status;
 }
 
-enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation, const struct gd_domain_curve *from,
-                              const struct gd_domain_curve *to, bool all, struct gd__share *share,
-                              struct gd__seeds *out, struct gd_detail *detail)
+enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation,
+                              const struct gd_domain_curve *from, const struct gd_domain_curve *to,
+                              bool all, struct gd__share *share, struct gd__seeds *out,
+                              struct gd_detail *detail)
 {
     const struct gd_control own = gd__share_control(share, 0);
-    struct search search = {
-        .tessellation = tessellation, .side = {{.curve = from}, {.curve = to}}, .watch = {.control = &own}, .all = all};
+    struct search search = {.tessellation = tessellation,
+                            .side = {{.curve = from}, {.curve = to}},
+                            .watch = {.control = &own},
+                            .all = all};
     enum gd_status status = GD_OK;
     double shortest = INFINITY;
     for (int k = 0; k < 2 && !status; k++) {
@@ -359,10 +388,13 @@ enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation, const 
     }
     for (int k = 1; k >= 0 && !status; k--) status = add_ends(&search, k, &shortest);
     if (!status) status = add_middles(&search, shortest, detail);
-    if (!status && !search.seeds.count) status = gd_fail(detail, GD_INTERNAL, "no way was found on the tessellation");
+    if (!status && !search.seeds.count)
+        status = gd_fail(detail, GD_INTERNAL, "no way was found on the tessellation");
     side_free(&search.side[0]);
     side_free(&search.side[1]);
-    if (!status) status = sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.watch, &search.seeds);
+    if (!status)
+        status =
+            sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.watch, &search.seeds);
     if (status)
         gd__seeds_free(&search.seeds);
     else

@@ -16,17 +16,19 @@ static bool is_range(const double range[2])
     return isfinite(range[0]) && isfinite(range[1]) && range[0] < range[1];
 }
 
-/* --- torus -------------------------------------------------------------------------------------------------------- */
+/* --- torus ------------------------------------------------------------------------------------ */
 
 struct torus {
     double major, minor;
 };
 
-static void torus_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v, struct gd_jet *out)
+static void torus_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
+                      struct gd_jet *out)
 {
     (void)cell_u, (void)cell_v;
     const struct torus *torus = shape;
-    double cu = cos(u), su = sin(u), rc = torus->minor * cos(v), rs = torus->minor * sin(v), w = torus->major + rc;
+    double cu = cos(u), su = sin(u), rc = torus->minor * cos(v), rs = torus->minor * sin(v),
+           w = torus->major + rc;
     *out = (struct gd_jet){.x = {w * cu, w * su, rs},
                            .u = {-w * su, w * cu, 0},
                            .v = {-rs * cu, -rs * su, rc},
@@ -35,21 +37,25 @@ static void torus_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, doubl
                            .vv = {-rc * cu, -rc * su, -rs}};
 }
 
-enum gd_status gd_parametric_torus(double major, double minor, struct gd_parametric **out, struct gd_detail *detail)
+enum gd_status gd_parametric_torus(double major, double minor, struct gd_parametric **out,
+                                   struct gd_detail *detail)
 {
     if (!(minor > 0 && minor < major && isfinite(major)))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a torus needs a minor radius greater than 0 and less than its major radius");
+        return gd_fail(
+            detail, GD_INVALID_ARGUMENT,
+            "a torus needs a minor radius greater than 0 and less than its major radius");
     struct torus *torus = malloc(sizeof *torus);
     if (!torus) return no_memory(detail);
     *torus = (struct torus){major, minor};
     struct gd_axis turn = {.low = 0, .high = 2 * M_PI, .closed = true};
-    return gd_parametric_create(&(struct gd_evaluator){turn, turn, torus_jet, free, torus, sizeof *torus}, out, detail);
+    return gd_parametric_create(
+        &(struct gd_evaluator){turn, turn, torus_jet, free, torus, sizeof *torus}, out, detail);
 }
 
-/* --- helicoid ----------------------------------------------------------------------------------------------------- */
+/* --- helicoid --------------------------------------------------------------------------------- */
 
-static void helicoid_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v, struct gd_jet *out)
+static void helicoid_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
+                         struct gd_jet *out)
 {
     (void)cell_u, (void)cell_v;
     double pitch = *(const double *)shape, c = cos(u), s = sin(u);
@@ -60,12 +66,14 @@ static void helicoid_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, do
                            .uv = {-s, c, 0}};
 }
 
-enum gd_status gd_parametric_helicoid(double pitch, const double u_range[2], const double v_range[2],
-                                      struct gd_parametric **out, struct gd_detail *detail)
+enum gd_status gd_parametric_helicoid(double pitch, const double u_range[2],
+                                      const double v_range[2], struct gd_parametric **out,
+                                      struct gd_detail *detail)
 {
     if (!isfinite(pitch) || pitch == 0 || !is_range(u_range) || !is_range(v_range))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a helicoid needs a finite pitch that is not 0 and two ranges [low, high] with low < high");
+                       "a helicoid needs a finite pitch that is not 0 and two ranges [low, high] "
+                       "with low < high");
     double *kept = malloc(sizeof *kept);
     if (!kept) return no_memory(detail);
     *kept = pitch;
@@ -78,7 +86,7 @@ enum gd_status gd_parametric_helicoid(double pitch, const double u_range[2], con
                                 out, detail);
 }
 
-/* --- graph of a polynomial ------------------------------------------------------------------------------------------ */
+/* --- graph of a polynomial -------------------------------------------------------------------- */
 
 struct graph {
     uint32_t degree_u, degree_v;
@@ -96,7 +104,8 @@ static void horner(uint32_t degree, const double *coefficients, double t, double
     }
 }
 
-static void graph_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v, struct gd_jet *out)
+static void graph_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
+                      struct gd_jet *out)
 {
     (void)cell_u, (void)cell_v;
     const struct graph *graph = shape;
@@ -116,17 +125,20 @@ static void graph_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, doubl
 }
 
 enum gd_status gd_parametric_graph(uint32_t degree_u, uint32_t degree_v, const double *coefficients,
-                                   const double u_range[2], const double v_range[2], struct gd_parametric **out,
-                                   struct gd_detail *detail)
+                                   const double u_range[2], const double v_range[2],
+                                   struct gd_parametric **out, struct gd_detail *detail)
 {
     if (degree_u > GD_GRAPH_DEGREE_MAX || degree_v > GD_GRAPH_DEGREE_MAX)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a polynomial's degrees must not be above %d", GD_GRAPH_DEGREE_MAX);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a polynomial's degrees must not be above %d",
+                       GD_GRAPH_DEGREE_MAX);
     if (!is_range(u_range) || !is_range(v_range))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a graph needs two finite ranges [low, high] with low < high");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a graph needs two finite ranges [low, high] with low < high");
     uint32_t count = (degree_u + 1) * (degree_v + 1);
     for (uint32_t i = 0; i < count; i++)
         if (!isfinite(coefficients[i]))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "coefficient %u of the polynomial is not finite", i);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "coefficient %u of the polynomial is not finite", i);
     size_t bytes = sizeof(struct graph) + count * sizeof(double);
     struct graph *graph = malloc(bytes);
     if (!graph) return no_memory(detail);

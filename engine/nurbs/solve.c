@@ -18,18 +18,23 @@ enum {
 };
 
 static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
-static const struct gd__newton_limits coarse = {12, 1e-7}; /* across lines the Hessian jumps: no use in going on */
+/* across lines the Hessian jumps: no use in going on */
+static const struct gd__newton_limits coarse = {12, 1e-7};
 
 static const double stuck =
-    1e-4; /* part of the length: a piece this short that will not converge hides a corner of cells */
+    /* part of the length: a piece this short that will not converge hides a corner of cells */
+    1e-4;
 static const double wide_corner = 3e-2; /* then corners this near, in cells, are passed straight */
 static const double shortest_end =
     1e-4; /* of a piece: ends are not refined below it, where rounding spoils the curvature */
 static const double most_bend =
-    100; /* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
-static const double fallen = 1e-6; /* of the domain's width: nearer to a pole a path goes through it */
-static const double noise = 8;     /* the length of a span is rounded by so many times what the ends of its chain are */
-static const double worth = 0.02;  /* a span is halved if its error is this part of the greatest */
+    /* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
+    100;
+/* of the domain's width: nearer to a pole a path goes through it */
+static const double fallen = 1e-6;
+/* the length of a span is rounded by so many times what the ends of its chain are */
+static const double noise = 8;
+static const double worth = 0.02; /* a span is halved if its error is this part of the greatest */
 
 static enum gd_status newton(struct gd__newton_limits limits, struct gd__solution *solution)
 {
@@ -38,8 +43,10 @@ static enum gd_status newton(struct gd__newton_limits limits, struct gd__solutio
     return status;
 }
 
-/* Where all control points of a span lie on one border, the path follows the border and its bend is no error. */
-static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
+/* Where all control points of a span lie on one border, the path follows the border and its bend is
+ * no error. */
+static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece,
+                           uint32_t span)
 {
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = chain->surface->axis[k];
@@ -52,14 +59,17 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
     return false;
 }
 
-/* What halving a span may change: with e'' = kappa between its ends, 1/2 int e'^2 is at most (h / pi)^2 / 2 int kappa^2; and what the quadrature of its length
- * misses where the speed is uneven, as along a meridian, which is straight in the domain and has no curvature. More than `enough` is not looked at closer. */
-static double span_error(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double rounding,
-                         double enough)
+/* What halving a span may change: with e'' = kappa between its ends, 1/2 int e'^2 is at most (h /
+ * pi)^2 / 2 int kappa^2; and what the quadrature of its length misses where the speed is uneven, as
+ * along a meridian, which is straight in the domain and has no curvature. More than `enough` is not
+ * looked at closer. */
+static double span_error(const struct gd__chain *chain, const struct gd__piece *piece,
+                         uint32_t span, double rounding, double enough)
 {
     double bend, length;
     gd__energy_bend(chain, piece, span, &bend, &length);
-    double error = follows_border(chain, piece, span) ? 0 : bend * length * length / (2 * M_PI * M_PI);
+    double error =
+        follows_border(chain, piece, span) ? 0 : bend * length * length / (2 * M_PI * M_PI);
     if (error > enough) return error;
     double uneven = gd__energy_uneven(chain, piece, span, length);
     return uneven > noise * rounding ? error + uneven : error;
@@ -75,7 +85,8 @@ static double chain_error(const struct gd__chain *chain)
 }
 
 enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__trail *trail,
-                                const struct gd__joint *from, const struct gd__joint *to, struct gd__solution *out)
+                                const struct gd__joint *from, const struct gd__joint *to,
+                                struct gd__solution *out)
 {
     uint32_t spans = task->control_points ? task->control_points - task->degree : COARSE_SPANS;
     struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
@@ -92,7 +103,7 @@ enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__tr
     return GD_OK;
 }
 
-/* --- ends on curves -------------------------------------------------------------------------------------------------- */
+/* --- ends on curves --------------------------------------------------------------------------- */
 
 /* From all of the curve to the interval of it that the end lies in. */
 static void settle_joint(struct gd__joint *joint)
@@ -131,13 +142,16 @@ static double slope_of(const struct gd__joint *joint, const double pull[2])
     return pull[0] * jet.first[0] + pull[1] * jet.first[1];
 }
 
-/* An end that is held at the end of its interval goes over to the next one if the way leads on there. True: it did. */
+/* An end that is held at the end of its interval goes over to the next one if the way leads on
+ * there. True: it did. */
 static bool slide(struct gd__joint *joint, const double pull[2], bool *held)
 {
     *held = joint->kind == GD__JOINT_LINE && joint->curve;
     if (joint->kind != GD__JOINT_CURVE || joint->whole) return false;
     double slope = slope_of(joint, pull);
-    int step = joint->at >= joint->high && slope < 0 ? 1 : joint->at <= joint->low && slope > 0 ? -1 : 0;
+    int step = joint->at >= joint->high && slope < 0  ? 1
+               : joint->at <= joint->low && slope > 0 ? -1
+                                                      : 0;
     struct gd__joint next;
     if (!step) return false;
     *held = true;
@@ -151,18 +165,21 @@ static bool slide_ends(struct gd__solution *solution)
     struct gd__joint *joints = solution->chain->joints;
     bool held[2];
     bool moved = slide(&joints[0], solution->report.pull[0], &held[0]);
-    moved = slide(&joints[solution->chain->piece_count], solution->report.pull[1], &held[1]) || moved;
+    moved =
+        slide(&joints[solution->chain->piece_count], solution->report.pull[1], &held[1]) || moved;
     solution->corner = held[0] || held[1];
     return moved;
 }
 
-/* --- cutting at lines -------------------------------------------------------------------------------------------------- */
+/* --- cutting at lines ------------------------------------------------------------------------- */
 
 /* The same curve cut anew. */
-static enum gd_status cut(const struct gd__task *task, struct gd__solution *solution, double corner, uint32_t spans)
+static enum gd_status cut(const struct gd__task *task, struct gd__solution *solution, double corner,
+                          uint32_t spans)
 {
     struct gd__chain *old = solution->chain, *chain;
-    struct gd__fit fit = {task->degree, spans, old->joints[0], old->joints[old->piece_count], false, corner};
+    struct gd__fit fit = {task->degree, spans, old->joints[0], old->joints[old->piece_count],
+                          false,        corner};
     settle_joint(&fit.from);
     settle_joint(&fit.to);
     struct gd__trail trail;
@@ -180,13 +197,14 @@ static bool has_short_piece(const struct gd__solution *solution)
 {
     const struct gd__chain *chain = solution->chain;
     for (uint32_t i = 0; i < chain->piece_count; i++)
-        if (sqrt(2 * gd__energy_value(chain, &chain->pieces[i])) < stuck * solution->report.length) return true;
+        if (sqrt(2 * gd__energy_value(chain, &chain->pieces[i])) < stuck * solution->report.length)
+            return true;
     return false;
 }
 
 /* Newton's method on the pieces, which are cut anew as long as the curve leaves their cells. */
-static enum gd_status settle(const struct gd__task *task, struct gd__solution *solution, bool begin, uint32_t spans,
-                             bool *settled)
+static enum gd_status settle(const struct gd__task *task, struct gd__solution *solution, bool begin,
+                             uint32_t spans, bool *settled)
 {
     double corner = GD_TOL_CELL;
     enum gd_status status = GD_OK;
@@ -208,14 +226,16 @@ static enum gd_status settle(const struct gd__task *task, struct gd__solution *s
     return status;
 }
 
-/* --- refinement ---------------------------------------------------------------------------------------------------------- */
+/* --- refinement ------------------------------------------------------------------------------- */
 
-/* Cosine of the angle between the path and the curve that it ends on: by Newton's method the angle is right but for the spline's own error. */
+/* Cosine of the angle between the path and the curve that it ends on: by Newton's method the angle
+ * is right but for the spline's own error. */
 static double end_defect(const struct gd__solution *solution, int side)
 {
     const struct gd__chain *chain = solution->chain;
     const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
-    if (joint->kind != GD__JOINT_CURVE || joint->at <= joint->low || joint->at >= joint->high) return 0;
+    if (joint->kind != GD__JOINT_CURVE || joint->at <= joint->low || joint->at >= joint->high)
+        return 0;
     struct gd__curve_jet c;
     struct gd_jet x;
     gd__joint_jet(joint, joint->at, &c);
@@ -227,21 +247,25 @@ static double end_defect(const struct gd__solution *solution, int side)
 static double end_share(const struct gd__chain *chain, int side)
 {
     const struct gd__piece *piece = &chain->pieces[side ? chain->piece_count - 1 : 0];
-    return side ? 1 - piece->knots[chain->degree + piece->spans - 1] : piece->knots[chain->degree + 1];
+    return side ? 1 - piece->knots[chain->degree + piece->spans - 1]
+                : piece->knots[chain->degree + 1];
 }
 
-/* The error that is allowed: what was asked for, but not less than rounding leaves of ends that are very near each other. */
+/* The error that is allowed: what was asked for, but not less than rounding leaves of ends that are
+ * very near each other. */
 static double allowance(const struct gd__task *task, const struct gd__solution *solution)
 {
     return fmax(task->tolerance * solution->report.length, gd__chain_rounding(solution->chain));
 }
 
 /* Marks the spans that are worth halving; returns the sum of all errors. */
-static double mark(const struct gd__task *task, const struct gd__solution *solution, double *errors, bool *marked)
+static double mark(const struct gd__task *task, const struct gd__solution *solution, double *errors,
+                   bool *marked)
 {
     const struct gd__chain *chain = solution->chain;
     uint32_t spans = gd__chain_spans(chain), filled = 0;
-    double sum = 0, most = 0, allowed = allowance(task, solution) / (4 * spans), rounding = gd__chain_rounding(chain);
+    double sum = 0, most = 0, allowed = allowance(task, solution) / (4 * spans),
+           rounding = gd__chain_rounding(chain);
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         for (uint32_t span = 0; span < chain->pieces[i].spans; span++) {
             double error = span_error(chain, &chain->pieces[i], span, rounding, allowed);
@@ -250,7 +274,8 @@ static double mark(const struct gd__task *task, const struct gd__solution *solut
             most = fmax(most, error);
         }
     }
-    for (uint32_t i = 0; i < spans; i++) marked[i] = errors[i] > allowed && errors[i] > worth * most;
+    for (uint32_t i = 0; i < spans; i++)
+        marked[i] = errors[i] > allowed && errors[i] > worth * most;
     return sum;
 }
 
@@ -258,7 +283,8 @@ static bool mark_ends(const struct gd__solution *solution, bool *marked)
 {
     uint32_t spans = gd__chain_spans(solution->chain);
     bool low = end_defect(solution, 0) > GD_TOL_END && end_share(solution->chain, 0) > shortest_end;
-    bool high = end_defect(solution, 1) > GD_TOL_END && end_share(solution->chain, 1) > shortest_end;
+    bool high =
+        end_defect(solution, 1) > GD_TOL_END && end_share(solution->chain, 1) > shortest_end;
     marked[0] = marked[0] || low;
     marked[spans - 1] = marked[spans - 1] || high;
     return low || high;
@@ -292,7 +318,8 @@ static enum gd_status refine(const struct gd__task *task, struct gd__solution *s
     status = settle(task, solution, false, 2 * spans, &settled);
     double change = fabs(solution->report.length - before);
     solution->error = change;
-    solution->converged = settled && solution->report.converged && change <= allowance(task, solution);
+    solution->converged =
+        settled && solution->report.converged && change <= allowance(task, solution);
     return status;
 }
 
@@ -303,7 +330,8 @@ static bool is_falling(const struct gd_axis *axis, double t)
     return (axis->pole_low && t - axis->low < near) || (axis->pole_high && axis->high - t < near);
 }
 
-/* There is no geodesic on this side of the pole: the curve shrinks into it. Only ends may lie in a pole, and what is next to them near it. */
+/* There is no geodesic on this side of the pole: the curve shrinks into it. Only ends may lie in a
+ * pole, and what is next to them near it. */
 static bool has_fallen(const struct gd__chain *chain)
 {
     for (int k = 0; k < 2; k++) {
@@ -346,8 +374,10 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
     enum gd_status status = settle(task, solution, true, FIRST_SPANS, &settled);
     for (int i = 0; i < REFINE_MOST && !status && !done; i++) {
         status = refine(task, solution, &done);
-        if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST) break;
-        if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(task, solution))) break;
+        if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST)
+            break;
+        if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(task, solution)))
+            break;
     }
     double rounding = status ? 0 : gd__chain_rounding(solution->chain);
     solution->error += rounding;

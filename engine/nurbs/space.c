@@ -36,13 +36,15 @@ struct bits {
     } * bit;
 };
 
-/* The derivative's control points bound the speed on a span: so far from the middle no point of the bit lies. */
+/* The derivative's control points bound the speed on a span: so far from the middle no point of the
+ * bit lies. */
 static double speed_bound(const struct gd_space_curve *curve, uint32_t span)
 {
     double most = 0;
     for (uint32_t i = span - curve->degree + 1; i <= span; i++) {
         double width = curve->knots[i + curve->degree] - curve->knots[i];
-        most = fmax(most, curve->degree * gd_vec3_distance(curve->points[i], curve->points[i - 1]) / width);
+        most = fmax(most, curve->degree * gd_vec3_distance(curve->points[i], curve->points[i - 1]) /
+                              width);
     }
     return most;
 }
@@ -58,8 +60,10 @@ static enum gd_status make_bits(const struct gd_space_curve *curve, struct bits 
         if (!(width > 0)) continue;
         double radius = 0.5 * width * speed_bound(curve, span);
         for (int i = 0; i < PARTS; i++) {
-            double begin = low + i * width, end = i + 1 == PARTS ? curve->knots[span + 1] : begin + width;
-            out->bit[out->count++] = (struct bit){begin, end, radius, look_at(curve, 0.5 * (begin + end)).x};
+            double begin = low + i * width,
+                   end = i + 1 == PARTS ? curve->knots[span + 1] : begin + width;
+            out->bit[out->count++] =
+                (struct bit){begin, end, radius, look_at(curve, 0.5 * (begin + end)).x};
         }
     }
     return GD_OK;
@@ -76,9 +80,10 @@ static bool is_held(const struct bit *bit, double s, double gradient)
     return (s <= bit->low && gradient >= 0) || (s >= bit->high && gradient <= 0);
 }
 
-/* The step of 1/2 |a(s) - b(t)|^2: Newton where its Hessian, bends of the curves included, is positive, else Gauss-Newton; among what is not held. */
-static void step_of(const struct look *a, const struct look *b, const struct bit *p, const struct bit *q,
-                    const double at[2], double step[2])
+/* The step of 1/2 |a(s) - b(t)|^2: Newton where its Hessian, bends of the curves included, is
+ * positive, else Gauss-Newton; among what is not held. */
+static void step_of(const struct look *a, const struct look *b, const struct bit *p,
+                    const struct bit *q, const double at[2], double step[2])
 {
     struct gd_vec3 r = gd_vec3_sub(a->x, b->x);
     double g[2] = {gd_vec3_dot(r, a->first), -gd_vec3_dot(r, b->first)};
@@ -89,7 +94,8 @@ static void step_of(const struct look *a, const struct look *b, const struct bit
     double damp = newton ? 0 : GD_TOL_PIVOT * (aa + bb);
     if (!newton) h[0] = aa + damp, h[1] = bb + damp;
     double det = h[0] * h[1] - ab * ab;
-    bool held[2] = {is_held(p, at[0], g[0]), is_held(q, at[1], g[1])}, both = !held[0] && !held[1] && det > 0;
+    bool held[2] = {is_held(p, at[0], g[0]), is_held(q, at[1], g[1])},
+         both = !held[0] && !held[1] && det > 0;
     for (int k = 0; k < 2; k++) {
         double alone = held[k] || !(h[k] > 0) ? 0 : -g[k] / h[k];
         step[k] = both ? (ab * g[1 - k] - h[1 - k] * g[k]) / det : alone;
@@ -97,8 +103,8 @@ static void step_of(const struct look *a, const struct look *b, const struct bit
 }
 
 /* Downhill within one pair of bits. */
-static void descend(const struct gd_space_curve *from, const struct gd_space_curve *to, const struct bit *p,
-                    const struct bit *q, struct gd_space_foot *best)
+static void descend(const struct gd_space_curve *from, const struct gd_space_curve *to,
+                    const struct bit *p, const struct bit *q, struct gd_space_foot *best)
 {
     double s = 0.5 * (p->low + p->high), t = 0.5 * (q->low + q->high);
     struct look a = look_at(from, s), b = look_at(to, t);
@@ -115,12 +121,14 @@ static void descend(const struct gd_space_curve *from, const struct gd_space_cur
         s = u, t = v;
         distance = next;
     }
-    if (distance < best->distance) *best = (struct gd_space_foot){distance, s, t, look_at(from, s).x, look_at(to, t).x};
+    if (distance < best->distance)
+        *best = (struct gd_space_foot){distance, s, t, look_at(from, s).x, look_at(to, t).x};
 }
 
-/* Bits are tried in order; those that can't beat the best so far, which the bits' middles begin, are passed over. */
-static void search(const struct gd_space_curve *from, const struct gd_space_curve *to, const struct bits *a,
-                   const struct bits *b, struct gd_space_foot *best)
+/* Bits are tried in order; those that can't beat the best so far, which the bits' middles begin,
+ * are passed over. */
+static void search(const struct gd_space_curve *from, const struct gd_space_curve *to,
+                   const struct bits *a, const struct bits *b, struct gd_space_foot *best)
 {
     double bound = INFINITY;
     for (uint32_t i = 0; i < a->count; i++)
@@ -128,29 +136,34 @@ static void search(const struct gd_space_curve *from, const struct gd_space_curv
             bound = fmin(bound, gd_vec3_distance(a->bit[i].middle, b->bit[j].middle));
     for (uint32_t i = 0; i < a->count; i++) {
         for (uint32_t j = 0; j < b->count; j++) {
-            double least = gd_vec3_distance(a->bit[i].middle, b->bit[j].middle) - a->bit[i].radius - b->bit[j].radius;
-            if (least <= fmin(bound, best->distance)) descend(from, to, &a->bit[i], &b->bit[j], best);
+            double least = gd_vec3_distance(a->bit[i].middle, b->bit[j].middle) - a->bit[i].radius -
+                           b->bit[j].radius;
+            if (least <= fmin(bound, best->distance))
+                descend(from, to, &a->bit[i], &b->bit[j], best);
         }
     }
 }
 
 static enum gd_status check(const struct gd_space_curve *curve, struct gd_detail *detail)
 {
-    if (curve->degree > GD__DEGREE_MAX || curve->count < curve->degree + 1 || curve->count > GD_SPACE_CURVE_COUNT_MAX ||
-        (!curve->degree && curve->count != 1))
+    if (curve->degree > GD__DEGREE_MAX || curve->count < curve->degree + 1 ||
+        curve->count > GD_SPACE_CURVE_COUNT_MAX || (!curve->degree && curve->count != 1))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a curve has a degree of at most %d and between degree + 1 and %d points; a point is degree 0",
+                       "a curve has a degree of at most %d and between degree + 1 and %d points; a "
+                       "point is degree 0",
                        GD__DEGREE_MAX, GD_SPACE_CURVE_COUNT_MAX);
     for (uint32_t i = 0; i < curve->count; i++)
-        if (!(isfinite(curve->points[i].x) && isfinite(curve->points[i].y) && isfinite(curve->points[i].z)))
+        if (!(isfinite(curve->points[i].x) && isfinite(curve->points[i].y) &&
+              isfinite(curve->points[i].z)))
             return gd_fail(detail, GD_INVALID_ARGUMENT, "point %u of the curve is not finite", i);
     for (uint32_t i = 0; curve->degree && i < curve->count + curve->degree + 1; i++)
         if (!isfinite(curve->knots[i]) || (i && curve->knots[i] < curve->knots[i - 1]))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "knot %u of the curve is not finite or decreases", i);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "knot %u of the curve is not finite or decreases", i);
     for (uint32_t i = curve->degree + 1; curve->degree && i + curve->degree < curve->count; i++)
         if (curve->knots[i] == curve->knots[i + curve->degree])
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "knot %u of the curve is repeated more than %u times", i,
-                           curve->degree);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "knot %u of the curve is repeated more than %u times", i, curve->degree);
     if (curve->degree && !(curve->knots[curve->degree] < curve->knots[curve->count]))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's knots leave it no domain");
     return GD_OK;

@@ -57,10 +57,12 @@ double gd__axis_wrap(const struct gd_axis *axis, double t)
 
 struct gd__cell gd__surface_cell(const struct gd_parametric *surface, double u, double v)
 {
-    return (struct gd__cell){{gd__axis_cell(surface->axis[0], u), gd__axis_cell(surface->axis[1], v)}};
+    return (struct gd__cell){
+        {gd__axis_cell(surface->axis[0], u), gd__axis_cell(surface->axis[1], v)}};
 }
 
-void gd__surface_jet(const struct gd_parametric *surface, struct gd__cell cell, const double at[2], struct gd_jet *out)
+void gd__surface_jet(const struct gd_parametric *surface, struct gd__cell cell, const double at[2],
+                     struct gd_jet *out)
 {
     uint32_t within[2];
     double place[2];
@@ -91,20 +93,24 @@ bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t)
     return (a->pole_low && t <= a->low + near) || (a->pole_high && t >= a->high - near);
 }
 
-/* --- making one --------------------------------------------------------------------------------------------------- */
+/* --- making one ------------------------------------------------------------------------------- */
 
-static enum gd_status check_axis(const struct gd_axis *axis, const char *name, struct gd_detail *detail)
+static enum gd_status check_axis(const struct gd_axis *axis, const char *name,
+                                 struct gd_detail *detail)
 {
     if (!(isfinite(axis->low) && isfinite(axis->high) && axis->low < axis->high))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the domain in %s is no interval: it must begin below its end, both finite", name);
+                       "the domain in %s is no interval: it must begin below its end, both finite",
+                       name);
     for (uint32_t i = 0; i < axis->line_count; i++) {
         double below = i ? axis->lines[i - 1] : axis->low;
         if (!(axis->lines[i] > below && axis->lines[i] < axis->high))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "the lines in %s do not increase within the domain", name);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "the lines in %s do not increase within the domain", name);
     }
     if (axis->closed && axis->line_count && !axis->seam)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a closed direction with lines has a seam too, in %s", name);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a closed direction with lines has a seam too, in %s", name);
     return GD_OK;
 }
 
@@ -121,7 +127,8 @@ static enum gd_status measure(struct gd_parametric *surface, struct gd_detail *d
         struct gd_vec3 x = gd__surface_position(surface, at);
         if (!(fabs(x.x) < GD_EXTENT_MAX && fabs(x.y) < GD_EXTENT_MAX && fabs(x.z) < GD_EXTENT_MAX))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "the surface has no finite position of sense at u = %.17g, v = %.17g", at[0], at[1]);
+                           "the surface has no finite position of sense at u = %.17g, v = %.17g",
+                           at[0], at[1]);
         min = (struct gd_vec3){fmin(min.x, x.x), fmin(min.y, x.y), fmin(min.z, x.z)};
         max = (struct gd_vec3){fmax(max.x, x.x), fmax(max.y, x.y), fmax(max.z, x.z)};
     }
@@ -132,7 +139,8 @@ static enum gd_status measure(struct gd_parametric *surface, struct gd_detail *d
 }
 
 /* The greatest distance between two borders of direction k, or of a border from its first point. */
-static double border_gap(const struct gd_parametric *surface, int k, double a, double b, bool from_first)
+static double border_gap(const struct gd_parametric *surface, int k, double a, double b,
+                         bool from_first)
 {
     double gap = 0;
     for (int i = 0; i < PROBES; i++) {
@@ -140,27 +148,32 @@ static double border_gap(const struct gd_parametric *surface, int k, double a, d
         p[k] = a, q[k] = b;
         p[1 - k] = probe(surface->axis[1 - k], i);
         q[1 - k] = from_first ? surface->axis[1 - k]->low : p[1 - k];
-        gap = fmax(gap, gd_vec3_distance(gd__surface_position(surface, p), gd__surface_position(surface, q)));
+        gap = fmax(gap, gd_vec3_distance(gd__surface_position(surface, p),
+                                         gd__surface_position(surface, q)));
     }
     return gap;
 }
 
-static enum gd_status check_borders(const struct gd_parametric *surface, int k, struct gd_detail *detail)
+static enum gd_status check_borders(const struct gd_parametric *surface, int k,
+                                    struct gd_detail *detail)
 {
     const struct gd_axis *a = surface->axis[k];
     double near = 2 * GD_TOL_CLOSED * surface->size + GD_TOL_LOCATE * surface->farthest;
     if (a->closed && border_gap(surface, k, a->low, a->high, false) > near)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "direction %c is called closed, but its borders differ", "uv"[k]);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "direction %c is called closed, but its borders differ", "uv"[k]);
     if ((a->pole_low && border_gap(surface, k, a->low, a->low, true) > near) ||
         (a->pole_high && border_gap(surface, k, a->high, a->high, true) > near))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a border in %c is called a pole, but is no point", "uv"[k]);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a border in %c is called a pole, but is no point", "uv"[k]);
     if (a->closed && (a->pole_low || a->pole_high))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "direction %c is closed and can't have poles", "uv"[k]);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "direction %c is closed and can't have poles",
+                       "uv"[k]);
     return GD_OK;
 }
 
-enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator, struct gd_parametric **out,
-                                    struct gd_detail *detail)
+enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator,
+                                    struct gd_parametric **out, struct gd_detail *detail)
 {
     struct gd_parametric *surface = calloc(1, sizeof *surface);
     if (!surface) {
@@ -194,7 +207,8 @@ struct gd_parametric *gd_parametric_retain(const struct gd_parametric *surface)
 void gd_parametric_release(const struct gd_parametric *surface)
 {
     struct gd_parametric *shared = (struct gd_parametric *)surface;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
+        return;
     if (shared->evaluator.destroy) shared->evaluator.destroy(shared->evaluator.shape);
     free(shared);
 }
@@ -229,7 +243,8 @@ bool gd_parametric_contains(const struct gd_parametric *surface, double u, doubl
     return axis_contains(surface->axis[0], u) && axis_contains(surface->axis[1], v);
 }
 
-enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u, double v, struct gd_jet *out)
+enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u, double v,
+                                      struct gd_jet *out)
 {
     if (!gd_parametric_contains(surface, u, v)) return GD_INVALID_ARGUMENT;
     double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)};
@@ -240,11 +255,13 @@ enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, doubl
 struct gd_curvature gd_jet_curvature(const struct gd_jet *jet)
 {
     struct gd_vec3 normal = gd_vec3_cross(jet->u, jet->v);
-    double area = gd_vec3_length(normal), e = gd_vec3_dot(jet->u, jet->u), f = gd_vec3_dot(jet->u, jet->v);
+    double area = gd_vec3_length(normal), e = gd_vec3_dot(jet->u, jet->u),
+           f = gd_vec3_dot(jet->u, jet->v);
     double g = gd_vec3_dot(jet->v, jet->v);
     if (!(area > GD_TOL_REGULAR * (e + g))) return (struct gd_curvature){0};
     normal = gd_vec3_scale(normal, 1 / area);
-    double l = gd_vec3_dot(jet->uu, normal), m = gd_vec3_dot(jet->uv, normal), n = gd_vec3_dot(jet->vv, normal);
+    double l = gd_vec3_dot(jet->uu, normal), m = gd_vec3_dot(jet->uv, normal),
+           n = gd_vec3_dot(jet->vv, normal);
     double square = area * area;
     return (struct gd_curvature){
         .normal = normal,

@@ -4,17 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- nodes to vertices -------------------------------------------------------------------------------------------- */
+/* --- nodes to vertices ------------------------------------------------------------------------ */
 
 /* The node that stands for all that are one point with it. */
-static uint32_t representative(const struct gd_parametric *surface, const struct gd__grid *grid, uint32_t node)
+static uint32_t representative(const struct gd_parametric *surface, const struct gd__grid *grid,
+                               uint32_t node)
 {
     uint32_t columns = grid->steps[1] + 1, at[2] = {node / columns, node % columns};
     for (int k = 0; k < 2; k++)
         if (surface->axis[k]->closed && at[k] == grid->steps[k]) at[k] = 0;
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = surface->axis[k];
-        if ((axis->pole_low && at[k] == 0) || (axis->pole_high && at[k] == grid->steps[k])) at[1 - k] = 0;
+        if ((axis->pole_low && at[k] == 0) || (axis->pole_high && at[k] == grid->steps[k]))
+            at[1 - k] = 0;
     }
     return at[0] * columns + at[1];
 }
@@ -34,30 +36,35 @@ static enum gd_status make_vertices(struct gd_tessellation *t, const struct gd_c
             t->vertex_of[node] = t->vertex_of[first];
             continue;
         }
-        if (node % 1024 == 0 && (status = gd_control_check(control, 0.3 * node / nodes))) return status;
+        if (node % 1024 == 0 && (status = gd_control_check(control, 0.3 * node / nodes)))
+            return status;
         double at[2];
         gd__node_parameters(&t->grid, node, at);
         struct gd_vec3 x = gd__surface_position(t->surface, at);
         uint32_t vertex = t->polygons.position_count++;
-        memcpy(t->polygons.positions[vertex], (double[3]){x.x, x.y, x.z}, sizeof *t->polygons.positions);
+        memcpy(t->polygons.positions[vertex], (double[3]){x.x, x.y, x.z},
+               sizeof *t->polygons.positions);
         t->vertex_of[node] = vertex;
         t->node_of[vertex] = node;
     }
     return GD_OK;
 }
 
-/* --- cells to faces ----------------------------------------------------------------------------------------------- */
+/* --- cells to faces --------------------------------------------------------------------------- */
 
 static double apart(const struct gd_tessellation *t, uint32_t a, uint32_t b)
 {
-    const double *p = t->polygons.positions[t->vertex_of[a]], *q = t->polygons.positions[t->vertex_of[b]];
-    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+    const double *p = t->polygons.positions[t->vertex_of[a]],
+                 *q = t->polygons.positions[t->vertex_of[b]];
+    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
+                (p[2] - q[2]) * (p[2] - q[2]));
 }
 
 /* A face between three nodes, unless two of them are one vertex: at a pole. */
 static void add_face(struct gd_tessellation *t, uint32_t a, uint32_t b, uint32_t c)
 {
-    uint32_t nodes[3] = {a, b, c}, *corner = t->polygons.corners + 3 * (size_t)t->polygons.polygon_count;
+    uint32_t nodes[3] = {a, b, c},
+             *corner = t->polygons.corners + 3 * (size_t)t->polygons.polygon_count;
     for (int i = 0; i < 3; i++) corner[i] = t->vertex_of[nodes[i]];
     if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return;
     memcpy(t->corners[t->polygons.polygon_count++], nodes, sizeof nodes);
@@ -66,7 +73,8 @@ static void add_face(struct gd_tessellation *t, uint32_t a, uint32_t b, uint32_t
 /* Two triangles on the shorter diagonal; at a pole one stays. */
 static void fill_cell(struct gd_tessellation *t, uint32_t i, uint32_t j)
 {
-    uint32_t columns = t->grid.steps[1] + 1, a = i * columns + j, b = a + columns, c = b + 1, d = a + 1;
+    uint32_t columns = t->grid.steps[1] + 1, a = i * columns + j, b = a + columns, c = b + 1,
+             d = a + 1;
     if (apart(t, a, c) <= apart(t, b, d)) {
         add_face(t, a, b, c);
         add_face(t, a, c, d);
@@ -94,13 +102,16 @@ static enum gd_status make_faces(struct gd_tessellation *t, const struct gd_cont
     return GD_OK;
 }
 
-enum gd_status gd_tessellation_build(const struct gd_parametric *surface, const struct gd_tessellation_options *options,
+enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
+                                     const struct gd_tessellation_options *options,
                                      const struct gd_control *control, struct gd_tessellation **out,
                                      struct gd_detail *detail)
 {
     if (options && (options->steps[0] || options->steps[1]) &&
-        (options->steps[0] < GD_TESSELLATION_STEPS_LEAST || options->steps[1] < GD_TESSELLATION_STEPS_LEAST))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a tessellation has at least %d steps in each direction",
+        (options->steps[0] < GD_TESSELLATION_STEPS_LEAST ||
+         options->steps[1] < GD_TESSELLATION_STEPS_LEAST))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a tessellation has at least %d steps in each direction",
                        GD_TESSELLATION_STEPS_LEAST);
     if (options && (options->faces > GD_TESSELLATION_FACES_MAX || !(options->deviation >= 0)))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -134,7 +145,8 @@ struct gd_tessellation *gd_tessellation_retain(const struct gd_tessellation *tes
 void gd_tessellation_release(const struct gd_tessellation *tessellation)
 {
     struct gd_tessellation *shared = (struct gd_tessellation *)tessellation;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
+        return;
     gd_parametric_release(shared->surface);
     gd__grid_free(&shared->grid);
     gd_polygons_free(&shared->polygons);
@@ -149,8 +161,8 @@ void gd_tessellation_release(const struct gd_tessellation *tessellation)
 size_t gd_tessellation_memsize(const struct gd_tessellation *t)
 {
     size_t nodes = gd__node_count(&t->grid), faces = t->polygons.polygon_count;
-    return sizeof *t + gd_mesh_memsize(t->mesh) + nodes * (2 * sizeof(uint32_t) + 3 * sizeof(double)) +
-           faces * 8 * sizeof(uint32_t);
+    return sizeof *t + gd_mesh_memsize(t->mesh) +
+           nodes * (2 * sizeof(uint32_t) + 3 * sizeof(double)) + faces * 8 * sizeof(uint32_t);
 }
 
 const struct gd_parametric *gd_tessellation_surface(const struct gd_tessellation *tessellation)

@@ -6,7 +6,8 @@
 
 #include "nurbs/grid.h"
 
-/* A node (i, j) of the grid is numbered i * (steps[1] + 1) + j; in closed directions the last ones are copies of the first. */
+/* A node (i, j) of the grid is numbered i * (steps[1] + 1) + j; in closed directions the last ones
+ * are copies of the first. */
 struct gd_tessellation {
     const struct gd_parametric *surface;
     struct gd__grid grid;
@@ -15,7 +16,8 @@ struct gd_tessellation {
     uint32_t *vertex_of;    /* node -> vertex */
     uint32_t *node_of;      /* vertex -> its first node */
     uint32_t (*corners)[3]; /* face -> nodes, those of its own cell */
-    uint32_t *first_face;   /* cell -> its first face, and one more; a cell at a pole has one face, others two */
+    /* cell -> its first face, and one more; a cell at a pole has one face, others two */
+    uint32_t *first_face;
     _Atomic uint32_t references;
 };
 

@@ -1,4 +1,5 @@
-/* Trail: a polyline in the parameter domain with its arc length in space, from which chains begin. */
+/* Trail: a polyline in the parameter domain with its arc length in space, from which chains begin.
+ */
 #ifndef GD_NURBS_TRAIL_H
 #define GD_NURBS_TRAIL_H
 
@@ -33,15 +34,20 @@ struct gd__fit {
     struct gd__joint from, to;
     bool whole; /* one piece through all cells */
     double
-        corner; /* part of a cell's width: closer than this to a corner of cells a path goes straight to the opposite cell */
+        /* part of a cell's width: closer than this to a corner of cells a path goes straight to the
+           opposite cell */
+        corner;
 };
 
-/* A chain along a trail, cut where it crosses lines of the surface. Excursions of less than GD_TOL_CELL of a cell are not followed.
- * Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL (a trail that crosses more lines than it can). */
-GD_MUST_USE enum gd_status gd__trail_fit(const struct gd_parametric *surface, const struct gd__trail *trail,
-                                         const struct gd__fit *fit, struct gd__watch *watch, struct gd__chain **out);
+/* A chain along a trail, cut where it crosses lines of the surface. Excursions of less than
+ * GD_TOL_CELL of a cell are not followed. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL (a trail
+ * that crosses more lines than it can). */
+GD_MUST_USE enum gd_status gd__trail_fit(const struct gd_parametric *surface,
+                                         const struct gd__trail *trail, const struct gd__fit *fit,
+                                         struct gd__watch *watch, struct gd__chain **out);
 
-/* Does each piece stay in its cell, but for GD_TOL_CELL of its width? Ends early when the chain's watch says so. */
+/* Does each piece stay in its cell, but for GD_TOL_CELL of its width? Ends early when the chain's
+ * watch says so. */
 bool gd__chain_is_proper(const struct gd__chain *chain);
 
 #endif

@@ -1,5 +1,6 @@
-/* Watch: looks at the caller's control from loops that return numbers. Once the control says stop, `status` says why, those loops end early, and the numbers count
- * for nothing: who asked for them looks at `status` before they are used. */
+/* Watch: looks at the caller's control from loops that return numbers. Once the control says stop,
+ * `status` says why, those loops end early, and the numbers count for nothing: who asked for them
+ * looks at `status` before they are used. */
 #ifndef GD_NURBS_WATCH_H
 #define GD_NURBS_WATCH_H
 

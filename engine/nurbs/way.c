@@ -10,7 +10,9 @@
 enum { DETOUR = 8 }; /* places around a pole */
 
 static const double near_pole =
-    0.08; /* part of the domain's width: a seed this near a pole may belong to a path through it, or on its other side */
+    /* part of the domain's width: a seed this near a pole may belong to a path through it, or on
+       its other side */
+    0.08;
 
 void gd__way_free(struct gd__way *way)
 {
@@ -32,8 +34,10 @@ bool gd__way_is_minimum(const struct gd__way *way)
     return true;
 }
 
-/* The interval of a curve that begins (step 1) or ends (-1) at, or goes on beyond, a place, which is wrapped. False: the curve ends there. */
-static bool interval_beside(const struct gd_domain_curve *curve, int step, double *s, uint32_t *interval)
+/* The interval of a curve that begins (step 1) or ends (-1) at, or goes on beyond, a place, which
+ * is wrapped. False: the curve ends there. */
+static bool interval_beside(const struct gd_domain_curve *curve, int step, double *s,
+                            uint32_t *interval)
 {
     uint32_t i = gd__curve_interval(curve, *s), last = curve->break_count - 2;
     if (step > 0 ? *s < curve->breaks[i + 1] : *s > curve->breaks[i]) {
@@ -47,7 +51,8 @@ static bool interval_beside(const struct gd_domain_curve *curve, int step, doubl
     return true;
 }
 
-/* Where a curve goes from a pole, forwards (step 1) or backwards (-1); along the pole it stands still. False: nowhere. */
+/* Where a curve goes from a pole, forwards (step 1) or backwards (-1); along the pole it stands
+ * still. False: nowhere. */
 static bool leaving(const struct gd_domain_curve *curve, double s, int step, struct gd_vec3 *out)
 {
     double still = GD_TOL_COINCIDE * curve->surface->size / (curve->high - curve->low);
@@ -63,7 +68,8 @@ static bool leaving(const struct gd_domain_curve *curve, double s, int step, str
     return false;
 }
 
-/* At an end in a pole that a curve passes: does the way grow longer when it ends beside it on the curve? */
+/* At an end in a pole that a curve passes: does the way grow longer when it ends beside it on the
+ * curve? */
 static bool is_held(const struct gd__way *way, int side)
 {
     const struct gd__chain *chain = way->part[side ? way->parts - 1 : 0].chain;
@@ -95,7 +101,8 @@ bool gd__way_is_geodesic(const struct gd__task *task, const struct gd__way *way)
 enum gd_status gd__way_finish(const struct gd__task *task, struct gd__way *way)
 {
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < way->parts && !status; i++) status = gd__solve_fine(task, &way->part[i]);
+    for (uint32_t i = 0; i < way->parts && !status; i++)
+        status = gd__solve_fine(task, &way->part[i]);
     return status;
 }
 
@@ -120,7 +127,7 @@ struct gd_vec3 gd__way_middle(const struct gd_parametric *surface, const struct 
     return gd__surface_position(surface, at);
 }
 
-/* --- from a seed -------------------------------------------------------------------------------------------------------- */
+/* --- from a seed ------------------------------------------------------------------------------ */
 
 /* An end in a pole slides along it: its place in the domain is any of the border. */
 static struct gd__joint pole_joint(const struct gd_parametric *surface, int k, const double at[2])
@@ -158,7 +165,8 @@ static struct gd__joint joint_of(const struct gd_domain_curve *curve, double s, 
 }
 
 /* Where the place on the curve is a pole: the pole itself, in place of the curve. True: it is. */
-static bool tip_joint(const struct gd_domain_curve *curve, double s, const double at[2], struct gd__joint *joint)
+static bool tip_joint(const struct gd_domain_curve *curve, double s, const double at[2],
+                      struct gd__joint *joint)
 {
     for (int k = 0; k < 2 && !curve->is_point; k++) {
         if (!gd__surface_pole(curve->surface, k, at[k])) continue;
@@ -178,7 +186,8 @@ struct visit {
 };
 
 /* The pole that a trail comes nearest to on its way, if that is near. */
-static bool find_visit(const struct gd_parametric *surface, const struct gd__trail *trail, struct visit *out)
+static bool find_visit(const struct gd_parametric *surface, const struct gd__trail *trail,
+                       struct visit *out)
 {
     double least = near_pole;
     bool found = false;
@@ -200,15 +209,17 @@ static bool find_visit(const struct gd_parametric *surface, const struct gd__tra
     return found;
 }
 
-static enum gd_status add_range(struct gd__trail *trail, const struct gd__trail *from, uint32_t begin, uint32_t end)
+static enum gd_status add_range(struct gd__trail *trail, const struct gd__trail *from,
+                                uint32_t begin, uint32_t end)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = begin; i < end && !status; i++) status = gd__trail_add(trail, from->at[i]);
     return status;
 }
 
-static enum gd_status solve_part(const struct gd__task *task, struct gd__trail *trail, const struct gd__joint *from,
-                                 const struct gd__joint *to, struct gd__way *way)
+static enum gd_status solve_part(const struct gd__task *task, struct gd__trail *trail,
+                                 const struct gd__joint *from, const struct gd__joint *to,
+                                 struct gd__way *way)
 {
     gd__trail_measure(task->surface, trail);
     enum gd_status status = gd__solve_coarse(task, trail, from, to, &way->part[way->parts]);
@@ -218,7 +229,8 @@ static enum gd_status solve_part(const struct gd__task *task, struct gd__trail *
 
 /* Both halves to the pole and from it. */
 static enum gd_status solve_through(const struct gd__task *task, const struct gd__joint ends[2],
-                                    const struct gd__trail *trail, const struct visit *visit, struct gd__way *out)
+                                    const struct gd__trail *trail, const struct visit *visit,
+                                    struct gd__way *out)
 {
     struct gd__way way = {0};
     struct gd__trail half[2] = {{0}};
@@ -233,7 +245,8 @@ static enum gd_status solve_through(const struct gd__task *task, const struct gd
     if (!status) status = gd__trail_add(&half[1], pole[1]);
     if (!status) status = add_range(&half[1], trail, visit->place + 1, trail->count);
     struct gd__joint joint[2];
-    for (int side = 0; side < 2; side++) joint[side] = pole_joint(task->surface, visit->axis, pole[side]);
+    for (int side = 0; side < 2; side++)
+        joint[side] = pole_joint(task->surface, visit->axis, pole[side]);
     if (!status) status = solve_part(task, &half[0], &ends[0], &joint[0], &way);
     if (!status) status = solve_part(task, &half[1], &joint[1], &ends[1], &way);
     gd__trail_free(&half[0]);
@@ -245,10 +258,11 @@ static enum gd_status solve_through(const struct gd__task *task, const struct gd
     return status;
 }
 
-/* Around the pole on one side: from the place before it to the one behind it, which is `turn` periods on. */
+/* Around the pole on one side: from the place before it to the one behind it, which is `turn`
+ * periods on. */
 static enum gd_status solve_beside(const struct gd__task *task, const struct gd__joint ends[2],
-                                   const struct gd__trail *trail, const struct visit *visit, double turn,
-                                   struct gd__way *out)
+                                   const struct gd__trail *trail, const struct visit *visit,
+                                   double turn, struct gd__way *out)
 {
     struct gd__way way = {0};
     struct gd__trail around = {0};
@@ -278,7 +292,8 @@ static enum gd_status solve_beside(const struct gd__task *task, const struct gd_
 }
 
 static enum gd_status solve_ways(const struct gd__task *task, const struct gd__joint joint[2],
-                                 const struct gd__trail *trail, struct gd__way *out, uint32_t *count)
+                                 const struct gd__trail *trail, struct gd__way *out,
+                                 uint32_t *count)
 {
     struct visit visit;
     bool visits = find_visit(task->surface, trail, &visit);
@@ -286,17 +301,21 @@ static enum gd_status solve_ways(const struct gd__task *task, const struct gd__j
     uint32_t made = 0;
     if (visits) status = solve_through(task, joint, trail, &visit, &out[made]), made += !status;
     if (visits && visit.exact && !status) {
-        double apart = trail->at[visit.place + 1][1 - visit.axis] - trail->at[visit.place - 1][1 - visit.axis];
+        double apart =
+            trail->at[visit.place + 1][1 - visit.axis] - trail->at[visit.place - 1][1 - visit.axis];
         double period = gd__axis_period(task->surface->axis[1 - visit.axis]);
         status = solve_beside(task, joint, trail, &visit, 0, &out[made]), made += !status;
         if (!status && period > 0)
-            status = solve_beside(task, joint, trail, &visit, apart > 0 ? -period : period, &out[made]),
+            status =
+                solve_beside(task, joint, trail, &visit, apart > 0 ? -period : period, &out[made]),
             made += !status;
     } else if (!status) {
         double period = visits ? gd__axis_period(task->surface->axis[1 - visit.axis]) : 0;
         if (period > 0) {
-            double apart = trail->at[trail->count - 1][1 - visit.axis] - trail->at[0][1 - visit.axis];
-            status = solve_beside(task, joint, trail, &visit, apart > 0 ? -period : period, &out[made]);
+            double apart =
+                trail->at[trail->count - 1][1 - visit.axis] - trail->at[0][1 - visit.axis];
+            status =
+                solve_beside(task, joint, trail, &visit, apart > 0 ? -period : period, &out[made]);
             made += !status;
         }
     }
@@ -311,7 +330,8 @@ static enum gd_status solve_ways(const struct gd__task *task, const struct gd__j
     return status;
 }
 
-enum gd_status gd__ways_of_seed(const struct gd__task *task, const struct gd_domain_curve *const ends[2],
+enum gd_status gd__ways_of_seed(const struct gd__task *task,
+                                const struct gd_domain_curve *const ends[2],
                                 const struct gd__seed *seed, struct gd__way *out, uint32_t *count)
 {
     const struct gd__trail *trail = &seed->trail;

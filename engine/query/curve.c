@@ -32,7 +32,8 @@ void gd_curve_free(struct gd_curve *curve)
 double gd_curve_length(const struct gd_mesh *mesh, const struct gd_curve *curve)
 {
     double length = 0;
-    struct gd_vec3 last = gd_point_position(mesh, &curve->points[curve->closed ? curve->count - 1 : 0]);
+    struct gd_vec3 last =
+        gd_point_position(mesh, &curve->points[curve->closed ? curve->count - 1 : 0]);
     for (uint32_t i = 0; i < curve->count; i++) {
         struct gd_vec3 here = gd_point_position(mesh, &curve->points[i]);
         length += gd_vec3_distance(last, here);
@@ -49,7 +50,8 @@ static size_t held(const struct drawing *drawing)
 static enum gd_status grow(struct drawing *drawing)
 {
     size_t capacity = drawing->capacity ? 2 * drawing->capacity : FIRST_CAPACITY;
-    enum gd_status status = gd_control_afford(drawing->control, capacity * sizeof *drawing->curve.points);
+    enum gd_status status =
+        gd_control_afford(drawing->control, capacity * sizeof *drawing->curve.points);
     if (status) return status;
     if (capacity > UINT32_MAX) return GD_TOO_LARGE;
     struct gd_point *points = realloc(drawing->curve.points, capacity * sizeof *points);
@@ -68,7 +70,7 @@ static enum gd_status add(struct drawing *drawing, const struct gd_point *point)
     return status;
 }
 
-/* --- by points ---------------------------------------------------------------------------------------------------- */
+/* --- by points -------------------------------------------------------------------------------- */
 
 /* The i-th point, where what it sees can be told: see GD_TOL_CORNER. */
 static struct gd_point corner(const struct drawing *drawing, uint32_t i)
@@ -77,19 +79,21 @@ static struct gd_point corner(const struct drawing *drawing, uint32_t i)
 }
 
 /* The shortest path from the i-th point to the j-th one. */
-static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j, const struct gd_landmarks *landmarks,
-                           const struct gd_control *control)
+static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j,
+                           const struct gd_landmarks *landmarks, const struct gd_control *control)
 {
     const struct gd_point from = corner(drawing, i), to = corner(drawing, j);
     if (gd__common_face(drawing->mesh, &from, &to) != GD_NONE) return add(drawing, &to);
     struct gd_pair_answer answer;
-    enum gd_status status =
-        gd_pair_solve(drawing->mesh, &from, &to, true, landmarks, control, &answer, drawing->detail);
+    enum gd_status status = gd_pair_solve(drawing->mesh, &from, &to, true, landmarks, control,
+                                          &answer, drawing->detail);
     if (status) return status;
     if (!answer.path.count)
-        status = gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
-                         "points %u and %u of the curve lie on components that no path joins", i, j);
-    for (uint32_t k = 0; k < answer.path.count && !status; k++) status = add(drawing, &answer.path.points[k]);
+        status =
+            gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
+                    "points %u and %u of the curve lie on components that no path joins", i, j);
+    for (uint32_t k = 0; k < answer.path.count && !status; k++)
+        status = add(drawing, &answer.path.points[k]);
     gd_pair_answer_free(&answer);
     return status;
 }
@@ -109,7 +113,7 @@ static enum gd_status draw_points(struct drawing *drawing, const struct gd_landm
     return status;
 }
 
-/* --- by vertices, and boundaries ---------------------------------------------------------------------------------- */
+/* --- by vertices, and boundaries -------------------------------------------------------------- */
 
 static enum gd_status draw_vertices(struct drawing *drawing)
 {
@@ -121,25 +125,29 @@ static enum gd_status draw_vertices(struct drawing *drawing)
         struct gd_point point;
         status = gd_point_at_vertex(drawing->mesh, vertex, &point, drawing->detail);
         if (status) return status;
-        if (i && last != point.element && gd__side_between(drawing->mesh, last, point.element) == GD_NONE)
-            return gd_fail(drawing->detail, GD_NO_SUCH_EDGE,
-                           "vertices %u and %u of the curve share no edge; consecutive ones have to",
-                           request->vertices[i - 1].index, vertex.index);
+        if (i && last != point.element &&
+            gd__side_between(drawing->mesh, last, point.element) == GD_NONE)
+            return gd_fail(
+                drawing->detail, GD_NO_SUCH_EDGE,
+                "vertices %u and %u of the curve share no edge; consecutive ones have to",
+                request->vertices[i - 1].index, vertex.index);
         status = add(drawing, &point);
         last = point.element;
-        if (!status && (i + 1) % PORTION == 0) status = gd_control_check(drawing->control, (double)i / request->count);
+        if (!status && (i + 1) % PORTION == 0)
+            status = gd_control_check(drawing->control, (double)i / request->count);
     }
     return status;
 }
 
-/* A boundary vertex' fan begins at the boundary edge that leaves it with the surface at the left. */
+/* A boundary vertex' fan begins at the boundary edge that leaves it with the surface at the left.
+ */
 static enum gd_status draw_boundary(struct drawing *drawing)
 {
     const struct gd_mesh *mesh = drawing->mesh;
     uint32_t loop = drawing->request->boundary, count = mesh->summary.boundaries;
     if (loop >= count)
-        return gd_fail(drawing->detail, GD_OUT_OF_RANGE, "there is no boundary %u: the mesh has %u, numbered from 0",
-                       loop, count);
+        return gd_fail(drawing->detail, GD_OUT_OF_RANGE,
+                       "there is no boundary %u: the mesh has %u, numbered from 0", loop, count);
     uint32_t first = mesh->origin[mesh->boundary_side[loop]], vertex = first;
     enum gd_status status = GD_OK;
     do {
@@ -150,12 +158,13 @@ static enum gd_status draw_boundary(struct drawing *drawing)
     return status;
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 /* A closed curve does not say its first point again. */
 static void make_closed(struct gd_curve *curve)
 {
-    while (curve->count > 1 && gd_point_equal(&curve->points[0], &curve->points[curve->count - 1])) curve->count--;
+    while (curve->count > 1 && gd_point_equal(&curve->points[0], &curve->points[curve->count - 1]))
+        curve->count--;
     curve->closed = true;
 }
 
@@ -164,14 +173,17 @@ static enum gd_status draw(struct drawing *drawing, const struct gd_landmarks *l
     if (drawing->request->kind == GD_CURVE_BOUNDARY) return draw_boundary(drawing);
     if (!drawing->request->count)
         return gd_fail(drawing->detail, GD_INVALID_ARGUMENT, "a curve has at least one point");
-    return drawing->request->kind == GD_CURVE_POINTS ? draw_points(drawing, landmarks) : draw_vertices(drawing);
+    return drawing->request->kind == GD_CURVE_POINTS ? draw_points(drawing, landmarks)
+                                                     : draw_vertices(drawing);
 }
 
 enum gd_status gd_curve_resolve(const struct gd_mesh *mesh, const struct gd_curve_request *request,
-                                const struct gd_landmarks *landmarks, const struct gd_control *control,
-                                struct gd_curve *out, struct gd_detail *detail)
+                                const struct gd_landmarks *landmarks,
+                                const struct gd_control *control, struct gd_curve *out,
+                                struct gd_detail *detail)
 {
-    struct drawing drawing = {.mesh = mesh, .request = request, .control = control, .detail = detail};
+    struct drawing drawing = {
+        .mesh = mesh, .request = request, .control = control, .detail = detail};
     enum gd_status status = draw(&drawing, landmarks);
     if (status) {
         gd_curve_free(&drawing.curve);

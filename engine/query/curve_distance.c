@@ -6,7 +6,8 @@
 #include "mesh/canonical.h"
 #include "mesh/towards.h"
 
-#define MEETING (8 * GD_TOL_PLACE) /* of the size of a face: nearer than this is at the same place */
+/* of the size of a face: nearer than this is at the same place */
+#define MEETING (8 * GD_TOL_PLACE)
 
 enum { CHECK_INTERVAL = 64 /* segments */ };
 
@@ -15,9 +16,10 @@ void gd_curve_distance_free(struct gd_curve_distance *distance)
     if (distance) gd_path_free(&distance->path);
 }
 
-/* --- places -------------------------------------------------------------------------------------------------------------- */
+/* --- places ----------------------------------------------------------------------------------- */
 
-/* A place while it is known by its segment: from point `segment` on, that far along it. A curve of one point has none. */
+/* A place while it is known by its segment: from point `segment` on, that far along it. A curve of
+ * one point has none. */
 struct spot {
     uint32_t segment;
     double t, length; /* of the segment; length 0: the point itself */
@@ -41,8 +43,8 @@ static double length_of(const struct gd_mesh *mesh, const struct gd_curve *curve
 }
 
 /* The point of a segment at part `s` of it; its ends are the curve's points, to the last bit. */
-static struct gd_point point_along(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                                   double s)
+static struct gd_point point_along(const struct gd_mesh *mesh, const struct gd_point *a,
+                                   const struct gd_point *b, double s)
 {
     struct gd__home home;
     double from[3], to[3], weight[3];
@@ -56,11 +58,13 @@ static struct gd_point point_along(const struct gd_mesh *mesh, const struct gd_p
     return gd__point_of_face(mesh, home.face, weight);
 }
 
-static double parameter_of(const struct gd_mesh *mesh, const struct gd_curve *curve, const struct spot *spot)
+static double parameter_of(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                           const struct spot *spot)
 {
     double before = 0, whole = 0;
     for (uint32_t i = 0; i < segments_of(curve); i++) {
-        double length = length_of(mesh, curve, i), part = spot->length > 0 ? spot->t / spot->length : 0;
+        double length = length_of(mesh, curve, i),
+               part = spot->length > 0 ? spot->t / spot->length : 0;
         if (i < spot->segment) before += length;
         if (i == spot->segment) before += part * length;
         whole += length;
@@ -68,11 +72,12 @@ static double parameter_of(const struct gd_mesh *mesh, const struct gd_curve *cu
     return whole > 0 ? fmin(before / whole, 1) : 0;
 }
 
-/* --- angles -------------------------------------------------------------------------------------------------------------- */
+/* --- angles ----------------------------------------------------------------------------------- */
 
-/* Keeps the least angle between the path, which goes on to `next`, and the curve, which does to `to`. */
-static void compare(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *next,
-                    const struct gd_point *to, double *least)
+/* Keeps the least angle between the path, which goes on to `next`, and the curve, which does to
+ * `to`. */
+static void compare(const struct gd_mesh *mesh, const struct gd_point *at,
+                    const struct gd_point *next, const struct gd_point *to, double *least)
 {
     if (gd_point_equal(at, to)) return;
     double angle = gd__angle_between(mesh, at, next, to);
@@ -80,8 +85,8 @@ static void compare(const struct gd_mesh *mesh, const struct gd_point *at, const
 }
 
 /* `next`: of the path, on its way from the spot. */
-static double angle_at(const struct gd_mesh *mesh, const struct gd_curve *curve, const struct spot *spot,
-                       const struct gd_point *next)
+static double angle_at(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                       const struct spot *spot, const struct gd_point *next)
 {
     double least = NAN;
     uint32_t i = spot->segment, segments = segments_of(curve), last = curve->count - 1;
@@ -99,7 +104,7 @@ static double angle_at(const struct gd_mesh *mesh, const struct gd_curve *curve,
     return least;
 }
 
-/* --- the search ---------------------------------------------------------------------------------------------------------- */
+/* --- the search ------------------------------------------------------------------------------- */
 
 struct search {
     const struct gd_field *field;
@@ -118,8 +123,8 @@ static bool is_better(const struct search *search, double distance)
     return search->greatest ? distance - slack > search->best : distance + slack < search->best;
 }
 
-static void offer(struct search *search, uint32_t segment, double t, double length, struct gd_point point,
-                  double distance)
+static void offer(struct search *search, uint32_t segment, double t, double length,
+                  struct gd_point point, double distance)
 {
     if (!is_better(search, distance)) return;
     search->best = distance;
@@ -139,7 +144,8 @@ static enum gd_status try_segment(struct search *search, uint32_t i, struct gd__
     const struct gd_point *a = &search->b->points[i], *b = end_of(search->b, i);
     enum gd_status status = gd__profile_of(search->field, a, b, profile);
     if (status || !profile->windows.count) return status;
-    struct gd__profile_place place = search->greatest ? gd__profile_greatest(profile) : gd__profile_least(profile);
+    struct gd__profile_place place =
+        search->greatest ? gd__profile_greatest(profile) : gd__profile_least(profile);
     if (!is_better(search, place.distance)) return GD_OK;
     struct gd_point point = point_along(search->mesh, a, b, place.t / profile->length);
     struct gd__way way;
@@ -156,14 +162,15 @@ static enum gd_status run(struct search *search)
     search->best = search->greatest ? -1 : GD__FAR;
     for (uint32_t i = 0; i < search->b->count; i++) try_point(search, i);
     for (uint32_t i = 0; i < segments && !status; i++) {
-        if (i % CHECK_INTERVAL == 0) status = gd_control_check(search->control, (double)i / segments);
+        if (i % CHECK_INTERVAL == 0)
+            status = gd_control_check(search->control, (double)i / segments);
         if (!status) status = try_segment(search, i, &profile);
     }
     gd__profile_destroy(&profile);
     return status;
 }
 
-/* --- the answer ---------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void reverse(struct gd_path *path)
 {
@@ -181,13 +188,14 @@ static struct spot spot_of_seed(const struct gd_mesh *mesh, const struct gd_curv
     struct spot spot = {.segment = seed / 2, .point = *point};
     if (seed % 2) {
         spot.length = length_of(mesh, a, spot.segment);
-        spot.t = gd_vec3_distance(gd_point_position(mesh, &a->points[spot.segment]), gd_point_position(mesh, point));
+        spot.t = gd_vec3_distance(gd_point_position(mesh, &a->points[spot.segment]),
+                                  gd_point_position(mesh, point));
     }
     return spot;
 }
 
-static struct gd_curve_place place_of(const struct gd_mesh *mesh, const struct gd_curve *curve, const struct spot *spot,
-                                      const struct gd_point *next)
+static struct gd_curve_place place_of(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                      const struct spot *spot, const struct gd_point *next)
 {
     return (struct gd_curve_place){.point = spot->point,
                                    .parameter = parameter_of(mesh, curve, spot),
@@ -208,7 +216,8 @@ static double face_size(const struct gd_mesh *mesh, const struct gd_point *point
     return mesh->side[mesh->face_side[point->element][0]].length;
 }
 
-static enum gd_status solve(struct search *search, const struct gd_curve *a, struct gd_curve_distance *out)
+static enum gd_status solve(struct search *search, const struct gd_curve *a,
+                            struct gd_curve_distance *out)
 {
     const struct gd_mesh *mesh = search->mesh;
     struct gd_curve_distance answer = {.distance = INFINITY};
@@ -224,7 +233,8 @@ static enum gd_status solve(struct search *search, const struct gd_curve *a, str
     const struct gd_path *path = &answer.path;
     bool meet = path->count < 2;
     struct spot at_a = spot_of_seed(mesh, a, seed, &path->points[path->count - 1]);
-    if (search->best <= MEETING * face_size(mesh, &search->spot.point)) { /* they meet, up to rounding */
+    /* they meet, up to rounding */
+    if (search->best <= MEETING * face_size(mesh, &search->spot.point)) {
         search->best = 0;
         answer.path.length = 0;
         path->points[0] = path->points[path->count - 1];
@@ -239,23 +249,27 @@ static enum gd_status solve(struct search *search, const struct gd_curve *a, str
     return GD_OK;
 }
 
-static enum gd_status ask(const struct gd_field *field, const struct gd_curve *a, const struct gd_curve *b,
-                          const struct gd_control *control, bool greatest, struct gd_curve_distance *out)
+static enum gd_status ask(const struct gd_field *field, const struct gd_curve *a,
+                          const struct gd_curve *b, const struct gd_control *control, bool greatest,
+                          struct gd_curve_distance *out)
 {
     if (field->seed_count != gd_curve_seed_count(a)) return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
-    struct search search = {.field = field, .mesh = field->mesh, .b = b, .control = control, .greatest = greatest};
+    struct search search = {
+        .field = field, .mesh = field->mesh, .b = b, .control = control, .greatest = greatest};
     return solve(&search, a, out);
 }
 
-enum gd_status gd_curve_distance(const struct gd_field *field, const struct gd_curve *a, const struct gd_curve *b,
-                                 const struct gd_control *control, struct gd_curve_distance *out)
+enum gd_status gd_curve_distance(const struct gd_field *field, const struct gd_curve *a,
+                                 const struct gd_curve *b, const struct gd_control *control,
+                                 struct gd_curve_distance *out)
 {
     return ask(field, a, b, control, false, out);
 }
 
-enum gd_status gd_curve_farthest(const struct gd_field *field, const struct gd_curve *a, const struct gd_curve *b,
-                                 const struct gd_control *control, struct gd_curve_distance *out)
+enum gd_status gd_curve_farthest(const struct gd_field *field, const struct gd_curve *a,
+                                 const struct gd_curve *b, const struct gd_control *control,
+                                 struct gd_curve_distance *out)
 {
     return ask(field, a, b, control, true, out);
 }

@@ -14,16 +14,19 @@ struct gd_landmarks {
     const struct gd_mesh *mesh;
     uint32_t count;
     float distance
-        []; /* per vertex GD__LANDMARKS_MOST, inside unit, rounded to nearest; 0: another component, or no landmark, which says nothing */
+        /* per vertex GD__LANDMARKS_MOST, inside unit, rounded to nearest; 0: another component, or
+           no landmark, which says nothing */
+        [];
 };
 
-void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh, struct gd__guide *guide)
+void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
+                         struct gd__guide *guide)
 {
     bool fit = landmarks && landmarks->mesh == mesh;
     guide->landmark = fit ? landmarks->distance : NULL;
 }
 
-/* --- life ---------------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static size_t distance_bytes(const struct gd_mesh *mesh)
 {
@@ -47,7 +50,8 @@ static struct gd_landmarks *create(const struct gd_mesh *mesh, uint32_t count)
 
 struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks)
 {
-    struct gd_landmarks *shared = (struct gd_landmarks *)landmarks; /* the count is the only part that changes */
+    /* the count is the only part that changes */
+    struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
     atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
     return shared;
 }
@@ -55,7 +59,8 @@ struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks)
 void gd_landmarks_release(const struct gd_landmarks *landmarks)
 {
     struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
+        return;
     gd_mesh_release(shared->mesh);
     free(shared);
 }
@@ -70,7 +75,7 @@ size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks)
     return bytes_of(landmarks->mesh);
 }
 
-/* --- building ------------------------------------------------------------------------------------------------------------ */
+/* --- building --------------------------------------------------------------------------------- */
 
 /* One landmark's column, and what the choice of the next one needs. */
 struct column {
@@ -83,17 +88,20 @@ struct column {
 static void take(struct column *column, uint32_t vertex, double distance)
 {
     struct gd_landmarks *landmarks = column->landmarks;
-    landmarks->distance[(size_t)GD__LANDMARKS_MOST * vertex + column->index] = isfinite(distance) ? (float)distance : 0;
+    landmarks->distance[(size_t)GD__LANDMARKS_MOST * vertex + column->index] =
+        isfinite(distance) ? (float)distance : 0;
     if (distance < column->nearest[vertex]) column->nearest[vertex] = distance;
 }
 
 /* Where the field fails its check the column says nothing, and the vertex is not chosen again. */
-static enum gd_status measure(struct column *column, uint32_t vertex, const struct gd_control *control)
+static enum gd_status measure(struct column *column, uint32_t vertex,
+                              const struct gd_control *control)
 {
     const struct gd_mesh *mesh = column->landmarks->mesh;
     struct gd_seed seed = {.point = gd__point_of_vertex(vertex)};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    enum gd_status status = gd_field_distances_only(mesh, &request, control, column->distance, NULL);
+    enum gd_status status =
+        gd_field_distances_only(mesh, &request, control, column->distance, NULL);
     if (status == GD_INTERNAL) column->nearest[vertex] = 0;
     for (uint32_t v = 0; v < mesh->vertex_count && !status; v++)
         take(column, v, column->distance[mesh->index_of_vertex[v]] / mesh->unit);
@@ -109,15 +117,18 @@ static uint32_t farthest(const double *nearest, uint32_t count)
     return best;
 }
 
-static enum gd_status measure_all(struct column *column, const struct gd_control *control, size_t held)
+static enum gd_status measure_all(struct column *column, const struct gd_control *control,
+                                  size_t held)
 {
     uint32_t vertices = column->landmarks->mesh->vertex_count;
     struct gd__share share = {.control = control, .total = column->landmarks->count + 1};
     struct gd_control own = gd__share_control(&share, held);
-    for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++) column->landmarks->distance[i] = 0;
+    for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++)
+        column->landmarks->distance[i] = 0;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
     enum gd_status status =
-        measure(column, 0, &own); /* an arbitrary place: only the farthest from it becomes a landmark */
+        /* an arbitrary place: only the farthest from it becomes a landmark */
+        measure(column, 0, &own);
     uint32_t first = 0;
     for (uint32_t v = 0; v < vertices; v++)
         if (column->nearest[v] < GD__FAR && column->nearest[v] > column->nearest[first]) first = v;
@@ -130,17 +141,21 @@ static enum gd_status measure_all(struct column *column, const struct gd_control
     return status;
 }
 
-enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, const struct gd_control *control,
-                                  struct gd_landmarks **out)
+enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
+                                  const struct gd_control *control, struct gd_landmarks **out)
 {
     if (count == 0 || count > GD__LANDMARKS_MOST) return GD_INVALID_ARGUMENT;
-    size_t held = bytes_of(mesh) + sizeof(double) * ((size_t)mesh->vertex_count + mesh->summary.index_count);
+    size_t held =
+        bytes_of(mesh) + sizeof(double) * ((size_t)mesh->vertex_count + mesh->summary.index_count);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
     struct column column = {.landmarks = create(mesh, count),
                             .nearest = malloc(sizeof *column.nearest * mesh->vertex_count),
-                            .distance = malloc(sizeof *column.distance * mesh->summary.index_count)};
-    status = column.landmarks && column.nearest && column.distance ? measure_all(&column, control, held) : GD_NO_MEMORY;
+                            .distance =
+                                malloc(sizeof *column.distance * mesh->summary.index_count)};
+    status = column.landmarks && column.nearest && column.distance
+                 ? measure_all(&column, control, held)
+                 : GD_NO_MEMORY;
     free(column.nearest);
     free(column.distance);
     if (status)
@@ -150,7 +165,7 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, co
     return status;
 }
 
-/* --- bytes --------------------------------------------------------------------------------------------------------------- */
+/* --- bytes ------------------------------------------------------------------------------------ */
 
 static const char magic[8] = "GDLANDM";
 static const uint32_t version = 2;
@@ -167,12 +182,14 @@ size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
 
 void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 {
-    struct header header = {.stamp = gd__stamp(landmarks->mesh, magic, version), .count = landmarks->count};
+    struct header header = {.stamp = gd__stamp(landmarks->mesh, magic, version),
+                            .count = landmarks->count};
     memcpy(bytes, &header, sizeof header);
     memcpy((char *)bytes + sizeof header, landmarks->distance, distance_bytes(landmarks->mesh));
 }
 
-static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size)
+static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header,
+                                   size_t size)
 {
     enum gd_status status = gd__stamp_check(mesh, &header->stamp, magic, version, NULL);
     if (status) return status;
@@ -192,7 +209,8 @@ enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *b
     if (!landmarks) return GD_NO_MEMORY;
     memcpy(landmarks->distance, (const char *)bytes + sizeof header, size - sizeof header);
     for (size_t i = 0; i < GD__LANDMARKS_MOST * (size_t)mesh->vertex_count && !status; i++)
-        if (!(landmarks->distance[i] >= 0 && isfinite(landmarks->distance[i]))) status = GD_NON_FINITE;
+        if (!(landmarks->distance[i] >= 0 && isfinite(landmarks->distance[i])))
+            status = GD_NON_FINITE;
     if (status)
         gd_landmarks_release(landmarks);
     else

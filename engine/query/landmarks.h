@@ -5,7 +5,9 @@
 #include "gd/landmarks.h"
 #include "wedge/guide.h"
 
-/* Lends a guide what is known, until it is cleaned; nothing when `landmarks` is NULL or of another mesh. */
-void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh, struct gd__guide *guide);
+/* Lends a guide what is known, until it is cleaned; nothing when `landmarks` is NULL or of another
+ * mesh. */
+void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
+                         struct gd__guide *guide);
 
 #endif

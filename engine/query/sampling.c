@@ -21,34 +21,39 @@ struct sampler {
 };
 
 /* The vertex of least index that no path reaches, if there is one. */
-static bool find_unreached(const struct sampler *sampler, const struct gd_field *field, struct gd_point *out)
+static bool find_unreached(const struct sampler *sampler, const struct gd_field *field,
+                           struct gd_point *out)
 {
     uint32_t indices = sampler->mesh->summary.index_count;
     gd_field_vertex_distances(field, sampler->distances);
     for (uint32_t i = 0; i < indices; i++) {
         if (!isinf(sampler->distances[i])) continue;
-        *out = (struct gd_point){.kind = GD_POINT_VERTEX, .element = sampler->mesh->vertex_of_index[i]};
+        *out = (struct gd_point){.kind = GD_POINT_VERTEX,
+                                 .element = sampler->mesh->vertex_of_index[i]};
         return true;
     }
     return false;
 }
 
 static enum gd_status find_next(const struct sampler *sampler, const struct gd_field *field,
-                                const struct gd_control *control, struct gd_point *next, double *radius)
+                                const struct gd_control *control, struct gd_point *next,
+                                double *radius)
 {
-    if (!find_unreached(sampler, field, next)) return gd_field_farthest(field, control, next, radius);
+    if (!find_unreached(sampler, field, next))
+        return gd_field_farthest(field, control, next, radius);
     *radius = INFINITY;
     return GD_OK;
 }
 
 /* The radius of the points so far, and the next one: two parts of the whole. */
-static enum gd_status add_point(struct sampler *sampler, struct gd__share *share, const struct gd_control *control)
+static enum gd_status add_point(struct sampler *sampler, struct gd__share *share,
+                                const struct gd_control *control)
 {
     struct gd_field_request request = {.seeds = sampler->seeds, .seed_count = sampler->count};
     struct gd_field *field;
     struct gd_point next;
-    enum gd_status status =
-        gd_field_build(sampler->mesh, &request, control, sampler->executor, &field, sampler->detail);
+    enum gd_status status = gd_field_build(sampler->mesh, &request, control, sampler->executor,
+                                           &field, sampler->detail);
     if (status) return status;
     share->done++;
     status = find_next(sampler, field, control, &next, &sampler->radii[sampler->count - 1]);
@@ -76,21 +81,25 @@ static enum gd_status sample(struct sampler *sampler, const struct gd_point *sta
     return status;
 }
 
-enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_point *start, uint32_t count,
-                                    const struct gd_control *control, const struct gd_executor *executor,
-                                    struct gd_point *points, double *radii, struct gd_detail *detail)
+enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_point *start,
+                                    uint32_t count, const struct gd_control *control,
+                                    const struct gd_executor *executor, struct gd_point *points,
+                                    double *radii, struct gd_detail *detail)
 {
-    if (count == 0) return gd_fail(detail, GD_INVALID_ARGUMENT, "a sampling has at least one point");
+    if (count == 0)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a sampling has at least one point");
     size_t indices = mesh->summary.index_count,
-           held = (count + (size_t)1) * (sizeof(struct gd_seed) + sizeof(double)) + indices * sizeof(double);
+           held = (count + (size_t)1) * (sizeof(struct gd_seed) + sizeof(double)) +
+                  indices * sizeof(double);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
     struct sampler sampler = {.mesh = mesh, .executor = executor, .detail = detail};
     sampler.seeds = calloc(count + (size_t)1, sizeof *sampler.seeds);
     sampler.radii = malloc(count * sizeof *sampler.radii);
     sampler.distances = malloc(indices * sizeof *sampler.distances);
-    status = sampler.seeds && sampler.radii && sampler.distances ? sample(&sampler, start, count, control, held)
-                                                                 : GD_NO_MEMORY;
+    status = sampler.seeds && sampler.radii && sampler.distances
+                 ? sample(&sampler, start, count, control, held)
+                 : GD_NO_MEMORY;
     for (uint32_t i = 0; i < count && !status; i++) points[i] = sampler.seeds[i].point;
     if (!status) memcpy(radii, sampler.radii, count * sizeof *radii);
     free(sampler.seeds);

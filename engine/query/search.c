@@ -8,15 +8,18 @@
 #include "query/landmarks.h"
 #include "query/tether.h"
 
-/* A path in a graph, pulled tight, is the shortest one on the surface or little longer, and bounds the distance from above (wedge/guide.h, query/tether.h). With
- * that bound windows are propagated everywhere, which leaves little to do: a window goes on only if the way through it, and on by the lower bounds of
- * its edge's ends, can be as short (Xin and Wang 2009; Qin et al. 2016 prune fields, not pairs). */
+/* A path in a graph, pulled tight, is the shortest one on the surface or little longer, and bounds
+ * the distance from above (wedge/guide.h, query/tether.h). With that bound windows are propagated
+ * everywhere, which leaves little to do: a window goes on only if the way through it, and on by the
+ * lower bounds of its edge's ends, can be as short (Xin and Wang 2009; Qin et al. 2016 prune
+ * fields, not pairs). */
 
 struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
     struct gd_point target;
-    bool is_turned; /* the seed is the pair's second point: what the search finds is traced back to it */
+    /* the seed is the pair's second point: what the search finds is traced back to it */
+    bool is_turned;
     enum gd_pair_wish wish;
     struct gd_pair_answer *out;
     double bound;    /* of the run: what it finds is no longer */
@@ -24,7 +27,8 @@ struct search {
 };
 
 /* The wavefront's arrays as a field; they stay the workspace's. */
-static enum gd_status view(const struct search *search, const struct gd_workspace *work, struct gd_field *field)
+static enum gd_status view(const struct search *search, const struct gd_workspace *work,
+                           struct gd_field *field)
 {
     *field = (struct gd_field){.mesh = search->mesh,
                                .reach = GD__FAR,
@@ -44,7 +48,8 @@ static bool is_found(const struct search *search)
 }
 
 /* A sink that keeps nothing: reads the distance and the path. */
-static enum gd_status answer(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+static enum gd_status answer(void *user, struct gd__wavefront *front,
+                             const struct gd_executor *executor)
 {
     (void)executor;
     struct search *search = user;
@@ -52,7 +57,8 @@ static enum gd_status answer(void *user, struct gd__wavefront *front, const stru
     enum gd_status status = view(search, front->work, &field);
     if (status) return status;
     search->distance = gd__field_leg(&field, &search->target).distance;
-    if (search->wish && is_found(search)) status = gd_field_path(&field, &search->target, &search->out->path);
+    if (search->wish && is_found(search))
+        status = gd_field_path(&field, &search->target, &search->out->path);
     if (search->wish == GD_PAIR_PATH_AND_CUT && is_found(search) && !status)
         status = gd__field_path_is_cut(&field, &search->out->path, &search->out->is_cut);
     free(field.face_seeds);
@@ -62,8 +68,10 @@ static enum gd_status answer(void *user, struct gd__wavefront *front, const stru
 static enum gd_status run(struct search *search, struct gd__guide *guide, double bound,
                           const struct gd_control *control)
 {
-    double rounding = guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
-    search->bound = bound + rounding; /* between points close together it is more than a part of their distance */
+    double rounding =
+        guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
+    /* between points close together it is more than a part of their distance */
+    search->bound = bound + rounding;
     enum gd_status status = gd__rings_draw(guide, &search->seed.point, search->bound);
     if (status) return status;
     struct gd__propagation propagation = {
@@ -83,9 +91,10 @@ static enum gd_status turn(struct search *search, struct gd__guide *guide)
     return status;
 }
 
-/* Searches from the other end as well, and keeps the shorter of the two. On a graded mesh the rounding of
- * windows may lose a path from one end; what is found is a path from either. */
-static enum gd_status run_turned(struct search *search, struct gd__guide *guide, const struct gd_control *control)
+/* Searches from the other end as well, and keeps the shorter of the two. On a graded mesh the
+ * rounding of windows may lose a path from one end; what is found is a path from either. */
+static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
+                                 const struct gd_control *control)
 {
     struct gd_pair_answer first = *search->out;
     double distance = search->distance;
@@ -105,15 +114,19 @@ static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
-/* `upper` bounds the distance surely. The tether's length does so but for the rounding of many faces laid flat: nothing is lost if that was too much. */
+/* `upper` bounds the distance surely. The tether's length does so but for the rounding of many
+ * faces laid flat: nothing is lost if that was too much. */
 static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
                                   const struct gd_control *control)
 {
-    struct gd__share share = {
-        .control = control, .done = 2, .total = 4}; /* the guide was a half, the runs are a quarter each */
+    struct gd__share share = {/* the guide was a half, the runs are a quarter each */
+                              .control = control,
+                              .done = 2,
+                              .total = 4};
     struct gd_control own = gd__share_control(&share, gd__guide_held(guide));
     double tight = upper;
-    enum gd_status status = gd__tether_length(guide, &search->seed.point, &search->target, &own, &tight);
+    enum gd_status status =
+        gd__tether_length(guide, &search->seed.point, &search->target, &own, &tight);
     if (status && status != GD_INTERNAL) return status;
     status = gd__guide_prefers_turn(guide, &search->seed.point) ? turn(search, guide) : GD_OK;
     if (!status) status = run(search, guide, fmin(upper, tight * (1 + GD_TOL_BOUND)), &own);
@@ -125,29 +138,34 @@ static enum gd_status run_bounded(struct search *search, struct gd__guide *guide
     return !status && gd__mesh_is_graded(search->mesh) ? run_turned(search, guide, &own) : status;
 }
 
-static enum gd_status search_in(struct gd_workspace *work, struct search *search, const struct gd_landmarks *landmarks,
+static enum gd_status search_in(struct gd_workspace *work, struct search *search,
+                                const struct gd_landmarks *landmarks,
                                 const struct gd_control *control)
 {
     struct gd__guide *guide = &work->guide;
     double upper;
     gd__landmarks_offer(landmarks, search->mesh, guide);
-    enum gd_status status = gd__guide_aim(guide, search->mesh, &search->seed.point, &search->target, control, &upper);
+    enum gd_status status =
+        gd__guide_aim(guide, search->mesh, &search->seed.point, &search->target, control, &upper);
     if (!status) status = run_bounded(search, guide, upper, control);
     if (!status) search->out->distance = search->distance * search->mesh->unit;
-    if (!status && !search->is_turned) gd__points_reverse(search->out->path.points, search->out->path.count);
+    if (!status && !search->is_turned)
+        gd__points_reverse(search->out->path.points, search->out->path.count);
     gd__guide_clean(guide);
     return status;
 }
 
-enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                          enum gd_pair_wish wish, const struct gd_landmarks *landmarks,
-                          const struct gd_control *control, struct gd_pair_answer *out)
+enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from,
+                          const struct gd_point *to, enum gd_pair_wish wish,
+                          const struct gd_landmarks *landmarks, const struct gd_control *control,
+                          struct gd_pair_answer *out)
 {
     if (gd_point_component(mesh, from) != gd_point_component(mesh, to)) {
         out->distance = INFINITY;
         return GD_OK;
     }
-    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = *to, .wish = wish, .out = out};
+    struct search search = {
+        .mesh = mesh, .seed = {.point = *from}, .target = *to, .wish = wish, .out = out};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();
     if (!own.workspace) return GD_NO_MEMORY;

@@ -4,12 +4,15 @@
 #include "line/straighten.h"
 #include "mesh/canonical.h"
 
-/* The guide's way goes along edges, or straight across one, of which any point will do: what is pulled tight is the strip of faces. */
-static enum gd_status walk(const struct gd__guide *guide, const struct gd_point *from, const struct gd_point *to,
-                           const struct gd_control *control, struct gd__route *route)
+/* The guide's way goes along edges, or straight across one, of which any point will do: what is
+ * pulled tight is the strip of faces. */
+static enum gd_status walk(const struct gd__guide *guide, const struct gd_point *from,
+                           const struct gd_point *to, const struct gd_control *control,
+                           struct gd__route *route)
 {
     enum gd_status status = gd__route_add(route, from, 0, control);
-    for (uint32_t v = gd__guide_first(guide, from); v != GD_NONE && !status; v = guide->node[v].parent) {
+    for (uint32_t v = gd__guide_first(guide, from); v != GD_NONE && !status;
+         v = guide->node[v].parent) {
         const struct gd_point vertex = gd__point_of_vertex(v);
         status = gd__route_add(route, &vertex, 0, control);
         if (guide->node[v].across == GD_NONE || status) continue;
@@ -20,8 +23,9 @@ static enum gd_status walk(const struct gd__guide *guide, const struct gd_point 
     return status ? status : gd__route_add(route, to, 0, control);
 }
 
-enum gd_status gd__tether_length(const struct gd__guide *guide, const struct gd_point *from, const struct gd_point *to,
-                                 const struct gd_control *control, double *out)
+enum gd_status gd__tether_length(const struct gd__guide *guide, const struct gd_point *from,
+                                 const struct gd_point *to, const struct gd_control *control,
+                                 double *out)
 {
     struct gd__straightener straightener = {.mesh = guide->mesh, .control = control};
     struct gd__route route = {0};

@@ -2,7 +2,9 @@
 
 #include <float.h>
 
-#define PARALLEL 1e-6 /* sine of an angle below which `up` is taken to be along the line of sight */
+#define PARALLEL                                                                                   \
+    1e-6 /* sine of an angle below which `up` is taken to be along the line of sight               \
+          */
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};
 
@@ -27,7 +29,8 @@ static struct frame frame_of(struct gd_vec3 up)
 {
     struct frame frame = {.up = is_zero(up) ? y_axis : unit(up)};
     struct gd_vec3 right = gd_vec3_along(x_axis, -gd_vec3_dot(x_axis, frame.up), frame.up);
-    if (gd_vec3_length(right) < PARALLEL) right = gd_vec3_along(y_axis, -gd_vec3_dot(y_axis, frame.up), frame.up);
+    if (gd_vec3_length(right) < PARALLEL)
+        right = gd_vec3_along(y_axis, -gd_vec3_dot(y_axis, frame.up), frame.up);
     frame.right = unit(right);
     frame.front = gd_vec3_cross(frame.right, frame.up);
     return frame;
@@ -36,7 +39,8 @@ static struct frame frame_of(struct gd_vec3 up)
 struct gd_vec3 gd__view_from(double azimuth, double elevation, struct gd_vec3 up)
 {
     struct frame frame = frame_of(up);
-    struct gd_vec3 level = gd_vec3_along(gd_vec3_scale(frame.front, cos(azimuth)), sin(azimuth), frame.right);
+    struct gd_vec3 level =
+        gd_vec3_along(gd_vec3_scale(frame.front, cos(azimuth)), sin(azimuth), frame.right);
     return gd_vec3_along(gd_vec3_scale(level, cos(elevation)), sin(elevation), frame.up);
 }
 
@@ -62,7 +66,8 @@ struct gd_vec3 gd__view_direction(enum gd_view view, struct gd_vec3 up)
     }
 }
 
-struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towards, struct gd_vec3 up)
+struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towards,
+                                 struct gd_vec3 up)
 {
     struct frame frame = frame_of(up);
     struct gd__camera camera = {.towards = unit(towards), .scale = 1};
@@ -70,11 +75,13 @@ struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towa
     camera.right = gd_vec3_length(right) < PARALLEL ? frame.right : unit(right);
     camera.up = unit(gd_vec3_cross(camera.towards, camera.right));
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
-    camera.centre = gd_vec3_along(gd_vec3_scale(summary->min, 0.5 / mesh->unit), 0.5 / mesh->unit, summary->max);
+    camera.centre = gd_vec3_along(gd_vec3_scale(summary->min, 0.5 / mesh->unit), 0.5 / mesh->unit,
+                                  summary->max);
     return camera;
 }
 
-void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh, const struct gd__window_of_picture *window)
+void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
+                    const struct gd__window_of_picture *window)
 {
     double left = DBL_MAX, right = -DBL_MAX, bottom = DBL_MAX, top = -DBL_MAX;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {

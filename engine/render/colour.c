@@ -5,7 +5,8 @@
 struct gd__colour gd__colour_of_part(double part)
 {
     struct gd_colour colour = gd_colour_map(part);
-    return (struct gd__colour){(float)gd_colour_encode(colour.red), (float)gd_colour_encode(colour.green),
+    return (struct gd__colour){(float)gd_colour_encode(colour.red),
+                               (float)gd_colour_encode(colour.green),
                                (float)gd_colour_encode(colour.blue)};
 }
 

@@ -7,7 +7,8 @@
 #define STEP 0.12  /* of a text's size: digits are 6 steps high */
 enum { BASE = 2 }; /* the step at which letters stand */
 
-/* Lines with spaces between them, each a list of places, each a pair of digits: steps to the right and upwards. */
+/* Lines with spaces between them, each a list of places, each a pair of digits: steps to the right
+ * and upwards. */
 struct glyph {
     char letter;
     double width; /* steps, with the gap behind it */

@@ -5,7 +5,8 @@
 
 #include "base/large.h"
 
-enum gd_status gd__image_open(struct gd__image *image, uint32_t width, uint32_t height, struct gd__purse *purse)
+enum gd_status gd__image_open(struct gd__image *image, uint32_t width, uint32_t height,
+                              struct gd__purse *purse)
 {
     size_t pixels = (size_t)width * height;
     *image = (struct gd__image){.width = width, .height = height};
@@ -21,12 +22,14 @@ void gd__image_close(struct gd__image *image)
 }
 
 /* Porter and Duff's "over", of colours that are not multiplied by their opacity. */
-void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour, double opacity)
+void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour,
+                     double opacity)
 {
     uint8_t *at = image->pixel[pixel];
     double below = (1 - opacity) * (at[3] / 255.0), sum = opacity + below;
     const double over[3] = {colour.red, colour.green, colour.blue};
     if (sum <= 0) return;
-    for (int k = 0; k < 3; k++) at[k] = (uint8_t)lround((opacity * 255 * over[k] + below * at[k]) / sum);
+    for (int k = 0; k < 3; k++)
+        at[k] = (uint8_t)lround((opacity * 255 * over[k] + below * at[k]) / sum);
     at[3] = (uint8_t)lround(255 * sum);
 }

@@ -17,10 +17,13 @@ GD_MUST_USE enum gd_status gd__image_open(struct gd__image *image, uint32_t widt
 void gd__image_close(struct gd__image *image);
 
 /* Lays a colour of that opacity over a pixel. */
-void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour, double opacity);
+void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour,
+                     double opacity);
 
-/* The image as a PNG file (RFC 2083), `*size` bytes at `*bytes`, owned by the caller. `control` may be NULL. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+/* The image as a PNG file (RFC 2083), `*size` bytes at `*bytes`, owned by the caller. `control` may
+ * be NULL. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__image_png(const struct gd__image *image, struct gd__purse *purse,
-                                         const struct gd_control *control, void **bytes, size_t *size);
+                                         const struct gd_control *control, void **bytes,
+                                         size_t *size);
 
 #endif

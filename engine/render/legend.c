@@ -14,7 +14,8 @@
 #define LEAST_SIDE 200           /* pixels: smaller pictures have no legend */
 #define AREA       (800.0 * 600) /* where a unit is a pixel */
 
-struct gd__legend gd__legend_plan(const struct gd_picture *picture, const struct gd__palette *palette, uint32_t width,
+struct gd__legend gd__legend_plan(const struct gd_picture *picture,
+                                  const struct gd__palette *palette, uint32_t width,
                                   uint32_t height)
 {
     uint32_t least = width < height ? width : height;
@@ -31,19 +32,22 @@ struct gd__legend gd__legend_plan(const struct gd_picture *picture, const struct
 struct gd__window_of_picture gd__legend_window(const struct gd__legend *legend)
 {
     double margin = fmin(MARGIN * legend->unit, 0.1 * fmin(legend->width, legend->height)),
-           column = legend->has_scale ? COLUMN * legend->unit : 0, row = legend->has_length ? ROW * legend->unit : 0;
+           column = legend->has_scale ? COLUMN * legend->unit : 0,
+           row = legend->has_length ? ROW * legend->unit : 0;
     return (struct gd__window_of_picture){margin, margin, legend->width - 2 * margin - column,
                                           legend->height - 2 * margin - row};
 }
 
 /* A number as short as its digits allow. */
-static void put_text(const struct gd__legend *legend, struct gd__canvas *canvas, const char *text, double x, double y,
-                     enum gd__anchor anchor)
+static void put_text(const struct gd__legend *legend, struct gd__canvas *canvas, const char *text,
+                     double x, double y, enum gd__anchor anchor)
 {
-    canvas->text(canvas, &(struct gd__text){text, x, y, LETTERS * legend->unit, anchor, legend->palette->ink});
+    canvas->text(canvas, &(struct gd__text){text, x, y, LETTERS * legend->unit, anchor,
+                                            legend->palette->ink});
 }
 
-static void draw_tick(const struct gd__legend *legend, struct gd__canvas *canvas, double x, double y, double distance)
+static void draw_tick(const struct gd__legend *legend, struct gd__canvas *canvas, double x,
+                      double y, double distance)
 {
     char number[32];
     double unit = legend->unit;
@@ -55,14 +59,17 @@ static void draw_tick(const struct gd__legend *legend, struct gd__canvas *canvas
     if (!canvas->status) canvas->status = line.status;
     canvas->stroke(canvas, &line, &(struct gd__pen){legend->palette->ink, 1, unit, 0});
     gd__lines_free(&line);
-    put_text(legend, canvas, number, x + (TICK + 4) * unit, y + 0.36 * LETTERS * unit, GD__ANCHOR_START);
+    put_text(legend, canvas, number, x + (TICK + 4) * unit, y + 0.36 * LETTERS * unit,
+             GD__ANCHOR_START);
 }
 
-static void draw_scale(const struct gd__legend *legend, const struct gd__scale *scale, struct gd__canvas *canvas)
+static void draw_scale(const struct gd__legend *legend, const struct gd__scale *scale,
+                       struct gd__canvas *canvas)
 {
     double unit = legend->unit, height = BAR_PART * legend->height;
     struct gd__window_of_picture bar = {floor(legend->width - (COLUMN - 4) * unit),
-                                        floor(0.5 * (legend->height - height)), ceil(BAR_WIDTH * unit), floor(height)};
+                                        floor(0.5 * (legend->height - height)),
+                                        ceil(BAR_WIDTH * unit), floor(height)};
     double right = bar.left + bar.width, apart = TICK_APART * LETTERS * unit,
            pixels = bar.height * scale->step / scale->range;
     uint32_t every = 1 + (uint32_t)(apart / pixels);
@@ -87,7 +94,8 @@ static void draw_length(const struct gd__legend *legend, struct gd__canvas *canv
     put_text(legend, canvas, text, x + 36 * unit, y + 0.36 * LETTERS * unit, GD__ANCHOR_START);
 }
 
-void gd__legend_draw(const struct gd__legend *legend, const struct gd__scale *scale, struct gd__canvas *canvas)
+void gd__legend_draw(const struct gd__legend *legend, const struct gd__scale *scale,
+                     struct gd__canvas *canvas)
 {
     if (legend->has_scale) draw_scale(legend, scale, canvas);
     if (legend->has_length) draw_length(legend, canvas);

@@ -15,8 +15,8 @@ void gd__lines_free(struct gd__lines *lines)
 
 void gd__lines_add(struct gd__lines *lines, double x, double y)
 {
-    struct gd__place *places =
-        gd__array_reserve(lines->places, &lines->place_capacity, lines->place_count + 1, sizeof *lines->places);
+    struct gd__place *places = gd__array_reserve(lines->places, &lines->place_capacity,
+                                                 lines->place_count + 1, sizeof *lines->places);
     if (!places) {
         lines->status = GD_NO_MEMORY;
         return;
@@ -27,21 +27,23 @@ void gd__lines_add(struct gd__lines *lines, double x, double y)
 
 void gd__lines_end(struct gd__lines *lines)
 {
-    uint32_t *ends = gd__array_reserve(lines->ends, &lines->capacity, lines->count + 1, sizeof *lines->ends);
+    uint32_t *ends =
+        gd__array_reserve(lines->ends, &lines->capacity, lines->count + 1, sizeof *lines->ends);
     if (!ends) {
         lines->status = GD_NO_MEMORY;
         return;
     }
     lines->ends = ends;
-    if (lines->place_count > gd__line_begin(lines, lines->count)) ends[lines->count++] = lines->place_count;
+    if (lines->place_count > gd__line_begin(lines, lines->count))
+        ends[lines->count++] = lines->place_count;
 }
 
-/* --- simpler ----------------------------------------------------------------------------------------------------------------- */
+/* --- simpler ---------------------------------------------------------------------------------- */
 
 static double distance_to_segment(struct gd__place p, struct gd__place a, struct gd__place b)
 {
-    double x = (double)b.x - a.x, y = (double)b.y - a.y, px = (double)p.x - a.x, py = (double)p.y - a.y,
-           length = x * x + y * y;
+    double x = (double)b.x - a.x, y = (double)b.y - a.y, px = (double)p.x - a.x,
+           py = (double)p.y - a.y, length = x * x + y * y;
     double t = length > 0 ? fmin(fmax((px * x + py * y) / length, 0), 1) : 0;
     return hypot(px - t * x, py - t * y);
 }
@@ -50,28 +52,33 @@ static double distance_to_segment(struct gd__place p, struct gd__place a, struct
 static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, double tolerance)
 {
     for (uint32_t i = a + 1; i < b; i++)
-        if (distance_to_segment(lines->places[i], lines->places[a], lines->places[b]) > tolerance) return false;
+        if (distance_to_segment(lines->places[i], lines->places[a], lines->places[b]) > tolerance)
+            return false;
     return true;
 }
 
-/* From each place that is kept on to the last one that a segment reaches. What is kept is written behind what is read. */
+/* From each place that is kept on to the last one that a segment reaches. What is kept is written
+ * behind what is read. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance)
 {
     enum { FARTHEST = 64 };
     if (!lines->count || lines->status) return;
-    uint32_t begin = gd__line_begin(lines, lines->count - 1), end = lines->place_count, kept = begin;
+    uint32_t begin = gd__line_begin(lines, lines->count - 1), end = lines->place_count,
+             kept = begin;
     for (uint32_t at = begin; at + 1 < end;) {
         uint32_t next = at + 1;
-        while (next + 1 < end && next - at < FARTHEST && stands_for(lines, at, next + 1, tolerance)) next++;
+        while (next + 1 < end && next - at < FARTHEST && stands_for(lines, at, next + 1, tolerance))
+            next++;
         at = next;
         lines->places[++kept] = lines->places[at];
     }
     lines->place_count = lines->ends[lines->count - 1] = kept + 1;
 }
 
-/* --- dashes ------------------------------------------------------------------------------------------------------------------ */
+/* --- dashes ----------------------------------------------------------------------------------- */
 
-static void dash_line(const struct gd__place *places, uint32_t count, double on, double off, struct gd__lines *out)
+static void dash_line(const struct gd__place *places, uint32_t count, double on, double off,
+                      struct gd__lines *out)
 {
     double left = on; /* of the dash or of the gap */
     bool is_drawn = true;

@@ -25,7 +25,8 @@ void gd__lines_free(struct gd__lines *lines); /* leaves none */
 void gd__lines_add(struct gd__lines *lines, double x, double y);
 void gd__lines_end(struct gd__lines *lines);
 
-/* Leaves out places of the last line that are nowhere farther than `tolerance` pixels from what is left. */
+/* Leaves out places of the last line that are nowhere farther than `tolerance` pixels from what is
+ * left. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance);
 
 /* Adds the dashes of all lines: `on` pixels drawn, `off` not, in turn. */

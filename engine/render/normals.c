@@ -29,14 +29,16 @@ static void add(struct gd__normal *sum, float weight, struct gd__normal n)
     sum->z += weight * n.z;
 }
 
-static struct gd__normal *corner_at(const struct gd_mesh *mesh, struct gd__normal (*corners)[3], uint32_t side)
+static struct gd__normal *corner_at(const struct gd_mesh *mesh, struct gd__normal (*corners)[3],
+                                    uint32_t side)
 {
     uint32_t face = mesh->side_face[side];
     const uint32_t *sides = mesh->face_side[face];
     return &corners[face][sides[0] == side ? 0 : sides[1] == side ? 1 : 2];
 }
 
-/* Weighted by the angles at the vertex (G. Thuermer and C. Wuethrich, "Computing vertex normals from polygonal facets", 1998). */
+/* Weighted by the angles at the vertex (G. Thuermer and C. Wuethrich, "Computing vertex normals
+ * from polygonal facets", 1998). */
 static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__normal *flat,
                         struct gd__normal (*corners)[3])
 {
@@ -45,7 +47,8 @@ static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struc
     for (uint32_t i = 0; i < count; i++) {
         struct gd__normal own = flat[mesh->side_face[fan[i].side]], sum = {0};
         for (uint32_t k = 0; k < count && count <= MOST; k++) {
-            double angle = (k + 1 < count ? fan[k + 1].angle : mesh->total_angle[vertex]) - fan[k].angle;
+            double angle =
+                (k + 1 < count ? fan[k + 1].angle : mesh->total_angle[vertex]) - fan[k].angle;
             struct gd__normal other = flat[mesh->side_face[fan[k].side]];
             if (dot(own, other) > CREASE) add(&sum, (float)angle, other);
         }
@@ -53,8 +56,8 @@ static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struc
     }
 }
 
-enum gd_status gd__normals_make(const struct gd_mesh *mesh, const struct gd_control *control, struct gd__normal *flat,
-                                struct gd__normal (*corners)[3])
+enum gd_status gd__normals_make(const struct gd_mesh *mesh, const struct gd_control *control,
+                                struct gd__normal *flat, struct gd__normal (*corners)[3])
 {
     enum gd_status status = GD_OK;
     for (uint32_t f = 0; f < mesh->face_count && !status; f++) {

@@ -3,8 +3,9 @@
 
 #include "render/canvas.h"
 
-/* Strokes and discs on an image. Each pixel is covered as far as its middle lies within, from half a pixel outside to half a pixel inside; lines drawn with one pen cover
- * a pixel once where they cross or join, as one line does. */
+/* Strokes and discs on an image. Each pixel is covered as far as its middle lies within, from half
+ * a pixel outside to half a pixel inside; lines drawn with one pen cover a pixel once where they
+ * cross or join, as one line does. */
 
 enum { CHECK_INTERVAL = 256 }; /* segments */
 
@@ -18,7 +19,8 @@ static uint32_t clamp(double x, uint32_t most)
     return x <= 0 ? 0 : x >= most ? most : (uint32_t)x;
 }
 
-static struct box box_of(const struct gd__image *image, double left, double top, double right, double bottom)
+static struct box box_of(const struct gd__image *image, double left, double top, double right,
+                         double bottom)
 {
     return (struct box){clamp(floor(left), image->width), clamp(floor(top), image->height),
                         clamp(ceil(right), image->width), clamp(ceil(bottom), image->height)};
@@ -27,17 +29,19 @@ static struct box box_of(const struct gd__image *image, double left, double top,
 static struct box box_around(struct box a, struct box b)
 {
     return (struct box){a.left < b.left ? a.left : b.left, a.top < b.top ? a.top : b.top,
-                        a.right > b.right ? a.right : b.right, a.bottom > b.bottom ? a.bottom : b.bottom};
+                        a.right > b.right ? a.right : b.right,
+                        a.bottom > b.bottom ? a.bottom : b.bottom};
 }
 
-/* --- coverage ---------------------------------------------------------------------------------------------------------------- */
+/* --- coverage --------------------------------------------------------------------------------- */
 
-static struct box cover_segment(struct gd__paint *paint, struct gd__place a, struct gd__place b, float radius)
+static struct box cover_segment(struct gd__paint *paint, struct gd__place a, struct gd__place b,
+                                float radius)
 {
     float reach = radius + 0.5F, x = b.x - a.x, y = b.y - a.y, square = x * x + y * y,
           scale = square > 0 ? 1 / square : 0;
-    struct box box = box_of(paint->image, fminf(a.x, b.x) - reach, fminf(a.y, b.y) - reach, fmaxf(a.x, b.x) + reach,
-                            fmaxf(a.y, b.y) + reach);
+    struct box box = box_of(paint->image, fminf(a.x, b.x) - reach, fminf(a.y, b.y) - reach,
+                            fmaxf(a.x, b.x) + reach, fmaxf(a.y, b.y) + reach);
     for (uint32_t row = box.top; row < box.bottom; row++) {
         uint8_t *coverage = paint->coverage + (size_t)row * paint->image->width;
         float py = (float)row + 0.5F - a.y;
@@ -55,7 +59,8 @@ static struct box cover_segment(struct gd__paint *paint, struct gd__place a, str
 }
 
 /* Lays the colour over what is covered, and uncovers it. */
-static void fill_coverage(struct gd__paint *paint, struct box box, struct gd__colour colour, double opacity)
+static void fill_coverage(struct gd__paint *paint, struct box box, struct gd__colour colour,
+                          double opacity)
 {
     for (uint32_t row = box.top; row < box.bottom; row++)
         for (uint32_t column = box.left; column < box.right; column++) {
@@ -66,9 +71,10 @@ static void fill_coverage(struct gd__paint *paint, struct box box, struct gd__co
         }
 }
 
-/* --- the canvas -------------------------------------------------------------------------------------------------------------- */
+/* --- the canvas ------------------------------------------------------------------------------- */
 
-static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines *lines, const struct gd__pen *pen)
+static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines *lines,
+                                 const struct gd__pen *pen)
 {
     struct box all = {paint->image->width, paint->image->height, 0, 0};
     enum gd_status status = GD_OK;
@@ -76,7 +82,8 @@ static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines
         const struct gd__place *place = lines->places;
         uint32_t begin = gd__line_begin(lines, i), last = lines->ends[i] - 1;
         for (uint32_t k = begin; (k < last || k == begin) && !status; k++) {
-            all = box_around(all, cover_segment(paint, place[k], place[k < last ? k + 1 : k], (float)(pen->width / 2)));
+            all = box_around(all, cover_segment(paint, place[k], place[k < last ? k + 1 : k],
+                                                (float)(pen->width / 2)));
             if (k % CHECK_INTERVAL == 0) status = gd_control_check(paint->control, 0);
         }
     }
@@ -84,18 +91,21 @@ static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines
     return status;
 }
 
-static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines, const struct gd__pen *pen)
+static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines,
+                   const struct gd__pen *pen)
 {
     struct gd__lines dashes = {0};
     if (canvas->status) return;
     if (pen->dash > 0) gd__lines_dash(lines, pen->dash, pen->dash, &dashes);
     canvas->status = dashes.status;
-    if (!canvas->status) canvas->status = draw_lines((struct gd__paint *)canvas, pen->dash > 0 ? &dashes : lines, pen);
+    if (!canvas->status)
+        canvas->status =
+            draw_lines((struct gd__paint *)canvas, pen->dash > 0 ? &dashes : lines, pen);
     gd__lines_free(&dashes);
 }
 
-static void disc(struct gd__canvas *canvas, struct gd__place centre, double radius, struct gd__colour colour,
-                 double opacity)
+static void disc(struct gd__canvas *canvas, struct gd__place centre, double radius,
+                 struct gd__colour colour, double opacity)
 {
     struct gd__paint *paint = (struct gd__paint *)canvas;
     if (canvas->status) return;
@@ -114,7 +124,8 @@ static void text(struct gd__canvas *canvas, const struct gd__text *text)
 static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture *area)
 {
     struct gd__image *image = ((struct gd__paint *)canvas)->image;
-    struct box box = box_of(image, area->left, area->top, area->left + area->width, area->top + area->height);
+    struct box box =
+        box_of(image, area->left, area->top, area->left + area->width, area->top + area->height);
     if (canvas->status) return;
     for (uint32_t row = box.top; row < box.bottom; row++) {
         struct gd__colour colour = gd__colour_of_part(1 - (row + 0.5 - area->top) / area->height);
@@ -123,11 +134,12 @@ static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture 
     }
 }
 
-enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image, struct gd__purse *purse,
-                              const struct gd_control *control)
+enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
+                              struct gd__purse *purse, const struct gd_control *control)
 {
     size_t pixels = (size_t)image->width * image->height;
-    *paint = (struct gd__paint){.canvas = {stroke, disc, text, scale, GD_OK}, .image = image, .control = control};
+    *paint = (struct gd__paint){
+        .canvas = {stroke, disc, text, scale, GD_OK}, .image = image, .control = control};
     enum gd_status status = gd__purse_take(purse, pixels);
     if (status) return status;
     paint->coverage = calloc(pixels, 1);

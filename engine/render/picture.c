@@ -8,8 +8,9 @@
 #include "render/shade.h"
 #include "render/view.h"
 
-/* DESIGN. A picture is made in three steps: the surface becomes an image, with a note of what covers each pixel; lines become places in the picture, cut where they go behind something; both are
- * put together on a canvas, which is the image itself or an SVG file that embeds it. */
+/* DESIGN. A picture is made in three steps: the surface becomes an image, with a note of what
+ * covers each pixel; lines become places in the picture, cut where they go behind something; both
+ * are put together on a canvas, which is the image itself or an SVG file that embeds it. */
 
 enum { GRID = 4, WIDTH = 800, HEIGHT = 600, TICKS = 6 };
 #define LINE_TOLERANCE 0.1 /* pixels */
@@ -51,13 +52,14 @@ static struct gd_control control_of(struct studio *studio)
     const struct gd_control *control = studio->purse.control;
     struct gd_control own = control ? *control : (struct gd_control){0};
     size_t held = studio->purse.held;
-    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1; /* 0: no limit */
+    /* 0: no limit */
+    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
     own.progress = own.progress ? report : NULL;
     own.user = studio;
     return own;
 }
 
-/* --- the request ----------------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool is_finite(struct gd_vec3 v)
 {
@@ -73,13 +75,15 @@ static bool is_side(uint32_t pixels)
 static bool is_sound(const struct gd_picture *picture, uint32_t width, uint32_t height)
 {
     struct gd_vec3 d = picture->direction;
-    if (!is_side(width) || !is_side(height) || (uint64_t)width * height > GD_PICTURE_PIXELS) return false;
-    if (picture->isolines > GD_PICTURE_ISOLINES || !is_finite(picture->up) || !is_finite(d)) return false;
+    if (!is_side(width) || !is_side(height) || (uint64_t)width * height > GD_PICTURE_PIXELS)
+        return false;
+    if (picture->isolines > GD_PICTURE_ISOLINES || !is_finite(picture->up) || !is_finite(d))
+        return false;
     if (picture->field && gd_field_mesh(picture->field) != picture->mesh) return false;
     return picture->view != GD_VIEW_DIRECTION || d.x != 0 || d.y != 0 || d.z != 0;
 }
 
-/* --- where it is seen from --------------------------------------------------------------------------------------------------- */
+/* --- where it is seen from -------------------------------------------------------------------- */
 
 static struct gd_vec3 inside(const struct gd_mesh *mesh, const struct gd_point *point)
 {
@@ -91,12 +95,15 @@ static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, 
 {
     struct gd_point source;
     const struct gd_path *path = studio->picture->path;
-    bool has_source = studio->picture->field && gd_field_single_seed(studio->picture->field, &source);
+    bool has_source =
+        studio->picture->field && gd_field_single_seed(studio->picture->field, &source);
     uint32_t points = path ? path->count : has_source ? 1 : 0;
-    enum gd_status status = gd__purse_take(&studio->purse, points * (sizeof **out + sizeof(struct gd__spot)));
+    enum gd_status status =
+        gd__purse_take(&studio->purse, points * (sizeof **out + sizeof(struct gd__spot)));
     *out = status ? NULL : malloc((points + 1) * sizeof **out);
     if (!*out) return status ? status : GD_NO_MEMORY;
-    for (uint32_t i = 0; i < points; i++) (*out)[i] = inside(studio->mesh, path ? &path->points[i] : &source);
+    for (uint32_t i = 0; i < points; i++)
+        (*out)[i] = inside(studio->mesh, path ? &path->points[i] : &source);
     *count = points;
     return GD_OK;
 }
@@ -104,12 +111,14 @@ static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, 
 static enum gd_status aim(struct studio *studio, const struct gd_vec3 *subject, uint32_t count)
 {
     const struct gd_picture *picture = studio->picture;
-    struct gd_vec3 direction =
-        picture->view == GD_VIEW_DIRECTION ? picture->direction : gd__view_direction(picture->view, picture->up);
+    struct gd_vec3 direction = picture->view == GD_VIEW_DIRECTION
+                                   ? picture->direction
+                                   : gd__view_direction(picture->view, picture->up);
     struct gd_control control = control_of(studio);
     enum gd_status status = GD_OK;
     if (picture->view == GD_VIEW_CHOSEN && count)
-        status = gd__view_choose(studio->mesh, picture->up, subject, count, &studio->purse, &control, &direction);
+        status = gd__view_choose(studio->mesh, picture->up, subject, count, &studio->purse,
+                                 &control, &direction);
     if (status) return status;
     struct gd__window_of_picture window = gd__legend_window(&studio->legend);
     studio->camera = gd__camera_aim(studio->mesh, direction, picture->up);
@@ -117,7 +126,7 @@ static enum gd_status aim(struct studio *studio, const struct gd_vec3 *subject, 
     return GD_OK;
 }
 
-/* --- the surface ----------------------------------------------------------------------------------------------------------- */
+/* --- the surface ------------------------------------------------------------------------------ */
 
 static enum gd_status open_surface(struct studio *studio)
 {
@@ -139,7 +148,9 @@ static enum gd_status open_surface(struct studio *studio)
     enum gd_status status = gd__raster_open(&studio->raster, &control);
     if (!status) status = gd__shade_open(&studio->shade, &control);
     if (!status) status = gd__cover_open(&studio->cover, &studio->raster);
-    if (!status) status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height, &studio->purse);
+    if (!status)
+        status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height,
+                                &studio->purse);
     studio->image.is_opaque = !studio->palette->is_transparent;
     return status;
 }
@@ -147,7 +158,8 @@ static enum gd_status open_surface(struct studio *studio)
 static enum gd_status draw_surface(struct studio *studio)
 {
     const struct gd_mesh *mesh = studio->mesh;
-    enum gd_status status = gd__purse_take(&studio->purse, mesh->vertex_count * sizeof *studio->spots);
+    enum gd_status status =
+        gd__purse_take(&studio->purse, mesh->vertex_count * sizeof *studio->spots);
     studio->spots = status ? NULL : malloc(mesh->vertex_count * sizeof *studio->spots);
     if (!studio->spots) return status ? status : GD_NO_MEMORY;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
@@ -164,10 +176,10 @@ static enum gd_status draw_surface(struct studio *studio)
     return status;
 }
 
-/* --- lines ----------------------------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
-static enum gd_status split(struct studio *studio, const struct gd_path *line, struct gd__lines *seen,
-                            struct gd__lines *hidden)
+static enum gd_status split(struct studio *studio, const struct gd_path *line,
+                            struct gd__lines *seen, struct gd__lines *hidden)
 {
     struct gd__spot *spots = malloc(line->count * sizeof *spots);
     if (!spots) return GD_NO_MEMORY;
@@ -199,7 +211,8 @@ static enum gd_status find_isolines(struct studio *studio)
     for (uint32_t k = 1; k <= studio->scale.count && !status; k++) {
         struct gd_isoline isoline;
         struct gd_control control = control_of(studio);
-        status = gd_isoline_trace(studio->picture->field, k * studio->scale.step, &control, &isoline);
+        status =
+            gd_isoline_trace(studio->picture->field, k * studio->scale.step, &control, &isoline);
         studio->part++;
         if (status) break;
         status = split_isoline(studio, &isoline, &control);
@@ -219,7 +232,8 @@ static void find_ends(struct studio *studio, const struct gd_vec3 *subject, uint
     }
 }
 
-static enum gd_status find_lines(struct studio *studio, const struct gd_vec3 *subject, uint32_t count)
+static enum gd_status find_lines(struct studio *studio, const struct gd_vec3 *subject,
+                                 uint32_t count)
 {
     enum gd_status status = GD_OK;
     if (studio->picture->field && studio->picture->isolines) status = find_isolines(studio);
@@ -229,13 +243,14 @@ static enum gd_status find_lines(struct studio *studio, const struct gd_vec3 *su
     return status;
 }
 
-/* --- the canvas ------------------------------------------------------------------------------------------------------------ */
+/* --- the canvas ------------------------------------------------------------------------------- */
 
 /* The first end is a ring, the last one a disc. */
 static void draw_end(const struct studio *studio, uint32_t i, struct gd__canvas *canvas)
 {
     const struct gd__palette *palette = studio->palette;
-    struct gd__colour outer = i ? palette->halo : palette->path, inner = i ? palette->path : palette->halo;
+    struct gd__colour outer = i ? palette->halo : palette->path,
+                      inner = i ? palette->path : palette->halo;
     double opacity = studio->end_is_seen[i] ? 1 : 0.4, unit = studio->legend.unit;
     canvas->disc(canvas, studio->end[i], 5.5 * unit, outer, opacity);
     canvas->disc(canvas, studio->end[i], (i ? 4.2 : 2.8) * unit, inner, opacity);
@@ -245,9 +260,12 @@ static void draw_lines(const struct studio *studio, struct gd__canvas *canvas)
 {
     const struct gd__palette *palette = studio->palette;
     double unit = studio->legend.unit;
-    canvas->stroke(canvas, &studio->isolines, &(struct gd__pen){palette->line, 0.5, fmax(unit, 0.8), 0});
-    canvas->stroke(canvas, &studio->path_hidden, &(struct gd__pen){palette->path, 0.6, 2 * unit, 5 * unit});
-    canvas->stroke(canvas, &studio->path_seen, &(struct gd__pen){palette->halo, 0.85, 5.4 * unit, 0});
+    canvas->stroke(canvas, &studio->isolines,
+                   &(struct gd__pen){palette->line, 0.5, fmax(unit, 0.8), 0});
+    canvas->stroke(canvas, &studio->path_hidden,
+                   &(struct gd__pen){palette->path, 0.6, 2 * unit, 5 * unit});
+    canvas->stroke(canvas, &studio->path_seen,
+                   &(struct gd__pen){palette->halo, 0.85, 5.4 * unit, 0});
     canvas->stroke(canvas, &studio->path_seen, &(struct gd__pen){palette->path, 1, 3 * unit, 0});
     for (uint32_t i = 0; i < studio->end_count; i++) draw_end(studio, i, canvas);
     gd__legend_draw(&studio->legend, &studio->scale, canvas);
@@ -270,7 +288,8 @@ static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *si
     struct gd_control control = control_of(studio);
     void *png;
     size_t png_size;
-    enum gd_status status = gd__image_png(&studio->image, &studio->purse, &control, &png, &png_size);
+    enum gd_status status =
+        gd__image_png(&studio->image, &studio->purse, &control, &png, &png_size);
     if (status) return status;
     gd__svg_open(&svg, studio->legend.width, studio->legend.height, png, png_size, &studio->purse);
     free(png);
@@ -278,19 +297,23 @@ static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *si
     return gd__svg_close(&svg, bytes, size);
 }
 
-/* --- the whole ------------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
-static void set_up(struct studio *studio, const struct gd_picture *picture, const struct gd_control *control)
+static void set_up(struct studio *studio, const struct gd_picture *picture,
+                   const struct gd_control *control)
 {
-    uint32_t width = picture->width ? picture->width : WIDTH, height = picture->height ? picture->height : HEIGHT;
+    uint32_t width = picture->width ? picture->width : WIDTH,
+             height = picture->height ? picture->height : HEIGHT;
     studio->picture = picture;
     studio->mesh = picture->mesh;
     studio->palette = gd__palette(picture->background);
     studio->purse = (struct gd__purse){.control = control};
     studio->legend = gd__legend_plan(picture, studio->palette, width, height);
     if (picture->field)
-        studio->scale = gd__scale_of(gd__field_range(picture->field), picture->isolines ? picture->isolines : TICKS);
-    studio->parts = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) + (picture->isolines ? studio->scale.count : 0);
+        studio->scale = gd__scale_of(gd__field_range(picture->field),
+                                     picture->isolines ? picture->isolines : TICKS);
+    studio->parts = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) +
+                    (picture->isolines ? studio->scale.count : 0);
 }
 
 static void clear(struct studio *studio)
@@ -307,13 +330,14 @@ static void clear(struct studio *studio)
 
 typedef enum gd_status finisher(struct studio *studio, void **bytes, size_t *size);
 
-static enum gd_status render(const struct gd_picture *picture, const struct gd_control *control, finisher *finish,
-                             void **bytes, size_t *size)
+static enum gd_status render(const struct gd_picture *picture, const struct gd_control *control,
+                             finisher *finish, void **bytes, size_t *size)
 {
     struct studio studio = {0};
     struct gd_vec3 *subject = NULL;
     uint32_t count = 0;
-    if (!is_sound(picture, picture->width ? picture->width : WIDTH, picture->height ? picture->height : HEIGHT))
+    if (!is_sound(picture, picture->width ? picture->width : WIDTH,
+                  picture->height ? picture->height : HEIGHT))
         return GD_INVALID_ARGUMENT;
     set_up(&studio, picture, control);
     enum gd_status status = find_subject(&studio, &subject, &count);
@@ -326,14 +350,14 @@ static enum gd_status render(const struct gd_picture *picture, const struct gd_c
     return status;
 }
 
-enum gd_status gd_picture_png(const struct gd_picture *picture, const struct gd_control *control, void **bytes,
-                              size_t *size)
+enum gd_status gd_picture_png(const struct gd_picture *picture, const struct gd_control *control,
+                              void **bytes, size_t *size)
 {
     return render(picture, control, finish_png, bytes, size);
 }
 
-enum gd_status gd_picture_svg(const struct gd_picture *picture, const struct gd_control *control, void **bytes,
-                              size_t *size)
+enum gd_status gd_picture_svg(const struct gd_picture *picture, const struct gd_control *control,
+                              void **bytes, size_t *size)
 {
     return render(picture, control, finish_svg, bytes, size);
 }

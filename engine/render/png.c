@@ -4,7 +4,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* PNG of what a picture is: 8 bits, colours without a palette, one IDAT chunk, each row filtered as suits it. */
+/* PNG of what a picture is: 8 bits, colours without a palette, one IDAT chunk, each row filtered as
+ * suits it. */
 
 enum {
     LEVEL = 4,          /* of zlib: higher ones take twice the time for a few percent */
@@ -22,26 +23,30 @@ struct encoder {
     z_stream stream;
 };
 
-/* --- rows ------------------------------------------------------------------------------------------------------------------ */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static void read_row(const struct encoder *encoder, uint32_t y, uint8_t *out)
 {
-    const uint8_t(*pixel)[4] = (const uint8_t(*)[4])encoder->image->pixel + (size_t)y * encoder->image->width;
+    const uint8_t(*pixel)[4] =
+        (const uint8_t(*)[4])encoder->image->pixel + (size_t)y * encoder->image->width;
     for (uint32_t x = 0; x < encoder->image->width; x++)
         for (uint32_t k = 0; k < encoder->channels; k++) *out++ = pixel[x][k];
 }
 
 static uint8_t paeth(int left, int above, int corner)
 {
-    int guess = left + above - corner, a = abs(guess - left), b = abs(guess - above), c = abs(guess - corner);
+    int guess = left + above - corner, a = abs(guess - left), b = abs(guess - above),
+        c = abs(guess - corner);
     return (uint8_t)(a <= b && a <= c ? left : b <= c ? above : corner);
 }
 
-/* The row that is likely to be packed best: whose bytes, as small numbers with a sign, are least in sum (RFC 2083, 9.6). */
+/* The row that is likely to be packed best: whose bytes, as small numbers with a sign, are least in
+ * sum (RFC 2083, 9.6). */
 static const uint8_t *filter_row(const struct encoder *encoder)
 {
     static const uint8_t numbers[FILTERS] = {1, 2, 4};
-    const uint8_t *row = encoder->row + encoder->channels, *above = encoder->previous + encoder->channels;
+    const uint8_t *row = encoder->row + encoder->channels,
+                  *above = encoder->previous + encoder->channels;
     const uint8_t *left = encoder->row, *corner = encoder->previous;
     uint64_t sums[FILTERS] = {0};
     for (uint32_t i = 0; i < encoder->row_bytes; i++) {
@@ -60,7 +65,7 @@ static const uint8_t *filter_row(const struct encoder *encoder)
     return encoder->filtered[best];
 }
 
-/* --- chunks ---------------------------------------------------------------------------------------------------------------- */
+/* --- chunks ----------------------------------------------------------------------------------- */
 
 static void put_number(uint8_t *at, uint32_t number)
 {
@@ -119,7 +124,8 @@ static enum gd_status put_rows(struct encoder *encoder, const struct gd_control 
         uint8_t *row = encoder->row;
         encoder->row = encoder->previous;
         encoder->previous = row;
-        if (y % CHECK_INTERVAL == 0) status = gd_control_check(control, (double)y / encoder->image->height);
+        if (y % CHECK_INTERVAL == 0)
+            status = gd_control_check(control, (double)y / encoder->image->height);
     }
     pack(encoder, NULL, Z_FINISH);
     encoder->used += encoder->stream.total_out;
@@ -127,7 +133,7 @@ static enum gd_status put_rows(struct encoder *encoder, const struct gd_control 
     return status;
 }
 
-/* --- the file -------------------------------------------------------------------------------------------------------------- */
+/* --- the file --------------------------------------------------------------------------------- */
 
 static enum gd_status open_encoder(struct encoder *encoder, struct gd__purse *purse)
 {
@@ -146,8 +152,8 @@ static enum gd_status open_encoder(struct encoder *encoder, struct gd__purse *pu
     return GD_OK;
 }
 
-enum gd_status gd__image_png(const struct gd__image *image, struct gd__purse *purse, const struct gd_control *control,
-                             void **bytes, size_t *size)
+enum gd_status gd__image_png(const struct gd__image *image, struct gd__purse *purse,
+                             const struct gd_control *control, void **bytes, size_t *size)
 {
     struct encoder encoder = {.image = image, .channels = image->is_opaque ? 3 : 4};
     encoder.row_bytes = encoder.channels * image->width;

@@ -10,7 +10,7 @@ enum {
     FACES_A_CHECK = 1 << 14
 };
 
-/* --- one face ------------------------------------------------------------------------------------------------------------ */
+/* --- one face --------------------------------------------------------------------------------- */
 
 /* Samples' rows, or samples of a row, that lie below a coordinate: so many of `most`. */
 static inline uint32_t below(double coordinate, uint32_t most)
@@ -46,7 +46,8 @@ static bool make_patch(const struct gd__raster *raster, uint32_t face, struct pa
     exchange_if(&a, &b);
     exchange_if(&b, &c);
     exchange_if(&a, &b);
-    double bx = (double)b.x - a.x, by = (double)b.y - a.y, cx = (double)c.x - a.x, cy = (double)c.y - a.y;
+    double bx = (double)b.x - a.x, by = (double)b.y - a.y, cx = (double)c.x - a.x,
+           cy = (double)c.y - a.y;
     double area = bx * cy - cx * by, bz = (double)b.z - a.z, cz = (double)c.z - a.z;
     if (area == 0) return false;
     *out = (struct patch){a,
@@ -59,19 +60,22 @@ static bool make_patch(const struct gd__raster *raster, uint32_t face, struct pa
     return true;
 }
 
-/* Where the edge from p down to q is at a height: the same for both of its faces, to the last bit. */
+/* Where the edge from p down to q is at a height: the same for both of its faces, to the last bit.
+ */
 static double edge_at(struct gd__spot p, struct gd__spot q, double y)
 {
     return p.x + (y - p.y) * (((double)q.x - p.x) / ((double)q.y - p.y));
 }
 
 /* How many samples it looked at. */
-static uint32_t fill_row(struct gd__raster *raster, const struct patch *patch, uint32_t face, uint32_t row,
-                         uint32_t first_row)
+static uint32_t fill_row(struct gd__raster *raster, const struct patch *patch, uint32_t face,
+                         uint32_t row, uint32_t first_row)
 {
     uint32_t grid = raster->grid, most = raster->width * grid;
-    double y = (row + 0.5) / grid, shift = gd__raster_shift(grid, row), long_edge = edge_at(patch->a, patch->c, y),
-           short_edge = y < patch->b.y ? edge_at(patch->a, patch->b, y) : edge_at(patch->b, patch->c, y);
+    double y = (row + 0.5) / grid, shift = gd__raster_shift(grid, row),
+           long_edge = edge_at(patch->a, patch->c, y),
+           short_edge =
+               y < patch->b.y ? edge_at(patch->a, patch->b, y) : edge_at(patch->b, patch->c, y);
     bool is_left = long_edge < short_edge;
     uint32_t from = below((is_left ? long_edge : short_edge) * grid - shift, most),
              to = below((is_left ? short_edge : long_edge) * grid - shift, most);
@@ -92,7 +96,8 @@ static uint32_t fill_row(struct gd__raster *raster, const struct patch *patch, u
     return to - from;
 }
 
-static uint32_t fill_face(struct gd__raster *raster, uint32_t face, uint32_t first_row, uint32_t end_row)
+static uint32_t fill_face(struct gd__raster *raster, uint32_t face, uint32_t first_row,
+                          uint32_t end_row)
 {
     struct patch patch;
     uint32_t samples = 0;
@@ -104,11 +109,12 @@ static uint32_t fill_face(struct gd__raster *raster, uint32_t face, uint32_t fir
     return samples;
 }
 
-enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band, const struct gd_control *control)
+enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,
+                               const struct gd_control *control)
 {
     enum gd_status status = GD_OK;
-    uint32_t first_row = band * raster->rows * raster->grid, end_row = first_row + raster->rows * raster->grid,
-             work = 0;
+    uint32_t first_row = band * raster->rows * raster->grid,
+             end_row = first_row + raster->rows * raster->grid, work = 0;
     uint32_t first = raster->first[band], end = raster->first[band + 1];
     if (end_row > raster->height * raster->grid) end_row = raster->height * raster->grid;
     size_t samples = (size_t)(end_row - first_row) * raster->width * raster->grid;
@@ -125,7 +131,7 @@ enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band, const s
     return status;
 }
 
-/* --- the bands' faces ------------------------------------------------------------------------------------------------------ */
+/* --- the bands' faces ------------------------------------------------------------------------- */
 
 struct span {
     uint32_t from, to; /* bands; none where equal */
@@ -134,14 +140,16 @@ struct span {
 /* Twice the area in the picture, more than 0 when it is seen from outside. */
 static double area_of(const struct gd__spot *a, const struct gd__spot *b, const struct gd__spot *c)
 {
-    return ((double)c->x - a->x) * ((double)b->y - a->y) - ((double)b->x - a->x) * ((double)c->y - a->y);
+    return ((double)c->x - a->x) * ((double)b->y - a->y) -
+           ((double)b->x - a->x) * ((double)c->y - a->y);
 }
 
 static struct span span_of(const struct gd__raster *raster, uint32_t face, bool is_closed)
 {
     uint32_t v[3], grid = raster->grid, most = raster->height * grid, rows = raster->rows * grid;
     gd__corners(raster->mesh, face, v);
-    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]], *c = &raster->spots[v[2]];
+    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]],
+                          *c = &raster->spots[v[2]];
     if (is_closed && area_of(a, b, c) <= 0) return (struct span){0, 0};
     uint32_t from = below((double)fminf(a->y, fminf(b->y, c->y)) * grid, most),
              to = below((double)fmaxf(a->y, fmaxf(b->y, c->y)) * grid, most);
@@ -149,7 +157,8 @@ static struct span span_of(const struct gd__raster *raster, uint32_t face, bool 
 }
 
 /* Counts the faces of each band, to first[band], and all of them. */
-static enum gd_status count_faces(struct gd__raster *raster, const struct gd_control *control, uint64_t *total)
+static enum gd_status count_faces(struct gd__raster *raster, const struct gd_control *control,
+                                  uint64_t *total)
 {
     const struct gd_mesh *mesh = raster->mesh;
     bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
@@ -185,20 +194,22 @@ static enum gd_status list_faces(struct gd__raster *raster, const struct gd_cont
     return status;
 }
 
-/* --- life ------------------------------------------------------------------------------------------------------------------ */
+/* --- life ------------------------------------------------------------------------------------- */
 
 enum gd_status gd__raster_open(struct gd__raster *raster, const struct gd_control *control)
 {
     if (raster->rows > raster->height) raster->rows = raster->height;
     size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
     raster->bands = (raster->height + raster->rows - 1) / raster->rows;
-    enum gd_status status = gd__purse_take(raster->purse, samples * (sizeof *raster->depth + sizeof *raster->face) +
-                                                              (raster->bands + 1) * sizeof *raster->first);
+    enum gd_status status =
+        gd__purse_take(raster->purse, samples * (sizeof *raster->depth + sizeof *raster->face) +
+                                          (raster->bands + 1) * sizeof *raster->first);
     if (status) return status;
     raster->first = malloc((raster->bands + 1) * sizeof *raster->first);
     raster->depth = gd__large_array(samples, sizeof *raster->depth);
     raster->face = gd__large_array(samples, sizeof *raster->face);
-    return raster->first && raster->depth && raster->face ? list_faces(raster, control) : GD_NO_MEMORY;
+    return raster->first && raster->depth && raster->face ? list_faces(raster, control)
+                                                          : GD_NO_MEMORY;
 }
 
 void gd__raster_close(struct gd__raster *raster)

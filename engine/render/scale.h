@@ -13,7 +13,8 @@ struct gd__scale {
 /* About `wanted` >= 1 levels: as many as come nearest by ratio. */
 struct gd__scale gd__scale_of(double range, uint32_t wanted);
 
-/* The largest distance of a field, the caller's unit, at a vertex or where the field ends; 1 where there is none. O(vertices). */
+/* The largest distance of a field, the caller's unit, at a vertex or where the field ends; 1 where
+ * there is none. O(vertices). */
 double gd__field_range(const struct gd_field *field);
 
 #endif

@@ -5,8 +5,9 @@
 #include "base/large.h"
 #include "mesh/canonical.h"
 
-/* A *fragment* is the part of a pixel in which one face is seen: as many of its samples as show the face. It is coloured as a whole, by what is true in the middle
- * of these samples. Fragments are coloured by the thousand, since a field tells many distances faster than one by one. */
+/* A *fragment* is the part of a pixel in which one face is seen: as many of its samples as show the
+ * face. It is coloured as a whole, by what is true in the middle of these samples. Fragments are
+ * coloured by the thousand, since a field tells many distances faster than one by one. */
 
 enum { BATCH = 1 << 14, SAMPLES = 16 };
 
@@ -17,7 +18,7 @@ struct gd__fragment {
     float weight[3]; /* of its middle, by the face's corners */
 };
 
-/* --- life ------------------------------------------------------------------------------------------------------------------ */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static size_t band_pixels(const struct gd__shade *shade)
 {
@@ -29,31 +30,36 @@ static enum gd_status make_normals(struct gd__shade *shade, const struct gd_cont
     const struct gd_mesh *mesh = shade->raster->mesh;
     struct gd__normal *flat = malloc(mesh->face_count * sizeof *flat);
     shade->corners = gd__large_array(mesh->face_count, sizeof *shade->corners);
-    enum gd_status status =
-        flat && shade->corners ? gd__normals_make(mesh, control, flat, shade->corners) : GD_NO_MEMORY;
+    enum gd_status status = flat && shade->corners
+                                ? gd__normals_make(mesh, control, flat, shade->corners)
+                                : GD_NO_MEMORY;
     free(flat);
     return status;
 }
 
 enum gd_status gd__shade_open(struct gd__shade *shade, const struct gd_control *control)
 {
-    size_t batch = BATCH * (sizeof *shade->fragments + sizeof *shade->points + sizeof *shade->distances),
-           normals = (size_t)shade->raster->mesh->face_count * (sizeof *shade->corners + sizeof(struct gd__normal));
+    size_t batch = BATCH *
+                   (sizeof *shade->fragments + sizeof *shade->points + sizeof *shade->distances),
+           normals = (size_t)shade->raster->mesh->face_count *
+                     (sizeof *shade->corners + sizeof(struct gd__normal));
     shade->corners = NULL;
     shade->fragments = NULL;
     shade->points = NULL;
     shade->distances = NULL;
     shade->sum = NULL;
     shade->fragment_count = 0;
-    for (int i = 0; i <= GD__SHADE_COLOURS; i++) shade->colours[i] = gd__colour_of_part((double)i / GD__SHADE_COLOURS);
-    enum gd_status status =
-        gd__purse_take(shade->raster->purse, batch + normals + band_pixels(shade) * sizeof *shade->sum);
+    for (int i = 0; i <= GD__SHADE_COLOURS; i++)
+        shade->colours[i] = gd__colour_of_part((double)i / GD__SHADE_COLOURS);
+    enum gd_status status = gd__purse_take(
+        shade->raster->purse, batch + normals + band_pixels(shade) * sizeof *shade->sum);
     if (status) return status;
     shade->fragments = malloc(BATCH * sizeof *shade->fragments);
     shade->points = malloc(BATCH * sizeof *shade->points);
     shade->distances = malloc(BATCH * sizeof *shade->distances);
     shade->sum = malloc(band_pixels(shade) * sizeof *shade->sum);
-    if (!shade->fragments || !shade->points || !shade->distances || !shade->sum) return GD_NO_MEMORY;
+    if (!shade->fragments || !shade->points || !shade->distances || !shade->sum)
+        return GD_NO_MEMORY;
     return make_normals(shade, control);
 }
 
@@ -66,14 +72,15 @@ void gd__shade_close(struct gd__shade *shade)
     free(shade->sum);
 }
 
-/* --- the colour of a fragment ------------------------------------------------------------------------------------------------ */
+/* --- the colour of a fragment ----------------------------------------------------------------- */
 
 static struct gd_vec3 normal_at(const struct gd__shade *shade, const struct gd__fragment *fragment)
 {
     const struct gd__normal *corner = shade->corners[fragment->face];
     struct gd_vec3 sum = {0, 0, 0};
     for (int k = 0; k < 3; k++)
-        sum = gd_vec3_along(sum, fragment->weight[k], (struct gd_vec3){corner[k].x, corner[k].y, corner[k].z});
+        sum = gd_vec3_along(sum, fragment->weight[k],
+                            (struct gd_vec3){corner[k].x, corner[k].y, corner[k].z});
     double length = gd_vec3_length(sum);
     return length > 0 ? gd_vec3_scale(sum, 1 / length) : shade->camera->towards;
 }
@@ -84,10 +91,12 @@ static double light_on(const struct gd__camera *camera, struct gd_vec3 normal)
     static const double everywhere = 0.36, lamp = 0.42, eye = 0.26, along[3] = {-0.48, 0.60, 0.64};
     double right = gd_vec3_dot(normal, camera->right), up = gd_vec3_dot(normal, camera->up),
            towards = gd_vec3_dot(normal, camera->towards);
-    return everywhere + lamp * fmax(0, along[0] * right + along[1] * up + along[2] * towards) + eye * fmax(0, towards);
+    return everywhere + lamp * fmax(0, along[0] * right + along[1] * up + along[2] * towards) +
+           eye * fmax(0, towards);
 }
 
-/* How much of an edge's line covers the fragment: the line is a pixel wide, and fades as triangles become small. */
+/* How much of an edge's line covers the fragment: the line is a pixel wide, and fades as triangles
+ * become small. */
 static double edge_cover(const struct gd__shade *shade, const struct gd__fragment *fragment)
 {
     uint32_t v[3];
@@ -95,9 +104,11 @@ static double edge_cover(const struct gd__shade *shade, const struct gd__fragmen
     const struct gd__spot *spots = shade->raster->spots;
     double nearest = INFINITY, lowest = INFINITY;
     for (int k = 0; k < 3; k++) {
-        const struct gd__spot *a = &spots[v[k]], *b = &spots[v[(k + 1) % 3]], *c = &spots[v[(k + 2) % 3]];
+        const struct gd__spot *a = &spots[v[k]], *b = &spots[v[(k + 1) % 3]],
+                              *c = &spots[v[(k + 2) % 3]];
         double x = (double)b->x - a->x, y = (double)b->y - a->y, length = hypot(x, y);
-        double height = length > 0 ? fabs(x * ((double)c->y - a->y) - y * ((double)c->x - a->x)) / length : 0;
+        double height =
+            length > 0 ? fabs(x * ((double)c->y - a->y) - y * ((double)c->x - a->x)) / length : 0;
         nearest = fmin(nearest, height * fragment->weight[(k + 2) % 3]);
         lowest = fmin(lowest, height);
     }
@@ -111,7 +122,8 @@ static struct gd__colour mix(struct gd__colour a, struct gd__colour b, double pa
                                a.blue + p * (b.blue - a.blue)};
 }
 
-static struct gd__colour colour_of(const struct gd__shade *shade, const struct gd__fragment *fragment, double distance)
+static struct gd__colour colour_of(const struct gd__shade *shade,
+                                   const struct gd__fragment *fragment, double distance)
 {
     struct gd_vec3 normal = normal_at(shade, fragment);
     bool is_inside = gd_vec3_dot(normal, shade->camera->towards) < 0;
@@ -119,14 +131,16 @@ static struct gd__colour colour_of(const struct gd__shade *shade, const struct g
     struct gd__colour colour = is_inside ? shade->palette->inside : shade->palette->surface;
     if (isfinite(distance)) {
         double part = distance / shade->range;
-        colour = shade->colours[part < 1 ? (uint32_t)(part * GD__SHADE_COLOURS + 0.5) : GD__SHADE_COLOURS];
-        light = 0.38 + 0.62 * light; /* colours are to be told from each other, so there is less shade */
+        colour = shade->colours[part < 1 ? (uint32_t)(part * GD__SHADE_COLOURS + 0.5)
+                                         : GD__SHADE_COLOURS];
+        /* colours are to be told from each other, so there is less shade */
+        light = 0.38 + 0.62 * light;
     }
     colour = mix((struct gd__colour){0, 0, 0}, colour, light);
     return shade->edges ? mix(colour, shade->palette->line, edge_cover(shade, fragment)) : colour;
 }
 
-/* --- fragments ------------------------------------------------------------------------------------------------------------- */
+/* --- fragments -------------------------------------------------------------------------------- */
 
 /* Colours those that wait. */
 static enum gd_status flush(struct gd__shade *shade, const struct gd_control *control)
@@ -138,7 +152,8 @@ static enum gd_status flush(struct gd__shade *shade, const struct gd_control *co
         status = gd_field_distances(shade->field, shade->points, count, control, shade->distances);
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct gd__fragment *fragment = &shade->fragments[i];
-        struct gd__colour colour = colour_of(shade, fragment, shade->field ? shade->distances[i] : NAN);
+        struct gd__colour colour =
+            colour_of(shade, fragment, shade->field ? shade->distances[i] : NAN);
         float *sum = shade->sum[fragment->pixel], part = fragment->part;
         sum[0] += part * colour.red;
         sum[1] += part * colour.green;
@@ -153,24 +168,29 @@ static double into_unit(double x)
     return x < 0 ? 0 : x < 1 ? x : 1;
 }
 
-/* Barycentric coordinates of a place in the picture, moved into the face if rounding has put it outside. */
-static void weigh(const struct gd__raster *raster, uint32_t face, double x, double y, float weight[3])
+/* Barycentric coordinates of a place in the picture, moved into the face if rounding has put it
+ * outside. */
+static void weigh(const struct gd__raster *raster, uint32_t face, double x, double y,
+                  float weight[3])
 {
     uint32_t v[3];
     gd__corners(raster->mesh, face, v);
-    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]], *c = &raster->spots[v[2]];
-    double bx = (double)b->x - a->x, by = (double)b->y - a->y, cx = (double)c->x - a->x, cy = (double)c->y - a->y,
-           area = bx * cy - cx * by;
+    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]],
+                          *c = &raster->spots[v[2]];
+    double bx = (double)b->x - a->x, by = (double)b->y - a->y, cx = (double)c->x - a->x,
+           cy = (double)c->y - a->y, area = bx * cy - cx * by;
     x -= a->x;
     y -= a->y;
-    double second = into_unit((x * cy - cx * y) / area), third = into_unit((bx * y - x * by) / area),
-           first = into_unit(1 - second - third), sum = first + second + third;
+    double second = into_unit((x * cy - cx * y) / area),
+           third = into_unit((bx * y - x * by) / area), first = into_unit(1 - second - third),
+           sum = first + second + third;
     weight[0] = (float)(first / sum);
     weight[1] = (float)(second / sum);
     weight[2] = (float)(third / sum);
 }
 
-static void add_fragment(struct gd__shade *shade, uint32_t pixel, uint32_t face, double x, double y, float part)
+static void add_fragment(struct gd__shade *shade, uint32_t pixel, uint32_t face, double x, double y,
+                         float part)
 {
     uint32_t i = shade->fragment_count++;
     struct gd__fragment *fragment = &shade->fragments[i];
@@ -178,8 +198,8 @@ static void add_fragment(struct gd__shade *shade, uint32_t pixel, uint32_t face,
     weigh(shade->raster, face, x, y, fragment->weight);
     if (!shade->field) return;
     double second = fragment->weight[1], third = fragment->weight[2];
-    shade->points[i] =
-        gd__point_of_face(shade->raster->mesh, face, (const double[3]){into_unit(1 - second - third), second, third});
+    shade->points[i] = gd__point_of_face(
+        shade->raster->mesh, face, (const double[3]){into_unit(1 - second - third), second, third});
 }
 
 /* What a pixel's samples show: faces, and of each the sum of its samples' places in the pixel. */
@@ -203,15 +223,18 @@ static void count_sample(struct tally *tally, uint32_t face, double x, double y)
     tally->y[i - 1] += y;
 }
 
-static void tally_pixel(const struct gd__raster *raster, uint32_t row, uint32_t column, struct tally *tally)
+static void tally_pixel(const struct gd__raster *raster, uint32_t row, uint32_t column,
+                        struct tally *tally)
 {
     uint32_t grid = raster->grid;
     tally->count = 0;
     for (uint32_t j = 0; j < grid; j++) {
-        const uint32_t *face = raster->face + ((size_t)row * grid + j) * raster->width * grid + (size_t)column * grid;
+        const uint32_t *face =
+            raster->face + ((size_t)row * grid + j) * raster->width * grid + (size_t)column * grid;
         double shift = gd__raster_shift(grid, j);
         for (uint32_t i = 0; i < grid; i++)
-            if (face[i] != GD_NONE) count_sample(tally, face[i], (i + 0.5 + shift) / grid, (j + 0.5) / grid);
+            if (face[i] != GD_NONE)
+                count_sample(tally, face[i], (i + 0.5 + shift) / grid, (j + 0.5) / grid);
     }
 }
 
@@ -219,9 +242,11 @@ static void tally_pixel(const struct gd__raster *raster, uint32_t row, uint32_t 
 static bool is_filled(const struct gd__raster *raster, uint32_t row, uint32_t column)
 {
     uint32_t grid = raster->grid, differ = 0;
-    const uint32_t *face = raster->face + (size_t)row * grid * raster->width * grid + (size_t)column * grid;
+    const uint32_t *face =
+        raster->face + (size_t)row * grid * raster->width * grid + (size_t)column * grid;
     for (uint32_t j = 0; j < grid; j++)
-        for (uint32_t i = 0; i < grid; i++) differ |= face[(size_t)j * raster->width * grid + i] ^ face[0];
+        for (uint32_t i = 0; i < grid; i++)
+            differ |= face[(size_t)j * raster->width * grid + i] ^ face[0];
     return differ == 0 && face[0] != GD_NONE;
 }
 
@@ -230,18 +255,20 @@ static void add_fragments(struct gd__shade *shade, uint32_t top, uint32_t row, u
     const struct gd__raster *raster = shade->raster;
     struct tally tally;
     if (is_filled(raster, row, column)) {
-        uint32_t face = raster->face[((size_t)row * raster->width * raster->grid + column) * raster->grid];
+        uint32_t face =
+            raster->face[((size_t)row * raster->width * raster->grid + column) * raster->grid];
         add_fragment(shade, row * raster->width + column, face, column + 0.5, top + row + 0.5, 1);
         return;
     }
     tally_pixel(raster, row, column, &tally);
     for (uint32_t i = 0; i < tally.count; i++)
-        add_fragment(shade, row * raster->width + column, tally.face[i], column + tally.x[i] / tally.samples[i],
+        add_fragment(shade, row * raster->width + column, tally.face[i],
+                     column + tally.x[i] / tally.samples[i],
                      top + row + tally.y[i] / tally.samples[i],
                      (float)tally.samples[i] / (float)(raster->grid * raster->grid));
 }
 
-/* --- the band -------------------------------------------------------------------------------------------------------------- */
+/* --- the band --------------------------------------------------------------------------------- */
 
 static uint8_t byte_of(float part)
 {
@@ -251,14 +278,16 @@ static uint8_t byte_of(float part)
 static void write_pixel(const struct gd__palette *palette, const float sum[4], uint8_t out[4])
 {
     float cover = fminf(sum[3], 1), rest = 1 - cover;
-    const float ground[3] = {palette->background.red, palette->background.green, palette->background.blue};
+    const float ground[3] = {palette->background.red, palette->background.green,
+                             palette->background.blue};
     for (int k = 0; k < 3; k++)
-        out[k] = palette->is_transparent ? byte_of(cover > 0 ? sum[k] / cover : 0) : byte_of(sum[k] + rest * ground[k]);
+        out[k] = palette->is_transparent ? byte_of(cover > 0 ? sum[k] / cover : 0)
+                                         : byte_of(sum[k] + rest * ground[k]);
     out[3] = palette->is_transparent ? byte_of(cover) : 255;
 }
 
-enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band, const struct gd_control *control,
-                              struct gd__image *image)
+enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band,
+                              const struct gd_control *control, struct gd__image *image)
 {
     const struct gd__raster *raster = shade->raster;
     uint32_t width = raster->width, top = band * raster->rows,

@@ -1,4 +1,5 @@
-/* Shade: the colours of a picture's pixels, band by band: light on the surface, and a field's distances. */
+/* Shade: the colours of a picture's pixels, band by band: light on the surface, and a field's
+ * distances. */
 #ifndef GD_RENDER_SHADE_H
 #define GD_RENDER_SHADE_H
 
@@ -28,12 +29,16 @@ struct gd__shade {
     float (*sum)[4]; /* per pixel of the band: colours times their parts, and the parts */
 };
 
-/* What is not its own is set; to be closed, also after a failure. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE enum gd_status gd__shade_open(struct gd__shade *shade, const struct gd_control *control);
+/* What is not its own is set; to be closed, also after a failure. GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__shade_open(struct gd__shade *shade,
+                                          const struct gd_control *control);
 void gd__shade_close(struct gd__shade *shade);
 
-/* Colours the rows of the band that the raster has filled. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band, const struct gd_control *control,
+/* Colours the rows of the band that the raster has filled. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band,
+                                          const struct gd_control *control,
                                           struct gd__image *image);
 
 #endif

@@ -9,9 +9,11 @@
 
 enum {
     STOPS = 16
-}; /* of the gradient of colours: between two of them the colours differ from the scale's by less than one can see */
+    /* of the gradient of colours: between two of them the colours differ from the scale's by less
+       than one can see */
+};
 
-/* --- text -------------------------------------------------------------------------------------------------------------------- */
+/* --- text ------------------------------------------------------------------------------------- */
 
 static bool reserve(struct gd__svg *svg, size_t more)
 {
@@ -42,7 +44,8 @@ static void put(struct gd__svg *svg, const char *text)
 static void put_number(struct gd__svg *svg, double number)
 {
     if (!reserve(svg, GD_NUMBER_SIZE)) return;
-    svg->used = (size_t)(gd_number_format(svg->text + svg->used, nearbyint(100 * number) / 100) - svg->text);
+    svg->used = (size_t)(gd_number_format(svg->text + svg->used, nearbyint(100 * number) / 100) -
+                         svg->text);
 }
 
 /* The attribute ` name="number"`. */
@@ -86,7 +89,7 @@ static void put_base64(struct gd__svg *svg, const uint8_t *bytes, size_t size)
     svg->used = (size_t)(out - svg->text);
 }
 
-/* --- the canvas -------------------------------------------------------------------------------------------------------------- */
+/* --- the canvas ------------------------------------------------------------------------------- */
 
 static void put_place(struct gd__svg *svg, char command, struct gd__place place)
 {
@@ -96,7 +99,8 @@ static void put_place(struct gd__svg *svg, char command, struct gd__place place)
     put_number(svg, place.y);
 }
 
-static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines, const struct gd__pen *pen)
+static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines,
+                   const struct gd__pen *pen)
 {
     struct gd__svg *svg = (struct gd__svg *)canvas;
     if (!lines->count) return;
@@ -108,13 +112,14 @@ static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines, con
     put(svg, " d=\"");
     for (uint32_t i = 0; i < lines->count; i++) {
         uint32_t begin = gd__line_begin(lines, i);
-        for (uint32_t k = begin; k < lines->ends[i]; k++) put_place(svg, k == begin ? 'M' : 'L', lines->places[k]);
+        for (uint32_t k = begin; k < lines->ends[i]; k++)
+            put_place(svg, k == begin ? 'M' : 'L', lines->places[k]);
     }
     put(svg, "\"/>\n");
 }
 
-static void disc(struct gd__canvas *canvas, struct gd__place centre, double radius, struct gd__colour colour,
-                 double opacity)
+static void disc(struct gd__canvas *canvas, struct gd__place centre, double radius,
+                 struct gd__colour colour, double opacity)
 {
     struct gd__svg *svg = (struct gd__svg *)canvas;
     put(svg, "<circle");
@@ -158,13 +163,14 @@ static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture 
     put(svg, "/>\n");
 }
 
-/* --- the file ---------------------------------------------------------------------------------------------------------------- */
+/* --- the file --------------------------------------------------------------------------------- */
 
-void gd__svg_open(struct gd__svg *svg, uint32_t width, uint32_t height, const void *png, size_t size,
-                  struct gd__purse *purse)
+void gd__svg_open(struct gd__svg *svg, uint32_t width, uint32_t height, const void *png,
+                  size_t size, struct gd__purse *purse)
 {
     *svg = (struct gd__svg){.canvas = {stroke, disc, text, scale, GD_OK}, .purse = purse};
-    put(svg, "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"");
+    put(svg,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"");
     put_length(svg, "width", width);
     put_length(svg, "height", height);
     put(svg, " viewBox=\"0 0 ");

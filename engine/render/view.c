@@ -55,7 +55,8 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
     gd__camera_fit(&camera, mesh, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         chooser->spots[v] = gd__camera_project(&camera, mesh->position[v]);
-    for (uint32_t i = 0; i < chooser->count; i++) chooser->line[i] = gd__camera_project(&camera, chooser->path[i]);
+    for (uint32_t i = 0; i < chooser->count; i++)
+        chooser->line[i] = gd__camera_project(&camera, chooser->path[i]);
     struct gd__raster raster = {.mesh = mesh,
                                 .spots = chooser->spots,
                                 .width = (uint32_t)(sketch.width + 2 * sketch.left),
@@ -68,15 +69,16 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
     return status;
 }
 
-static enum gd_status choose(const struct chooser *chooser, const struct gd_control *control, struct gd_vec3 *out)
+static enum gd_status choose(const struct chooser *chooser, const struct gd_control *control,
+                             struct gd_vec3 *out)
 {
     struct gd_vec3 direction = gd__view_direction(GD_VIEW_ISO, chooser->up);
     double seen, most = -1;
     *out = direction;
     for (uint32_t i = 0; i <= sizeof angles / sizeof *angles && most < ENOUGH; i++) {
         if (i > 0)
-            direction =
-                gd__view_from(angles[i - 1].azimuth * M_PI / 180, angles[i - 1].elevation * M_PI / 180, chooser->up);
+            direction = gd__view_from(angles[i - 1].azimuth * M_PI / 180,
+                                      angles[i - 1].elevation * M_PI / 180, chooser->up);
         enum gd_status status = try_view(chooser, direction, control, &seen);
         if (status) return status;
         if (seen <= most + BETTER) continue;
@@ -86,13 +88,14 @@ static enum gd_status choose(const struct chooser *chooser, const struct gd_cont
     return GD_OK;
 }
 
-enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up, const struct gd_vec3 *path,
-                               uint32_t count, struct gd__purse *purse, const struct gd_control *control,
-                               struct gd_vec3 *out)
+enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
+                               const struct gd_vec3 *path, uint32_t count, struct gd__purse *purse,
+                               const struct gd_control *control, struct gd_vec3 *out)
 {
     struct chooser chooser = {.mesh = mesh, .up = up, .path = path, .count = count, .purse = purse};
     struct gd_vec3 direction;
-    enum gd_status status = gd__purse_take(purse, ((size_t)mesh->vertex_count + count) * sizeof(struct gd__spot));
+    enum gd_status status =
+        gd__purse_take(purse, ((size_t)mesh->vertex_count + count) * sizeof(struct gd__spot));
     if (status) return status;
     chooser.spots = malloc(mesh->vertex_count * sizeof *chooser.spots);
     chooser.line = malloc(count * sizeof *chooser.line);

@@ -1,4 +1,5 @@
-/* Catmull and Clark, Recursively generated B-spline surfaces on arbitrary topological meshes (1978): quadrilaterals, bicubic B-splines. */
+/* Catmull and Clark, Recursively generated B-spline surfaces on arbitrary topological meshes
+ * (1978): quadrilaterals, bicubic B-splines. */
 #include "subdiv/scheme.h"
 
 #include <math.h>
@@ -9,11 +10,13 @@ static uint32_t child_at(double s, double t, double ds, double dt, double slack)
     return up ? (right ? 2 : 3) : (right ? 1 : 0);
 }
 
-static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side, const struct gd_vec3 *face_points)
+static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side,
+                                 const struct gd_vec3 *face_points)
 {
-    struct gd_vec3 ends = gd_vec3_add(net->points[net->origin[side]], net->points[gd__side_end(net, side)]);
-    struct gd_vec3 faces =
-        gd_vec3_add(face_points[gd__face_of(net, side)], face_points[gd__face_of(net, net->twin[side])]);
+    struct gd_vec3 ends =
+        gd_vec3_add(net->points[net->origin[side]], net->points[gd__side_end(net, side)]);
+    struct gd_vec3 faces = gd_vec3_add(face_points[gd__face_of(net, side)],
+                                       face_points[gd__face_of(net, net->twin[side])]);
     return gd_vec3_scale(gd_vec3_add(ends, faces), 0.25);
 }
 
@@ -67,8 +70,9 @@ static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *f
     return sum;
 }
 
-/* Around a vertex that stays, sums of E - V and of F - V become (sum E + sum F / 4) / 2 and (2 sum E + sum F) / 4 of them; of that matrix the larger eigenvalue is
- * (3 + sqrt 5) / 8, larger than that of any part that turns around the vertex, and its left eigenvector (1, (sqrt 5 - 1) / 4). */
+/* Around a vertex that stays, sums of E - V and of F - V become (sum E + sum F / 4) / 2 and (2 sum
+ * E + sum F) / 4 of them; of that matrix the larger eigenvalue is (3 + sqrt 5) / 8, larger than
+ * that of any part that turns around the vertex, and its left eigenvector (1, (sqrt 5 - 1) / 4). */
 static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     const double weight = (sqrt(5) - 1) / 4;
@@ -80,17 +84,22 @@ static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
     return sum;
 }
 
-/* The left eigenvector of mu = (5 + cos theta + sqrt((1 + cos theta)(9 + cos theta))) / 16, theta = pi / k, of a crease with k faces: with
- * A = sum sin(i theta) E_i and B = sum (sin(i theta) + sin((i+1) theta)) F_i the step takes a A + B, a = 16 mu - 4, to mu times itself and parts of V and of the crease's
- * neighbours Ea, Eb; adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma = cot(theta / 2), makes up for them.
- * (Biermann, Levin, Zorin 2000 give it for rules that are modified so that mu = 1/2, which is ours for k = 2 only.) With one face, where what crosses the curve is
- * the curve's own bend, or, where that is straight, the way to the face's far corner. */
-static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces)
+/* The left eigenvector of mu = (5 + cos theta + sqrt((1 + cos theta)(9 + cos theta))) / 16, theta =
+ * pi / k, of a crease with k faces: with A = sum sin(i theta) E_i and B = sum (sin(i theta) +
+ * sin((i+1) theta)) F_i the step takes a A + B, a = 16 mu - 4, to mu times itself and parts of V
+ * and of the crease's neighbours Ea, Eb; adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, b = (mu sin
+ * theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma = cot(theta / 2), makes up for them. (Biermann,
+ * Levin, Zorin 2000 give it for rules that are modified so that mu = 1/2, which is ours for k = 2
+ * only.) With one face, where what crosses the curve is the curve's own bend, or, where that is
+ * straight, the way to the face's far corner. */
+static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
+                            uint32_t faces)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
     struct gd_vec3 ends = gd_vec3_add(spoke(net, fan, begin), spoke(net, fan, begin + faces));
     if (faces == 1) {
-        struct gd_vec3 bend = gd_vec3_along(ends, -2, own), along = gd_vec3_sub(spoke(net, fan, begin), own);
+        struct gd_vec3 bend = gd_vec3_along(ends, -2, own),
+                       along = gd_vec3_sub(spoke(net, fan, begin), own);
         double area = gd_vec3_length(gd_vec3_cross(along, bend));
         return area > 0 ? bend : gd_vec3_sub(opposite(net, fan->sides[begin % fan->count]), own);
     }
@@ -106,7 +115,8 @@ static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan
     return sum;
 }
 
-/* Places of the face's corners in the 4 x 4 grid, and the way out across the side that begins there. */
+/* Places of the face's corners in the 4 x 4 grid, and the way out across the side that begins
+ * there. */
 static const int corner_place[4][2] = {{1, 1}, {2, 1}, {2, 2}, {1, 2}},
                  outwards[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
 
@@ -115,7 +125,8 @@ static struct gd_vec3 *cell(struct gd__patch *patch, int i, int j)
     return &patch->c[4 * i + j];
 }
 
-/* a + (a - b): the point of a row beyond a sharp edge, such that the spline has the edge's own curve as its border. */
+/* a + (a - b): the point of a row beyond a sharp edge, such that the spline has the edge's own
+ * curve as its border. */
 static struct gd_vec3 mirrored(struct gd_vec3 a, struct gd_vec3 b)
 {
     return gd_vec3_sub(gd_vec3_scale(a, 2), b);
@@ -125,7 +136,8 @@ static struct gd_vec3 mirrored(struct gd_vec3 a, struct gd_vec3 b)
 static void gather_beyond(const struct gd__net *net, int k, struct gd__patch *out)
 {
     const int *a = corner_place[k], *b = corner_place[(k + 1) % 4], *d = outwards[k];
-    struct gd_vec3 *beyond_a = cell(out, a[0] + d[0], a[1] + d[1]), *beyond_b = cell(out, b[0] + d[0], b[1] + d[1]);
+    struct gd_vec3 *beyond_a = cell(out, a[0] + d[0], a[1] + d[1]),
+                   *beyond_b = cell(out, b[0] + d[0], b[1] + d[1]);
     if (net->sharpness[k] > 0) {
         *beyond_a = mirrored(*cell(out, a[0], a[1]), *cell(out, a[0] - d[0], a[1] - d[1]));
         *beyond_b = mirrored(*cell(out, b[0], b[1]), *cell(out, b[0] - d[0], b[1] - d[1]));
@@ -143,20 +155,21 @@ static void gather_diagonal(const struct gd__net *net, int k, struct gd__patch *
     const int *a = corner_place[k], *d = outwards[k], *e = outwards[before];
     int i = a[0] + d[0] + e[0], j = a[1] + d[1] + e[1];
     if (net->sharpness[k] > 0)
-        *cell(out, i, j) =
-            mirrored(*cell(out, a[0] + e[0], a[1] + e[1]), *cell(out, a[0] + e[0] - d[0], a[1] + e[1] - d[1]));
+        *cell(out, i, j) = mirrored(*cell(out, a[0] + e[0], a[1] + e[1]),
+                                    *cell(out, a[0] + e[0] - d[0], a[1] + e[1] - d[1]));
     else if (net->sharpness[before] > 0)
-        *cell(out, i, j) =
-            mirrored(*cell(out, a[0] + d[0], a[1] + d[1]), *cell(out, a[0] + d[0] - e[0], a[1] + d[1] - e[1]));
+        *cell(out, i, j) = mirrored(*cell(out, a[0] + d[0], a[1] + d[1]),
+                                    *cell(out, a[0] + d[0] - e[0], a[1] + d[1] - e[1]));
     else
-        *cell(out, i, j) =
-            net->points[net->origin[gd__side_previous(net, net->twin[gd__side_next(net, net->twin[k])])]];
+        *cell(out, i, j) = net->points[net->origin[gd__side_previous(
+            net, net->twin[gd__side_next(net, net->twin[k])])]];
 }
 
 static void patch(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out)
 {
     (void)fan;
-    for (int k = 0; k < 4; k++) *cell(out, corner_place[k][0], corner_place[k][1]) = net->points[net->origin[k]];
+    for (int k = 0; k < 4; k++)
+        *cell(out, corner_place[k][0], corner_place[k][1]) = net->points[net->origin[k]];
     for (int k = 0; k < 4; k++) gather_beyond(net, k, out);
     for (int k = 0; k < 4; k++) gather_diagonal(net, k, out);
 }
@@ -170,7 +183,8 @@ static struct weights weights_at(double t)
 {
     double r = 1 - t;
     return (struct weights){
-        {r * r * r / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * r * r * r - 6 * r * r + 4) / 6, t * t * t / 6},
+        {r * r * r / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * r * r * r - 6 * r * r + 4) / 6,
+         t * t * t / 6},
         {-r * r / 2, (3 * t * t - 4 * t) / 2, (4 * r - 3 * r * r) / 2, t * t / 2},
         {r, 3 * t - 2, 3 * r - 2, t}};
 }

@@ -38,20 +38,24 @@ static struct gd_vec3 point(const struct fine *fine, uint32_t i, uint32_t j)
 }
 
 /* a + x (b - a) + y (c - a) */
-static struct gd_vec3 on_triangle(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c, double x, double y)
+static struct gd_vec3 on_triangle(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c, double x,
+                                  double y)
 {
     return gd_vec3_along(gd_vec3_along(a, x, gd_vec3_sub(b, a)), y, gd_vec3_sub(c, a));
 }
 
-/* How far fine vertex (i,j) is, along its normal, off the triangles of its coarse cell, whichever way that is cut. */
+/* How far fine vertex (i,j) is, along its normal, off the triangles of its coarse cell, whichever
+ * way that is cut. */
 static double off_triangles(const struct fine *fine, uint32_t i, uint32_t j)
 {
     uint32_t i0 = i / STEP * STEP, j0 = j / STEP * STEP;
     double x = (double)(i - i0) / STEP, y = (double)(j - j0) / STEP;
     struct gd_vec3 p = point(fine, i, j), normal = fine->normals[i * fine->side + j];
-    struct gd_vec3 b = point(fine, i0 + STEP, j0), d = point(fine, i0, j0 + STEP), a = point(fine, i0, j0);
-    struct gd_vec3 flat =
-        x + y <= 1 ? on_triangle(a, b, d, x, y) : on_triangle(point(fine, i0 + STEP, j0 + STEP), d, b, 1 - x, 1 - y);
+    struct gd_vec3 b = point(fine, i0 + STEP, j0), d = point(fine, i0, j0 + STEP),
+                   a = point(fine, i0, j0);
+    struct gd_vec3 flat = x + y <= 1
+                              ? on_triangle(a, b, d, x, y)
+                              : on_triangle(point(fine, i0 + STEP, j0 + STEP), d, b, 1 - x, 1 - y);
     double off = fabs(gd_vec3_dot(gd_vec3_sub(p, flat), normal));
     if (fine->triangles) return off;
     struct gd_vec3 c = point(fine, i0 + STEP, j0 + STEP);
@@ -90,7 +94,8 @@ static double off_sides(const struct fine *fine)
     for (uint32_t k = 0; k < (fine->triangles ? 3 : 4); k++) {
         for (uint32_t m = 0; m < fine->cells; m++) {
             uint32_t begin = m / STEP * STEP;
-            double off = off_chord(on_side(fine, k, m), on_side(fine, k, begin), on_side(fine, k, begin + STEP));
+            double off = off_chord(on_side(fine, k, m), on_side(fine, k, begin),
+                                   on_side(fine, k, begin + STEP));
             most = fmax(most, off);
         }
     }
@@ -123,7 +128,8 @@ static enum gd_status find_level(struct search *search, uint32_t face, uint32_t 
         enum gd_status status = gd__grid(walker, face, fine_level, room, search->pace);
         if (status) return status;
         uint32_t cells = 1u << fine_level;
-        struct fine fine = {room->positions, room->normals, cells, cells + 1, walker->surface->rules->arity == 3};
+        struct fine fine = {room->positions, room->normals, cells, cells + 1,
+                            walker->surface->rules->arity == 3};
         double off = fmax(off_inside(&fine, search->pace), off_sides(&fine));
         if (search->pace->status) return search->pace->status;
         if (off <= search->tolerance) {
@@ -141,8 +147,10 @@ enum gd_status gd__chordal_levels(const struct gd_subdivision *surface, double t
     uint32_t least = surface->rules->arity == 4 ? 1 : 2, faces = surface->base.face_count;
     struct gd__walker walker = {0};
     struct gd__pace pace = {.control = control};
-    struct search search = {.walker = &walker, .room_level = least + FINER, .tolerance = tolerance, .pace = &pace};
-    enum gd_status status = gd__walker_create(&walker, surface, gd__grid_stages(GD__LEVEL_MOST), control);
+    struct search search = {
+        .walker = &walker, .room_level = least + FINER, .tolerance = tolerance, .pace = &pace};
+    enum gd_status status =
+        gd__walker_create(&walker, surface, gd__grid_stages(GD__LEVEL_MOST), control);
     if (!status) status = gd__grid_room(search.room_level, &search.room);
     for (uint32_t face = 0; !status && face < faces; face++) {
         if (face % 16 == 0) status = gd_control_check(control, 0.5 * face / faces);

@@ -6,8 +6,8 @@
 
 #include "base/tolerance.h"
 
-static enum gd_status fail_at(struct gd_detail *detail, enum gd_element kind, uint64_t a, uint64_t b,
-                              enum gd_status status)
+static enum gd_status fail_at(struct gd_detail *detail, enum gd_element kind, uint64_t a,
+                              uint64_t b, enum gd_status status)
 {
     gd_detail_add(detail, kind, a, b);
     return status;
@@ -20,16 +20,17 @@ static enum gd_status check_points(const struct gd_polygons *polygons, struct gd
         for (int axis = 0; axis < 3; axis++) {
             double x = polygons->positions[i][axis];
             if (!isfinite(x))
-                return fail_at(
-                    detail, GD_ELEMENT_VERTEX, i, 0,
-                    gd_fail(detail, GD_NON_FINITE, "vertex %u has a coordinate that is no finite number", i));
+                return fail_at(detail, GD_ELEMENT_VERTEX, i, 0,
+                               gd_fail(detail, GD_NON_FINITE,
+                                       "vertex %u has a coordinate that is no finite number", i));
             low = fmin(low, x);
             high = fmax(high, x);
         }
     }
     double most = fmax(fabs(low), fabs(high));
     if (most > 0 && (most > GD_EXTENT_MAX || most < 1 / GD_EXTENT_MAX))
-        return gd_fail(detail, GD_EXTENT, "coordinates of magnitude %g can't be computed with", most);
+        return gd_fail(detail, GD_EXTENT, "coordinates of magnitude %g can't be computed with",
+                       most);
     return GD_OK;
 }
 
@@ -50,28 +51,33 @@ static bool repeats(const uint32_t *corners, uint32_t count, uint32_t *sorted)
     return false;
 }
 
-static enum gd_status check_face(const struct gd_polygons *polygons, uint32_t face, uint32_t arity, uint32_t *sorted,
-                                 struct gd_detail *detail)
+static enum gd_status check_face(const struct gd_polygons *polygons, uint32_t face, uint32_t arity,
+                                 uint32_t *sorted, struct gd_detail *detail)
 {
-    uint32_t first = gd_polygons_first(polygons, face), count = gd_polygons_first(polygons, face + 1) - first;
+    uint32_t first = gd_polygons_first(polygons, face),
+             count = gd_polygons_first(polygons, face + 1) - first;
     for (uint32_t i = first; i < first + count; i++) {
         if (polygons->corners[i] >= polygons->position_count)
             return fail_at(detail, GD_ELEMENT_FACE, face, 0,
-                           gd_fail(detail, GD_INDEX, "face %u names vertex %u, of which there are %u", face,
+                           gd_fail(detail, GD_INDEX,
+                                   "face %u names vertex %u, of which there are %u", face,
                                    polygons->corners[i], polygons->position_count));
     }
     if (count < 3 || repeats(polygons->corners + first, count, sorted))
-        return fail_at(detail, GD_ELEMENT_FACE, face, 0,
-                       gd_fail(detail, GD_DEGENERATE_FACE, "face %u %s", face,
-                               count < 3 ? "has fewer than three corners" : "has one vertex twice"));
+        return fail_at(
+            detail, GD_ELEMENT_FACE, face, 0,
+            gd_fail(detail, GD_DEGENERATE_FACE, "face %u %s", face,
+                    count < 3 ? "has fewer than three corners" : "has one vertex twice"));
     if (arity == 3 && count != 3)
         return fail_at(detail, GD_ELEMENT_FACE, face, 0,
                        gd_fail(detail, GD_NOT_TRIANGLES,
-                               "face %u has %u corners: Loop subdivision takes triangles only", face, count));
+                               "face %u has %u corners: Loop subdivision takes triangles only",
+                               face, count));
     return GD_OK;
 }
 
-static enum gd_status check_faces(const struct gd_polygons *polygons, uint32_t arity, struct gd_detail *detail)
+static enum gd_status check_faces(const struct gd_polygons *polygons, uint32_t arity,
+                                  struct gd_detail *detail)
 {
     uint32_t largest = 3;
     for (uint32_t face = 0; face < polygons->polygon_count; face++) {
@@ -90,16 +96,19 @@ static enum gd_status check_faces(const struct gd_polygons *polygons, uint32_t a
 static bool all_have(const struct gd_polygons *polygons, uint32_t arity)
 {
     for (uint32_t face = 0; face < polygons->polygon_count; face++) {
-        if (gd_polygons_first(polygons, face + 1) - gd_polygons_first(polygons, face) != arity) return false;
+        if (gd_polygons_first(polygons, face + 1) - gd_polygons_first(polygons, face) != arity)
+            return false;
     }
     return true;
 }
 
-static enum gd_status copy_faces(const struct gd_polygons *polygons, uint32_t arity, struct gd__net *net)
+static enum gd_status copy_faces(const struct gd_polygons *polygons, uint32_t arity,
+                                 struct gd__net *net)
 {
     uint32_t sides = gd_polygons_corner_count(polygons);
     bool mixed = !all_have(polygons, arity);
-    enum gd_status status = gd__net_create(net, arity, polygons->position_count, polygons->polygon_count, sides, mixed);
+    enum gd_status status =
+        gd__net_create(net, arity, polygons->position_count, polygons->polygon_count, sides, mixed);
     if (status) return status;
     net->point_count = polygons->position_count;
     net->face_count = polygons->polygon_count;
@@ -111,7 +120,8 @@ static enum gd_status copy_faces(const struct gd_polygons *polygons, uint32_t ar
     memcpy(net->origin, polygons->corners, sides * sizeof *net->origin);
     for (uint32_t face = 0; mixed && face <= net->face_count; face++) {
         net->first[face] = gd_polygons_first(polygons, face);
-        for (uint32_t i = net->first[face]; face < net->face_count && i < gd_polygons_first(polygons, face + 1); i++)
+        for (uint32_t i = net->first[face];
+             face < net->face_count && i < gd_polygons_first(polygons, face + 1); i++)
             net->face_of[i] = face;
     }
     return GD_OK;
@@ -142,15 +152,17 @@ static enum gd_status join(struct gd__net *net, const struct gd__edge_key *run, 
     uint32_t low = (uint32_t)(run->key >> 32), high = (uint32_t)run->key, side = run[0].side;
     if (count > 2)
         return fail_at(detail, GD_ELEMENT_EDGE, low, high,
-                       gd_fail(detail, GD_NON_MANIFOLD_EDGE, "the edge of vertices %u and %u belongs to %u faces", low,
-                               high, count));
+                       gd_fail(detail, GD_NON_MANIFOLD_EDGE,
+                               "the edge of vertices %u and %u belongs to %u faces", low, high,
+                               count));
     net->twin[side] = count == 2 ? run[1].side : GD_NONE;
     net->sharpness[side] = count == 2 ? 0 : INFINITY;
     if (count == 1) return GD_OK;
     if (net->origin[side] == net->origin[run[1].side])
         return fail_at(detail, GD_ELEMENT_EDGE, low, high,
                        gd_fail(detail, GD_NON_ORIENTABLE,
-                               "faces %u and %u run along the edge of vertices %u and %u in the same direction: turn "
+                               "faces %u and %u run along the edge of vertices %u and %u in the "
+                               "same direction: turn "
                                "one of them over",
                                gd__face_of(net, side), gd__face_of(net, run[1].side), low, high));
     net->twin[run[1].side] = side;
@@ -158,7 +170,8 @@ static enum gd_status join(struct gd__net *net, const struct gd__edge_key *run, 
     return GD_OK;
 }
 
-static enum gd_status join_all(struct gd__net *net, const struct gd__edge_key *edges, struct gd_detail *detail)
+static enum gd_status join_all(struct gd__net *net, const struct gd__edge_key *edges,
+                               struct gd_detail *detail)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 0, end; !status && i < net->side_count; i = end) {
@@ -168,7 +181,8 @@ static enum gd_status join_all(struct gd__net *net, const struct gd__edge_key *e
     return status;
 }
 
-/* Every vertex has one fan: going around it from the first side that leaves it, all that do are met. */
+/* Every vertex has one fan: going around it from the first side that leaves it, all that do are
+ * met. */
 static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *detail)
 {
     uint32_t *met = calloc(net->point_count + (size_t)1, sizeof *met);
@@ -181,19 +195,21 @@ static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *de
             met[point] = fan.count + 1; /* counted down to 1 */
         }
         if (met[point]-- == 1)
-            status = fail_at(
-                detail, GD_ELEMENT_VERTEX, point, 0,
-                gd_fail(detail, GD_NON_MANIFOLD_VERTEX, "the faces around vertex %u form more than one fan", point));
+            status = fail_at(detail, GD_ELEMENT_VERTEX, point, 0,
+                             gd_fail(detail, GD_NON_MANIFOLD_VERTEX,
+                                     "the faces around vertex %u form more than one fan", point));
     }
     free(met);
     free(fan.sides);
     return status;
 }
 
-enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arity, struct gd__net *net,
-                               struct gd__edge_key **edges, struct gd_detail *detail)
+enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arity,
+                               struct gd__net *net, struct gd__edge_key **edges,
+                               struct gd_detail *detail)
 {
-    if (polygons->polygon_count == 0) return gd_fail(detail, GD_EMPTY, "the control mesh has no faces");
+    if (polygons->polygon_count == 0)
+        return gd_fail(detail, GD_EMPTY, "the control mesh has no faces");
     enum gd_status status = check_points(polygons, detail);
     if (!status) status = check_faces(polygons, arity, detail);
     struct gd__net made = {0};

@@ -3,8 +3,8 @@
 
 #include "subdiv/surface.h"
 
-enum gd_status gd_limit_place_check(const struct gd_subdivision *surface, struct gd_limit_point *place,
-                                    struct gd_detail *detail)
+enum gd_status gd_limit_place_check(const struct gd_subdivision *surface,
+                                    struct gd_limit_point *place, struct gd_detail *detail)
 {
     return gd__place_check(surface, place, detail);
 }
@@ -24,7 +24,8 @@ struct gd_vec3 gd_limit_direction(const struct gd_limit_jet *jet, double angle)
 double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector)
 {
     struct gd_vec3 x = first_axis(jet);
-    double angle = atan2(gd_vec3_dot(vector, gd_vec3_cross(jet->normal, x)), gd_vec3_dot(vector, x));
+    double angle =
+        atan2(gd_vec3_dot(vector, gd_vec3_cross(jet->normal, x)), gd_vec3_dot(vector, x));
     if (angle < 0) angle += 2 * M_PI;
     return angle >= 2 * M_PI ? 0 : angle;
 }

@@ -16,38 +16,47 @@ void gd_discretization_free(struct gd_discretization *discretization)
     *discretization = (struct gd_discretization){0};
 }
 
-static enum gd_status check_options(const struct gd_subdivision *surface, const struct gd_discretize_options *options,
+static enum gd_status check_options(const struct gd_subdivision *surface,
+                                    const struct gd_discretize_options *options,
                                     struct gd_detail *detail)
 {
     if (options->tolerance != 0 && !(options->tolerance > 0 && options->tolerance < INFINITY))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the tolerance is %g: it must be a length above 0",
-                       options->tolerance);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the tolerance is %g: it must be a length above 0", options->tolerance);
     if (options->level > GD__LEVEL_MOST)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the level is %u: at most %d is taken", options->level,
-                       GD__LEVEL_MOST);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the level is %u: at most %d is taken",
+                       options->level, GD__LEVEL_MOST);
     if (options->tolerance == 0 && options->level == 0 && surface->split_first)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the level is 0, but the control mesh has faces that are no quads: use level 1 or more");
+                       "the level is 0, but the control mesh has faces that are no quads: use "
+                       "level 1 or more");
     return GD_OK;
 }
 
 /* Levels and numbers. */
-static enum gd_status plan(const struct gd_subdivision *surface, const struct gd_discretize_options *options,
-                           const struct gd_control *control, struct gd__tiling *out, struct gd_detail *detail)
+static enum gd_status plan(const struct gd_subdivision *surface,
+                           const struct gd_discretize_options *options,
+                           const struct gd_control *control, struct gd__tiling *out,
+                           struct gd_detail *detail)
 {
-    uint32_t most = options->max_faces && options->max_faces < FACES_MOST ? options->max_faces : FACES_MOST;
+    uint32_t most =
+        options->max_faces && options->max_faces < FACES_MOST ? options->max_faces : FACES_MOST;
     uint32_t level = options->level - (surface->split_first && options->level > 0);
     enum gd_status status = gd__tiling_create(surface, level, out);
     if (status) return status;
-    if (options->tolerance > 0) status = gd__chordal_levels(surface, options->tolerance, control, out);
+    if (options->tolerance > 0)
+        status = gd__chordal_levels(surface, options->tolerance, control, out);
     if (status == GD_TOO_LARGE)
-        gd_fail(detail, status, "a tolerance of %g asks for more than %d halvings: choose a larger one",
+        gd_fail(detail, status,
+                "a tolerance of %g asks for more than %d halvings: choose a larger one",
                 options->tolerance, GD__LEVEL_MOST - 2);
     if (!status) {
         status = gd__tiling_number(out, most);
         if (status)
-            gd_fail(detail, status, "that would be %llu triangles, and at most %u are allowed: choose a coarser level",
-                    (unsigned long long)out->triangles, most);
+            gd_fail(
+                detail, status,
+                "that would be %llu triangles, and at most %u are allowed: choose a coarser level",
+                (unsigned long long)out->triangles, most);
     }
     if (status) gd__tiling_free(out);
     return status;
@@ -57,10 +66,11 @@ static enum gd_status create(const struct gd__tiling *tiling, const struct gd_co
                              struct gd_discretization *out)
 {
     size_t vertices = tiling->vertices, corners = 3 * tiling->triangles;
-    enum gd_status status = gd_control_afford(control, vertices * BYTES_PER_VERTEX + corners * sizeof(uint32_t));
+    enum gd_status status =
+        gd_control_afford(control, vertices * BYTES_PER_VERTEX + corners * sizeof(uint32_t));
     if (status) return status;
-    struct gd_discretization made = {
-        .polygons = {.position_count = (uint32_t)vertices, .polygon_count = (uint32_t)tiling->triangles}};
+    struct gd_discretization made = {.polygons = {.position_count = (uint32_t)vertices,
+                                                  .polygon_count = (uint32_t)tiling->triangles}};
     made.polygons.positions = malloc(vertices * sizeof *made.polygons.positions);
     made.polygons.corners = malloc(corners * sizeof *made.polygons.corners);
     made.places = malloc(vertices * sizeof *made.places);
@@ -92,15 +102,18 @@ static void put(const struct source *source, uint32_t vertex, uint32_t i, uint32
     position[0] = p.x, position[1] = p.y, position[2] = p.z;
     source->out->normals[vertex] = source->room->normals[at];
     gd__chart_out(&source->frame, (double)i / source->cells, (double)j / source->cells, uv);
-    source->out->places[vertex] = (struct gd_limit_point){source->control_face, source->corner, uv[0], uv[1]};
+    source->out->places[vertex] =
+        (struct gd_limit_point){source->control_face, source->corner, uv[0], uv[1]};
 }
 
-/* The inner vertices of an edge that is this face's, and the base point where it begins: each is some side's, the last one to write it wins. */
+/* The inner vertices of an edge that is this face's, and the base point where it begins: each is
+ * some side's, the last one to write it wins. */
 static void put_side(const struct source *source, uint32_t k)
 {
     const struct gd__net *base = &source->tiling->surface->base;
     uint32_t side = base->arity * source->face + k, at[2];
-    uint32_t edge_cells = 1u << source->tiling->edge_level[base->edge[side]], step = source->cells / edge_cells;
+    uint32_t edge_cells = 1u << source->tiling->edge_level[base->edge[side]],
+             step = source->cells / edge_cells;
     uint32_t end = base->twin[side] > side ? edge_cells : 1;
     for (uint32_t m = 0; m < end; m++) {
         gd__side_place(base->arity, k, source->cells, m * step, at);
@@ -115,7 +128,8 @@ static void put_face(const struct source *source)
     for (uint32_t k = 0; k < arity; k++) put_side(source, k);
     for (uint32_t i = 1; i < cells && gd__pace(source->pace, cells); i++) {
         uint32_t end = arity == 3 ? cells - i : cells;
-        uint32_t vertex = end > 1 ? gd__tiling_inside(source->tiling, source->face, cells, i, 1) : 0;
+        uint32_t vertex =
+            end > 1 ? gd__tiling_inside(source->tiling, source->face, cells, i, 1) : 0;
         for (uint32_t j = 1; j < end; j++) put(source, vertex++, i * step, j * step);
     }
 }
@@ -128,7 +142,8 @@ static uint32_t finest(const struct gd__tiling *tiling)
     return level;
 }
 
-static enum gd_status place_vertices(const struct gd__tiling *tiling, const struct gd_control *control,
+static enum gd_status place_vertices(const struct gd__tiling *tiling,
+                                     const struct gd_control *control,
                                      struct gd_discretization *out)
 {
     const struct gd_subdivision *surface = tiling->surface;
@@ -144,8 +159,12 @@ static enum gd_status place_vertices(const struct gd__tiling *tiling, const stru
         (void)gd__pace(&pace, 64);
         status = gd__grid(&walker, face, level, &room, &pace);
         if (status) break;
-        struct source source = {
-            .tiling = tiling, .room = &room, .out = out, .face = face, .cells = 1u << level, .pace = &pace};
+        struct source source = {.tiling = tiling,
+                                .room = &room,
+                                .out = out,
+                                .face = face,
+                                .cells = 1u << level,
+                                .pace = &pace};
         source.frame = gd__base_frame(surface, face, &source.control_face, &source.corner);
         put_face(&source);
         status = pace.status;
@@ -167,8 +186,10 @@ static enum gd_status tile(const struct gd__tiling *tiling, const struct gd_cont
     return pace.status;
 }
 
-enum gd_status gd_discretize(const struct gd_subdivision *surface, const struct gd_discretize_options *options,
-                             const struct gd_control *control, struct gd_discretization *out, struct gd_detail *detail)
+enum gd_status gd_discretize(const struct gd_subdivision *surface,
+                             const struct gd_discretize_options *options,
+                             const struct gd_control *control, struct gd_discretization *out,
+                             struct gd_detail *detail)
 {
     struct gd_discretize_options coarse = {0};
     if (!options) options = &coarse;

@@ -1,4 +1,5 @@
-/* Domain: the square or triangle of a face's own coordinates. Side k runs from corner k to the next one. */
+/* Domain: the square or triangle of a face's own coordinates. Side k runs from corner k to the next
+ * one. */
 #ifndef GD_SUBDIV_DOMAIN_H
 #define GD_SUBDIV_DOMAIN_H
 

@@ -6,27 +6,34 @@
 
 static const struct gd_vec3 nowhere = {NAN, NAN, NAN};
 
-/* Principal curvatures from the first and second fundamental forms; NaN where there is no normal. */
+/* Principal curvatures from the first and second fundamental forms; NaN where there is no normal.
+ */
 static void curvatures(const struct gd__jet *jet, struct gd_vec3 normal, double out[2])
 {
-    double e = gd_vec3_dot(jet->s, jet->s), f = gd_vec3_dot(jet->s, jet->t), g = gd_vec3_dot(jet->t, jet->t);
-    double l = gd_vec3_dot(jet->ss, normal), m = gd_vec3_dot(jet->st, normal), n = gd_vec3_dot(jet->tt, normal);
-    double area = e * g - f * f, mean = (e * n - 2 * f * m + g * l) / (2 * area), gauss = (l * n - m * m) / area;
+    double e = gd_vec3_dot(jet->s, jet->s), f = gd_vec3_dot(jet->s, jet->t),
+           g = gd_vec3_dot(jet->t, jet->t);
+    double l = gd_vec3_dot(jet->ss, normal), m = gd_vec3_dot(jet->st, normal),
+           n = gd_vec3_dot(jet->tt, normal);
+    double area = e * g - f * f, mean = (e * n - 2 * f * m + g * l) / (2 * area),
+           gauss = (l * n - m * m) / area;
     double spread = sqrt(fmax(mean * mean - gauss, 0));
     out[0] = mean - spread;
     out[1] = mean + spread;
 }
 
-static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex, const struct gd__chart *frame)
+static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex,
+                                         const struct gd__chart *frame)
 {
     struct gd__jet jet = {.s = vertex->s, .t = vertex->t};
-    struct gd__chart turn = *frame; /* its axes are of one length, and so are the tangents to stay */
+    /* its axes are of one length, and so are the tangents to stay */
+    struct gd__chart turn = *frame;
     for (int i = 0; i < 2; i++) {
         turn.s[i] = (turn.s[i] > 0) - (turn.s[i] < 0);
         turn.t[i] = (turn.t[i] > 0) - (turn.t[i] < 0);
     }
     jet = gd__chart_jet(&turn, &jet);
-    if (!(gd_vec3_length(jet.s) > 0)) jet.s = nowhere; /* at a spike, along a side that is opposite to it */
+    /* at a spike, along a side that is opposite to it */
+    if (!(gd_vec3_length(jet.s) > 0)) jet.s = nowhere;
     if (!(gd_vec3_length(jet.t) > 0)) jet.t = nowhere;
     return (struct gd_limit_jet){.position = vertex->position,
                                  .normal = vertex->normal,
@@ -36,15 +43,16 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex, const 
                                  .singular = true};
 }
 
-/* The vertex' tangents run along the two edges of corner `corner`; in the face's own axes they are turned by so many corners. */
-static struct gd__chart corner_frame(const struct gd_subdivision *surface, const struct gd__chart *base,
-                                     uint32_t corner)
+/* The vertex' tangents run along the two edges of corner `corner`; in the face's own axes they are
+ * turned by so many corners. */
+static struct gd__chart corner_frame(const struct gd_subdivision *surface,
+                                     const struct gd__chart *base, uint32_t corner)
 {
     return gd__chart_child(base, &surface->rules->children[corner]);
 }
 
-static struct gd_limit_jet evaluate_vertex(struct gd__walker *walker, uint32_t face, uint32_t corner,
-                                           const struct gd__chart *frame)
+static struct gd_limit_jet evaluate_vertex(struct gd__walker *walker, uint32_t face,
+                                           uint32_t corner, const struct gd__chart *frame)
 {
     struct gd__vertex vertex;
     gd__corner_limit(walker, face, corner, &vertex);
@@ -57,20 +65,27 @@ static struct gd_limit_jet evaluate(struct gd__walker *walker, const struct gd_l
     uint32_t face, piece_corner, corner;
     struct gd__spot spot = gd__spot_of(walker->surface, place);
     struct gd__chart frame = gd__base_frame(walker->surface, spot.face, &face, &piece_corner);
-    if (!gd__cell_at(walker, &spot, 0, 0, &corner)) return evaluate_vertex(walker, spot.face, corner, &frame);
+    if (!gd__cell_at(walker, &spot, 0, 0, &corner))
+        return evaluate_vertex(walker, spot.face, corner, &frame);
     struct gd__jet jet = gd__cell_jet(walker, spot.s, spot.t);
     jet = gd__chart_jet(&frame, &jet);
     struct gd_vec3 normal = gd_vec3_cross(jet.s, jet.t);
     double area = gd_vec3_length(normal);
     normal = area > 0 && area < INFINITY ? gd_vec3_scale(normal, 1 / area) : nowhere;
-    struct gd_limit_jet out = {
-        .position = jet.p, .normal = normal, .du = jet.s, .dv = jet.t, .duu = jet.ss, .duv = jet.st, .dvv = jet.tt};
+    struct gd_limit_jet out = {.position = jet.p,
+                               .normal = normal,
+                               .du = jet.s,
+                               .dv = jet.t,
+                               .duu = jet.ss,
+                               .duv = jet.st,
+                               .dvv = jet.tt};
     curvatures(&jet, normal, out.curvatures);
     return out;
 }
 
-enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface, const struct gd_limit_point *places,
-                                      size_t count, const struct gd_control *control, struct gd_limit_jet *out,
+enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface,
+                                      const struct gd_limit_point *places, size_t count,
+                                      const struct gd_control *control, struct gd_limit_jet *out,
                                       struct gd_detail *detail)
 {
     struct gd__walker walker;
@@ -86,8 +101,9 @@ enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface, cons
     return status;
 }
 
-enum gd_status gd_limit_evaluate(const struct gd_subdivision *surface, const struct gd_limit_point *place,
-                                 struct gd_limit_jet *out, struct gd_detail *detail)
+enum gd_status gd_limit_evaluate(const struct gd_subdivision *surface,
+                                 const struct gd_limit_point *place, struct gd_limit_jet *out,
+                                 struct gd_detail *detail)
 {
     struct gd_limit_jet jet;
     enum gd_status status = gd_limit_evaluate_many(surface, place, 1, NULL, &jet, detail);

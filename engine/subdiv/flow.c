@@ -1,5 +1,6 @@
-/* Gragg's modified midpoint rule, extrapolated: Hairer, Norsett, Wanner, Solving ordinary differential equations I, II.9. The right-hand side is smooth on the whole
- * patch, where a high order pays: a patch is usually one or two steps. */
+/* Gragg's modified midpoint rule, extrapolated: Hairer, Norsett, Wanner, Solving ordinary
+ * differential equations I, II.9. The right-hand side is smooth on the whole patch, where a high
+ * order pays: a patch is usually one or two steps. */
 #include "subdiv/flow.h"
 
 #include <math.h>
@@ -8,7 +9,8 @@
 
 bool gd__components(const struct gd__jet *jet, struct gd_vec3 vector, double out[2])
 {
-    /* by cross products, which lose less than products of lengths where the derivatives are nearly parallel */
+    /* by cross products, which lose less than products of lengths where the derivatives are nearly
+     * parallel */
     struct gd_vec3 normal = gd_vec3_cross(jet->s, jet->t);
     double square = gd_vec3_dot(normal, normal);
     if (!(square > 0)) return false;
@@ -19,7 +21,8 @@ bool gd__components(const struct gd__jet *jet, struct gd_vec3 vector, double out
 
 double gd__sine(const struct gd__jet *jet)
 {
-    return gd_vec3_length(gd_vec3_cross(jet->s, jet->t)) / (gd_vec3_length(jet->s) * gd_vec3_length(jet->t));
+    return gd_vec3_length(gd_vec3_cross(jet->s, jet->t)) /
+           (gd_vec3_length(jet->s) * gd_vec3_length(jet->t));
 }
 
 struct slope {
@@ -27,7 +30,8 @@ struct slope {
     double sine;
 };
 
-static struct slope slope_at(const struct gd__scheme *rules, const struct gd__patch *patch, const double y[4])
+static struct slope slope_at(const struct gd__scheme *rules, const struct gd__patch *patch,
+                             const double y[4])
 {
     struct gd__jet jet;
     double c[2];
@@ -39,8 +43,9 @@ static struct slope slope_at(const struct gd__scheme *rules, const struct gd__pa
     return (struct slope){{y[2], y[3], -c[0], -c[1]}, gd__sine(&jet)};
 }
 
-static void midpoint(const struct gd__scheme *rules, const struct gd__patch *patch, const double from[4],
-                     const struct slope *first, double step, int parts, double out[4])
+static void midpoint(const struct gd__scheme *rules, const struct gd__patch *patch,
+                     const double from[4], const struct slope *first, double step, int parts,
+                     double out[4])
 {
     double h = step / parts, before[4], now[4];
     for (int i = 0; i < 4; i++) {
@@ -50,7 +55,8 @@ static void midpoint(const struct gd__scheme *rules, const struct gd__patch *pat
     for (int n = 1; n <= parts; n++) {
         struct slope slope = slope_at(rules, patch, now);
         for (int i = 0; i < 4; i++) {
-            double next = n < parts ? before[i] + 2 * h * slope.v[i] : (before[i] + now[i] + h * slope.v[i]) / 2;
+            double next = n < parts ? before[i] + 2 * h * slope.v[i]
+                                    : (before[i] + now[i] + h * slope.v[i]) / 2;
             before[i] = now[i];
             now[i] = next;
         }
@@ -68,8 +74,8 @@ static double difference(const double a[4], const double b[4])
     return fmax(places, fmax(fabs(a[2] - b[2]), fabs(a[3] - b[3])) / speed);
 }
 
-bool gd__flow_advance(const struct gd__scheme *rules, const struct gd__patch *patch, const struct gd__flow *from,
-                      double step, struct gd__flow *out)
+bool gd__flow_advance(const struct gd__scheme *rules, const struct gd__patch *patch,
+                      const struct gd__flow *from, double step, struct gd__flow *out)
 {
     double start[4] = {from->s, from->t, from->ds, from->dt}, row[COLUMNS][4];
     struct slope first = slope_at(rules, patch, start);
@@ -77,9 +83,11 @@ bool gd__flow_advance(const struct gd__scheme *rules, const struct gd__patch *pa
         double last[4];
         midpoint(rules, patch, start, &first, step, 2 * (k + 1), row[k]);
         for (int i = 0; i < 4; i++) last[i] = k ? row[0][i] : 0;
-        for (int j = k - 1; j >= 0; j--) { /* Neville: row[j] becomes the value from columns j to k */
+        /* Neville: row[j] becomes the value from columns j to k */
+        for (int j = k - 1; j >= 0; j--) {
             double ratio = (double)(k + 1) / (j + 1), weight = 1 / (ratio * ratio - 1);
-            for (int i = 0; i < 4; i++) row[j][i] = row[j + 1][i] + weight * (row[j + 1][i] - row[j][i]);
+            for (int i = 0; i < 4; i++)
+                row[j][i] = row[j + 1][i] + weight * (row[j + 1][i] - row[j][i]);
         }
         if (k > 1 && difference(row[0], last) * first.sine <= GD_TOL_GEODESIC) {
             *out = (struct gd__flow){row[0][0], row[0][1], row[0][2], row[0][3]};

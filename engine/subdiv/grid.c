@@ -19,24 +19,27 @@ struct canvas {
 static struct part part_of_child(const struct part *part, const struct gd__child *child)
 {
     ptrdiff_t half = (ptrdiff_t)1 << (part->level - 1), s = part->step_s, t = part->step_t;
-    return (struct part){part->level - 1, part->origin + half * (child->origin[0] * s + child->origin[1] * t),
+    return (struct part){part->level - 1,
+                         part->origin + half * (child->origin[0] * s + child->origin[1] * t),
                          child->s[0] * s + child->s[1] * t, child->t[0] * s + child->t[1] * t};
 }
 
 /* Moves a row to its place, and makes its normals of unit length. */
-static void settle_row(const struct gd__grid_rows *rows, uint32_t i, uint32_t last, struct gd_vec3 origin)
+static void settle_row(const struct gd__grid_rows *rows, uint32_t i, uint32_t last,
+                       struct gd_vec3 origin)
 {
     for (uint32_t j = 0; j <= last; j++) {
         ptrdiff_t at = rows->origin + (ptrdiff_t)i * rows->step_s + (ptrdiff_t)j * rows->step_t;
         double square = gd_vec3_dot(rows->normals[at], rows->normals[at]);
         bool known = square > 0 && square < INFINITY;
         rows->positions[at] = gd_vec3_add(rows->positions[at], origin);
-        rows->normals[at] = known ? gd_vec3_scale(rows->normals[at], 1 / sqrt(square)) : (struct gd_vec3){0};
+        rows->normals[at] =
+            known ? gd_vec3_scale(rows->normals[at], 1 / sqrt(square)) : (struct gd_vec3){0};
     }
 }
 
-static void paint_patch(const struct canvas *canvas, const struct gd__net *ring, const struct part *part,
-                        struct gd_vec3 origin)
+static void paint_patch(const struct canvas *canvas, const struct gd__net *ring,
+                        const struct part *part, struct gd_vec3 origin)
 {
     const struct gd__scheme *rules = gd__scheme_of(ring);
     const struct gd__grid_rows rows = {1u << part->level, part->origin,      part->step_s,
@@ -49,7 +52,8 @@ static void paint_patch(const struct canvas *canvas, const struct gd__net *ring,
     }
 }
 
-static void paint_corners(const struct canvas *canvas, uint32_t stage, const struct part *part, struct gd_vec3 origin)
+static void paint_corners(const struct canvas *canvas, uint32_t stage, const struct part *part,
+                          struct gd_vec3 origin)
 {
     static const int place[2][4][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
     uint32_t arity = canvas->walker->surface->rules->arity;
@@ -64,7 +68,8 @@ static void paint_corners(const struct canvas *canvas, uint32_t stage, const str
 }
 
 /* Depth of recursion: the level. */
-static void paint(const struct canvas *canvas, uint32_t stage, const struct part *part, struct gd_vec3 origin)
+static void paint(const struct canvas *canvas, uint32_t stage, const struct part *part,
+                  struct gd_vec3 origin)
 {
     struct gd__walker *walker = canvas->walker;
     struct gd__stage *here = &walker->stages[stage];
@@ -85,8 +90,8 @@ static void paint(const struct canvas *canvas, uint32_t stage, const struct part
     }
 }
 
-enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, const struct gd__grid_room *room,
-                        struct gd__pace *pace)
+enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level,
+                        const struct gd__grid_room *room, struct gd__pace *pace)
 {
     struct gd__pace none = {0};
     struct canvas canvas = {walker, room->positions, room->normals, pace ? pace : &none};

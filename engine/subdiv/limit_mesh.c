@@ -1,4 +1,5 @@
-/* See limit_mesh.h. The numbers of triangles are those of tile.c for faces that are as fine as their neighbours. */
+/* See limit_mesh.h. The numbers of triangles are those of tile.c for faces that are as fine as
+ * their neighbours. */
 #include "gd/limit_mesh.h"
 
 #include <stdlib.h>
@@ -15,7 +16,7 @@ struct gd_limit_mesh {
     uint32_t level, cells; /* of a base face's side */
 };
 
-/* --- sizes -------------------------------------------------------------------------------------------------------- */
+/* --- sizes ------------------------------------------------------------------------------------ */
 
 static uint64_t triangles_of_face(const struct gd_subdivision *surface, uint64_t cells)
 {
@@ -40,11 +41,13 @@ uint32_t gd_limit_mesh_least_level(const struct gd_subdivision *surface)
 uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface)
 {
     uint32_t level = gd_limit_mesh_least_level(surface);
-    while (level < GD_LIMIT_LEVEL_MOST && triangles_at(surface, level + 1) <= USUAL_TRIANGLES) level++;
+    while (level < GD_LIMIT_LEVEL_MOST && triangles_at(surface, level + 1) <= USUAL_TRIANGLES)
+        level++;
     return level;
 }
 
-/* A surface of T triangles has at most T / 2 inner vertices, those of its boundary, and two a component more. */
+/* A surface of T triangles has at most T / 2 inner vertices, those of its boundary, and two a
+ * component more. */
 static uint64_t vertices_at(const struct gd_subdivision *surface, uint32_t level)
 {
     return triangles_at(surface, level) / 2 + surface->base.point_count +
@@ -54,11 +57,11 @@ static uint64_t vertices_at(const struct gd_subdivision *surface, uint32_t level
 size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level)
 {
     uint64_t triangles = triangles_at(surface, level), vertices = vertices_at(surface, level);
-    return sizeof(struct gd_limit_mesh) + vertices * BYTES_PER_VERTEX + 3 * triangles * sizeof(uint32_t) +
-           gd_mesh_build_cost(triangles, vertices);
+    return sizeof(struct gd_limit_mesh) + vertices * BYTES_PER_VERTEX +
+           3 * triangles * sizeof(uint32_t) + gd_mesh_build_cost(triangles, vertices);
 }
 
-/* --- building ----------------------------------------------------------------------------------------------------- */
+/* --- building --------------------------------------------------------------------------------- */
 
 /* What a discretization holds. */
 static size_t bytes_of(const struct gd_discretization *fine)
@@ -85,17 +88,19 @@ static bool on_first_half(void *user, double fraction)
 }
 
 /* Of a part during which `held` bytes are there besides. */
-static struct gd_control part_of(struct half *half, bool (*progress)(void *user, double fraction), size_t held)
+static struct gd_control part_of(struct half *half, bool (*progress)(void *user, double fraction),
+                                 size_t held)
 {
     struct gd_control part = *half->whole;
-    if (part.budget_bytes) part.budget_bytes = held < part.budget_bytes ? part.budget_bytes - held : 1;
+    if (part.budget_bytes)
+        part.budget_bytes = held < part.budget_bytes ? part.budget_bytes - held : 1;
     part.progress = progress;
     part.user = half;
     return part;
 }
 
-static enum gd_status build(struct gd_limit_mesh *fine, uint32_t max_faces, const struct gd_control *control,
-                            struct gd_detail *detail)
+static enum gd_status build(struct gd_limit_mesh *fine, uint32_t max_faces,
+                            const struct gd_control *control, struct gd_detail *detail)
 {
     struct half half = {control};
     struct gd_discretization made;
@@ -113,9 +118,9 @@ static enum gd_status build(struct gd_limit_mesh *fine, uint32_t max_faces, cons
     return status;
 }
 
-enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface, uint32_t level, uint32_t max_faces,
-                                   const struct gd_control *control, struct gd_limit_mesh **out,
-                                   struct gd_detail *detail)
+enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface, uint32_t level,
+                                   uint32_t max_faces, const struct gd_control *control,
+                                   struct gd_limit_mesh **out, struct gd_detail *detail)
 {
     const struct gd_control none = {0};
     struct gd_limit_mesh *fine = calloc(1, sizeof *fine);
@@ -167,9 +172,10 @@ uint32_t gd_limit_mesh_level(const struct gd_limit_mesh *fine)
     return fine->level;
 }
 
-/* --- cells and their triangles ------------------------------------------------------------------------------------ */
+/* --- cells and their triangles ---------------------------------------------------------------- */
 
-/* A triangle of the cell (i,j): which two of its corners a (0,0), b (1,0), c (1,1), d (0,1) are first and last with a corner between. */
+/* A triangle of the cell (i,j): which two of its corners a (0,0), b (1,0), c (1,1), d (0,1) are
+ * first and last with a corner between. */
 enum half_cell { HALF_ABC, HALF_ACD, HALF_ABD, HALF_BCD };
 
 static const uint8_t corners_of[4][3] = {
@@ -178,7 +184,8 @@ static const uint8_t corners_of[4][3] = {
 /* The first triangle of a cell, within its face. */
 static uint32_t first_of_cell(const struct gd_limit_mesh *fine, uint32_t i, uint32_t j)
 {
-    return fine->surface->rules->arity == 4 ? 2 * (i * fine->cells + j) : 2 * (i * fine->cells + j) - i * i;
+    return fine->surface->rules->arity == 4 ? 2 * (i * fine->cells + j)
+                                            : 2 * (i * fine->cells + j) - i * i;
 }
 
 /* Quads are cut from a to c or from b to d: their two triangles begin at one corner or at two. */
@@ -196,7 +203,7 @@ static uint32_t face_base(const struct gd_limit_mesh *fine, uint32_t face)
     return face * (uint32_t)triangles_of_face(fine->surface, fine->cells);
 }
 
-/* --- from places to points ---------------------------------------------------------------------------------------- */
+/* --- from places to points -------------------------------------------------------------------- */
 
 /* Which half of the cell (x,y) in [0,1]^2 lies in, and its barycentric coordinates there. */
 static enum half_cell split_cell(bool from_a, double x, double y, double weight[3])
@@ -223,8 +230,9 @@ static uint32_t cell_of(double at, uint32_t most)
     return cell < most ? cell : most;
 }
 
-enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine, const struct gd_limit_point *place,
-                                   struct gd_point *out, struct gd_detail *detail)
+enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
+                                   const struct gd_limit_point *place, struct gd_point *out,
+                                   struct gd_detail *detail)
 {
     struct gd_limit_point inside = *place;
     enum gd_status status = gd__place_check(fine->surface, &inside, detail);
@@ -234,14 +242,15 @@ enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine, const struc
     double x = fmax(spot.s, 0) * fine->cells, y = fmax(spot.t, 0) * fine->cells, weight[3];
     uint32_t i = cell_of(x, fine->cells - 1), j = cell_of(y, fine->cells - 1 - (triangles ? i : 0));
     uint32_t first = face_base(fine, spot.face) + first_of_cell(fine, i, j);
-    bool is_half = triangles && i + j + 1 == fine->cells; /* beyond the diagonal there is rounding only */
+    /* beyond the diagonal there is rounding only */
+    bool is_half = triangles && i + j + 1 == fine->cells;
     double right = fmin(x - i, 1), up = fmin(y - j, is_half ? 1 - right : 1);
     enum half_cell half = split_cell(is_cut_from_a(fine, first), right, up, weight);
     bool second = half == HALF_ACD || half == HALF_BCD;
     return gd_point_in_face(fine->mesh, (struct gd_face){first + second}, weight, out, detail);
 }
 
-/* --- from points to places ---------------------------------------------------------------------------------------- */
+/* --- from points to places -------------------------------------------------------------------- */
 
 /* The row of cells that triangle `n` of a Loop face is in: row i begins at i (2 cells - i). */
 static uint32_t row_of(uint32_t cells, uint32_t n)
@@ -257,7 +266,8 @@ static uint32_t row_of(uint32_t cells, uint32_t n)
     return low;
 }
 
-struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine, const struct gd_point *point)
+struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
+                                          const struct gd_point *point)
 {
     static const uint8_t at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     struct gd_point_description known;

@@ -15,23 +15,26 @@ static enum gd_status append(struct gd_limit_path *path, const struct gd_subdivi
 {
     uint32_t count = path->step_count;
     if ((count & (count - 1)) == 0) { /* full: room is for powers of two */
-        struct gd_limit_step *steps = realloc(path->steps, (count ? 2 * (size_t)count : 1) * sizeof *steps);
+        struct gd_limit_step *steps =
+            realloc(path->steps, (count ? 2 * (size_t)count : 1) * sizeof *steps);
         if (!steps) return GD_NO_MEMORY;
         path->steps = steps;
     }
-    path->steps[path->step_count++] = (struct gd_limit_step){gd__place_of(surface, spot), position, path->length};
+    path->steps[path->step_count++] =
+        (struct gd_limit_step){gd__place_of(surface, spot), position, path->length};
     return GD_OK;
 }
 
 /* Steps until the length is reached or there is no way on. */
-static enum gd_status follow(struct gd__tracer *tracer, double length, const struct gd_control *control,
-                             struct gd_limit_path *path)
+static enum gd_status follow(struct gd__tracer *tracer, double length,
+                             const struct gd_control *control, struct gd_limit_path *path)
 {
     const struct gd_subdivision *surface = tracer->walker->surface;
     enum gd_status status = GD_OK;
     while (!status && !tracer->ended && path->length < length) {
         if (path->step_count % 8 == 1) status = gd_control_check(control, path->length / length);
-        if (!status) status = gd_control_afford(control, 3 * (size_t)path->step_count * sizeof *path->steps);
+        if (!status)
+            status = gd_control_afford(control, 3 * (size_t)path->step_count * sizeof *path->steps);
         if (!status) status = gd__tracer_step(tracer, length - path->length, &path->length);
         if (!status) status = append(path, surface, &tracer->spot, tracer->position);
         if (!status && path->step_count >= GD_LIMIT_STEPS) {
@@ -48,15 +51,17 @@ static enum gd_status check(const struct gd_subdivision *surface, struct gd_limi
                             struct gd_vec3 direction, double length, struct gd_detail *detail)
 {
     if (!(length >= 0 && length < INFINITY))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the length is %g: it must be at least 0 and finite", length);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the length is %g: it must be at least 0 and finite", length);
     double size = gd_vec3_length(direction);
     if (!(size > 0 && size < INFINITY))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the direction must be finite and not zero");
     return gd__place_check(surface, start, detail);
 }
 
-enum gd_status gd_limit_trace(const struct gd_subdivision *surface, const struct gd_limit_point *start,
-                              struct gd_vec3 direction, double length, const struct gd_control *control,
+enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
+                              const struct gd_limit_point *start, struct gd_vec3 direction,
+                              double length, const struct gd_control *control,
                               struct gd_limit_path *out, struct gd_detail *detail)
 {
     struct gd_limit_point place = *start;
@@ -68,16 +73,18 @@ enum gd_status gd_limit_trace(const struct gd_subdivision *surface, const struct
     struct gd__tracer tracer;
     struct gd_limit_path path = {0};
     struct gd__spot spot = gd__spot_of(surface, &place);
-    status = gd__tracer_start(&tracer, &walker, &spot, gd_vec3_scale(direction, 1 / gd_vec3_length(direction)));
+    status = gd__tracer_start(&tracer, &walker, &spot,
+                              gd_vec3_scale(direction, 1 / gd_vec3_length(direction)));
     if (status == GD_INVALID_ARGUMENT)
-        gd_fail(detail, status, "the direction is normal to the surface: choose one with a part along it");
+        gd_fail(detail, status,
+                "the direction is normal to the surface: choose one with a part along it");
     if (!status) status = append(&path, surface, &spot, tracer.position);
     if (!status) status = follow(&tracer, length, control, &path);
     if (status == GD_INTERNAL)
-        gd_fail(
-            detail, status,
-            "the geodesic can't be followed beyond %g of its length, in face %u: control points all but coincide there",
-            path.length, path.steps[path.step_count - 1].place.face);
+        gd_fail(detail, status,
+                "the geodesic can't be followed beyond %g of its length, in face %u: control "
+                "points all but coincide there",
+                path.length, path.steps[path.step_count - 1].place.face);
     gd__walker_free(&walker);
     if (status)
         gd_limit_path_free(&path);

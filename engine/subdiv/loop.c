@@ -16,10 +16,12 @@ static struct gd_vec3 apex(const struct gd__net *net, uint32_t side)
     return net->points[net->origin[gd__side_previous(net, side)]];
 }
 
-static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side, const struct gd_vec3 *face_points)
+static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side,
+                                 const struct gd_vec3 *face_points)
 {
     (void)face_points;
-    struct gd_vec3 ends = gd_vec3_add(net->points[net->origin[side]], net->points[gd__side_end(net, side)]);
+    struct gd_vec3 ends =
+        gd_vec3_add(net->points[net->origin[side]], net->points[gd__side_end(net, side)]);
     struct gd_vec3 wings = gd_vec3_add(apex(net, side), apex(net, net->twin[side]));
     return gd_vec3_along(gd_vec3_scale(ends, 0.375), 0.125, wings);
 }
@@ -56,7 +58,8 @@ static struct gd_vec3 limit(const struct gd__net *net, const struct gd__fan *fan
 {
     double own_weight = 0.375 / beta(fan->count);
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
-    return gd_vec3_scale(gd_vec3_along(sum_of_spokes(net, fan), own_weight, own), 1 / (own_weight + fan->count));
+    return gd_vec3_scale(gd_vec3_along(sum_of_spokes(net, fan), own_weight, own),
+                         1 / (own_weight + fan->count));
 }
 
 static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *fan, double angle)
@@ -74,33 +77,43 @@ static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
     return gd_vec3_along(sum_of_spokes(net, fan), -(double)fan->count, own);
 }
 
-/* The left eigenvector of (3 + 2 cos theta) / 8, theta = pi / k: S = sum sin(i theta) E_i takes part of V and of the crease's neighbours Ea, Eb at every step;
- * adding a V + b (Ea + Eb) with b = (sin theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b makes it stay in proportion. */
-static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces)
+/* The left eigenvector of (3 + 2 cos theta) / 8, theta = pi / k: S = sum sin(i theta) E_i takes
+ * part of V and of the crease's neighbours Ea, Eb at every step; adding a V + b (Ea + Eb) with b =
+ * (sin theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b makes it stay
+ * in proportion. */
+static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
+                            uint32_t faces)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
     struct gd_vec3 ends = gd_vec3_add(spoke(net, fan, begin), spoke(net, fan, begin + faces));
     if (faces == 1) return gd_vec3_along(ends, -2, own);
-    double theta = M_PI / faces, sigma = 1 / tan(theta / 2), b = (sin(theta) - sigma) / (1 + 2 * cos(theta));
+    double theta = M_PI / faces, sigma = 1 / tan(theta / 2),
+           b = (sin(theta) - sigma) / (1 + 2 * cos(theta));
     struct gd_vec3 sum = gd_vec3_along(gd_vec3_scale(own, -sigma - 2 * b), b, ends);
-    for (uint32_t i = 1; i < faces; i++) sum = gd_vec3_along(sum, sin(i * theta), spoke(net, fan, begin + i));
+    for (uint32_t i = 1; i < faces; i++)
+        sum = gd_vec3_along(sum, sin(i * theta), spoke(net, fan, begin + i));
     return sum;
 }
 
-/* The six neighbours of corner k: towards the next corner, the previous one, and on counter-clockwise. Across a crease (three faces on our side) the surface goes on as the
- * box spline that has the crease's curve there: each triangle at the crease is mirrored at the middle of its edge. */
-static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fan, struct gd_vec3 out[6])
+/* The six neighbours of corner k: towards the next corner, the previous one, and on
+ * counter-clockwise. Across a crease (three faces on our side) the surface goes on as the box
+ * spline that has the crease's curve there: each triangle at the crease is mirrored at the middle
+ * of its edge. */
+static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fan,
+                       struct gd_vec3 out[6])
 {
     gd__fan_around(net, k, fan);
     uint32_t spokes = gd__fan_spokes(fan), at = 0;
     while (fan->sides[at] != k) at++;
     uint32_t left = 0, right = 0; /* spokes known counter-clockwise and clockwise of ours */
     out[0] = spoke(net, fan, at);
-    while (left + 1 < 6 && (left == 0 || gd__spoke_sharpness(net, fan, (at + left) % spokes) == 0)) {
+    while (left + 1 < 6 &&
+           (left == 0 || gd__spoke_sharpness(net, fan, (at + left) % spokes) == 0)) {
         left++;
         out[left] = spoke(net, fan, at + left);
     }
-    while (left + right + 1 < 6 && gd__spoke_sharpness(net, fan, (at + spokes - right) % spokes) == 0) {
+    while (left + right + 1 < 6 &&
+           gd__spoke_sharpness(net, fan, (at + spokes - right) % spokes) == 0) {
         right++;
         out[6 - right] = spoke(net, fan, at + spokes - right);
     }
@@ -111,7 +124,8 @@ static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fa
     out[(c + 2) % 6] = gd_vec3_sub(gd_vec3_add(own, out[(c + 3) % 6]), out[(c + 4) % 6]);
 }
 
-/* Index of the monomial a^i b^j c^(4-i-j) in the barycentric coordinates, later of s^i t^j; i + j <= 4. */
+/* Index of the monomial a^i b^j c^(4-i-j) in the barycentric coordinates, later of s^i t^j; i + j
+ * <= 4. */
 static int monomial(int i, int j)
 {
     int rest = 4 - i;
@@ -123,9 +137,10 @@ struct term {
     double factor;
 };
 
-/* Adds `weight` sum of terms with x, y, z the coordinates of corners x, y, z. The basis: Stam, Evaluation of Loop subdivision surfaces (1998), appendix A. */
-static void add_terms(struct gd__patch *out, struct gd_vec3 point, const struct term *terms, int count, int x, int y,
-                      int z)
+/* Adds `weight` sum of terms with x, y, z the coordinates of corners x, y, z. The basis: Stam,
+ * Evaluation of Loop subdivision surfaces (1998), appendix A. */
+static void add_terms(struct gd__patch *out, struct gd_vec3 point, const struct term *terms,
+                      int count, int x, int y, int z)
 {
     for (int n = 0; n < count; n++) {
         int power[3];
@@ -138,19 +153,22 @@ static void add_terms(struct gd__patch *out, struct gd_vec3 point, const struct 
 }
 
 static const struct term at_corner[] = {
-    {4, 0, 0, 6}, {3, 1, 0, 24}, {3, 0, 1, 24}, {2, 2, 0, 24}, {2, 0, 2, 24}, {1, 3, 0, 8}, {1, 0, 3, 8},  {0, 4, 0, 1},
-    {0, 0, 4, 1}, {2, 1, 1, 60}, {1, 2, 1, 36}, {1, 1, 2, 36}, {0, 3, 1, 6},  {0, 1, 3, 6}, {0, 2, 2, 12},
+    {4, 0, 0, 6},  {3, 1, 0, 24}, {3, 0, 1, 24}, {2, 2, 0, 24}, {2, 0, 2, 24},
+    {1, 3, 0, 8},  {1, 0, 3, 8},  {0, 4, 0, 1},  {0, 0, 4, 1},  {2, 1, 1, 60},
+    {1, 2, 1, 36}, {1, 1, 2, 36}, {0, 3, 1, 6},  {0, 1, 3, 6},  {0, 2, 2, 12},
 };
 static const struct term across_edge[] = {
     /* x and y are the edge's corners */
     {4, 0, 0, 1}, {0, 4, 0, 1}, {3, 1, 0, 6}, {1, 3, 0, 6}, {2, 2, 0, 12},
     {3, 0, 1, 2}, {0, 3, 1, 2}, {2, 1, 1, 6}, {1, 2, 1, 6},
 };
-static const struct term beyond_corner[] = {{4, 0, 0, 1}, {3, 1, 0, 2}}; /* y: the corner whose edge it lies along */
+/* y: the corner whose edge it lies along */
+static const struct term beyond_corner[] = {{4, 0, 0, 1}, {3, 1, 0, 2}};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
-/* From monomials in the barycentric coordinates a = 1 - s - t, b = s, c = t to powers of s and t. */
+/* From monomials in the barycentric coordinates a = 1 - s - t, b = s, c = t to powers of s and t.
+ */
 static void to_powers(struct gd__patch *patch)
 {
     static const double factorial[] = {1, 1, 2, 6, 24};
@@ -159,7 +177,8 @@ static void to_powers(struct gd__patch *patch)
         for (int j = 0; i + j <= 4; j++) {
             for (int p = 0; p <= i; p++) {
                 for (int q = 0; p + q <= i; q++) { /* the term (-s)^p (-t)^q of (1 - s - t)^i */
-                    double ways = factorial[i] / (factorial[p] * factorial[q] * factorial[i - p - q]);
+                    double ways =
+                        factorial[i] / (factorial[p] * factorial[q] * factorial[i - p - q]);
                     struct gd_vec3 *c = &powers.c[monomial(j + p, 4 - i - j + q)];
                     *c = gd_vec3_along(*c, (p + q) % 2 ? -ways : ways, patch->c[monomial(i, j)]);
                 }

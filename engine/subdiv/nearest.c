@@ -1,5 +1,6 @@
-/* The nearest point: faces whose boxes are near enough, from each the local minima of a grid, from each of these Newton's iteration within the face. A minimum at the
- * border of a face is found from both sides. */
+/* The nearest point: faces whose boxes are near enough, from each the local minima of a grid, from
+ * each of these Newton's iteration within the face. A minimum at the border of a face is found from
+ * both sides. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,7 +21,8 @@ struct search {
 /* Half the square of the distance, by s and t: gradient and the matrix of second derivatives. */
 struct model {
     double g[2], ss, st, tt;
-    double gauss_ss, gauss_st, gauss_tt; /* without the surface's second derivatives: never indefinite */
+    /* without the surface's second derivatives: never indefinite */
+    double gauss_ss, gauss_st, gauss_tt;
     struct gd_vec3 position;
 };
 
@@ -42,7 +44,8 @@ static bool model_at(struct search *search, const struct gd__spot *spot, struct 
     }
     struct gd__jet jet = gd__cell_jet(&search->walker, spot->s, spot->t);
     struct gd_vec3 way = gd_vec3_sub(jet.p, search->xyz);
-    double ss = gd_vec3_dot(jet.s, jet.s), st = gd_vec3_dot(jet.s, jet.t), tt = gd_vec3_dot(jet.t, jet.t);
+    double ss = gd_vec3_dot(jet.s, jet.s), st = gd_vec3_dot(jet.s, jet.t),
+           tt = gd_vec3_dot(jet.t, jet.t);
     *out = (struct model){.g = {gd_vec3_dot(way, jet.s), gd_vec3_dot(way, jet.t)},
                           .ss = ss + gd_vec3_dot(way, jet.ss),
                           .st = st + gd_vec3_dot(way, jet.st),
@@ -57,7 +60,8 @@ static bool model_at(struct search *search, const struct gd__spot *spot, struct 
 static void newton_step(const struct model *m, double out[2])
 {
     double a = m->ss, b = m->st, c = m->tt, determinant = a * c - b * b;
-    if (!(a > 0 && determinant > 0)) a = m->gauss_ss, b = m->gauss_st, c = m->gauss_tt, determinant = a * c - b * b;
+    if (!(a > 0 && determinant > 0))
+        a = m->gauss_ss, b = m->gauss_st, c = m->gauss_tt, determinant = a * c - b * b;
     out[0] = (b * m->g[1] - c * m->g[0]) / determinant;
     out[1] = (b * m->g[0] - a * m->g[1]) / determinant;
 }
@@ -75,7 +79,8 @@ static void step_along_side(const struct model *m, uint32_t arity, uint32_t k, d
     out[1] = -slope / bend * y;
 }
 
-/* The first side on which the spot is and over which the step leads, GD_NONE: the step stays inside for a while. */
+/* The first side on which the spot is and over which the step leads, GD_NONE: the step stays inside
+ * for a while. */
 static uint32_t blocked_by(uint32_t arity, const struct gd__spot *spot, const double step[2])
 {
     for (uint32_t k = 0; k < arity; k++) {
@@ -86,19 +91,22 @@ static uint32_t blocked_by(uint32_t arity, const struct gd__spot *spot, const do
 }
 
 /* A step that goes down and stays in the face; false: there is none. */
-static bool feasible_step(const struct model *m, uint32_t arity, const struct gd__spot *spot, double step[2])
+static bool feasible_step(const struct model *m, uint32_t arity, const struct gd__spot *spot,
+                          double step[2])
 {
     newton_step(m, step);
     if (blocked_by(arity, spot, step) == GD_NONE) return true;
     for (uint32_t k = 0; k < arity; k++) {
         if (gd__line_at(arity, k, spot->s, spot->t) > GD_TOL_FOOT) continue;
         step_along_side(m, arity, k, step);
-        if (fabs(step[0]) + fabs(step[1]) > GD_TOL_FOOT && blocked_by(arity, spot, step) == GD_NONE) return true;
+        if (fabs(step[0]) + fabs(step[1]) > GD_TOL_FOOT && blocked_by(arity, spot, step) == GD_NONE)
+            return true;
     }
     return false;
 }
 
-static struct gd__spot moved(uint32_t arity, const struct gd__spot *from, const double step[2], double part)
+static struct gd__spot moved(uint32_t arity, const struct gd__spot *from, const double step[2],
+                             double part)
 {
     struct gd__spot to = {from->face, from->s + part * step[0], from->t + part * step[1]};
     to.s = fmin(fmax(to.s, 0), 1);
@@ -111,7 +119,8 @@ static double part_inside(uint32_t arity, const struct gd__spot *spot, const dou
 {
     double part = 1;
     for (uint32_t k = 0; k < arity; k++) {
-        double slope = gd__line_slope(arity, k, step[0], step[1]), height = gd__line_at(arity, k, spot->s, spot->t);
+        double slope = gd__line_slope(arity, k, step[0], step[1]),
+               height = gd__line_at(arity, k, spot->s, spot->t);
         if (slope < 0 && height + part * slope < 0) part = fmax(height, 0) / -slope;
     }
     return part;
@@ -133,17 +142,20 @@ static void descend(struct search *search, struct gd__spot spot)
     bool smooth = model_at(search, &spot, &here);
     if (!smooth) { /* from a vertex no derivative leads away: from half a cell beside it on */
         note(search, &spot, here.position);
-        const double inwards[2] = {(arity == 3 ? 1.0 / 3 : 0.5) - spot.s, (arity == 3 ? 1.0 / 3 : 0.5) - spot.t};
+        const double inwards[2] = {(arity == 3 ? 1.0 / 3 : 0.5) - spot.s,
+                                   (arity == 3 ? 1.0 / 3 : 0.5) - spot.t};
         spot = moved(arity, &spot, inwards, 0.5 / SEED_CELLS);
         smooth = model_at(search, &spot, &here);
     }
     for (int i = 0; smooth && i < ITERATIONS; i++) {
         double step[2];
         if (!feasible_step(&here, arity, &spot, step)) break;
-        double part = part_inside(arity, &spot, step), before = square_to(here.position, search->xyz);
+        double part = part_inside(arity, &spot, step),
+               before = square_to(here.position, search->xyz);
         struct gd__spot next = moved(arity, &spot, step, part);
         smooth = model_at(search, &next, &there);
-        while (square_to(there.position, search->xyz) > before * (1 + GD_TOL_BETTER) && part > GD_TOL_FOOT) {
+        while (square_to(there.position, search->xyz) > before * (1 + GD_TOL_BETTER) &&
+               part > GD_TOL_FOOT) {
             part /= 2;
             next = moved(arity, &spot, step, part);
             smooth = model_at(search, &next, &there);
@@ -162,7 +174,8 @@ static bool is_local_minimum(const double *squares, uint32_t arity, int i, int j
     for (int di = -1; di <= 1; di++) {
         for (int dj = -1; dj <= 1; dj++) {
             int x = i + di, y = j + dj;
-            bool inside = x >= 0 && y >= 0 && (arity == 3 ? x + y <= SEED_CELLS : x <= SEED_CELLS && y <= SEED_CELLS);
+            bool inside = x >= 0 && y >= 0 &&
+                          (arity == 3 ? x + y <= SEED_CELLS : x <= SEED_CELLS && y <= SEED_CELLS);
             if (inside && squares[x * SEED_ROW + y] < squares[i * SEED_ROW + j]) return false;
         }
     }
@@ -183,7 +196,8 @@ static void search_face(struct search *search, uint32_t face)
     for (int i = 0; i <= SEED_CELLS; i++) {
         for (int j = 0; j <= (arity == 3 ? SEED_CELLS - i : SEED_CELLS); j++) {
             if (!is_local_minimum(squares, arity, i, j)) continue;
-            descend(search, (struct gd__spot){face, (double)i / SEED_CELLS, (double)j / SEED_CELLS});
+            descend(search,
+                    (struct gd__spot){face, (double)i / SEED_CELLS, (double)j / SEED_CELLS});
         }
     }
 }
@@ -216,7 +230,8 @@ static enum gd_status search_all(struct search *search, const struct gd_control 
     enum gd_status status = GD_OK;
     search_face(search, first);
     for (uint32_t face = 0; !status && face < faces; face++) {
-        bool near = face != first && square_to_box(&surface->boxes[face], search->xyz) < search->square;
+        bool near =
+            face != first && square_to_box(&surface->boxes[face], search->xyz) < search->square;
         if (near) search_face(search, face);
         looked += near ? 4096 : 1;
         if (looked < 1 << 16) continue;
@@ -227,16 +242,20 @@ static enum gd_status search_all(struct search *search, const struct gd_control 
 }
 
 enum gd_status gd_limit_nearest(const struct gd_subdivision *surface, struct gd_vec3 xyz,
-                                const struct gd_control *control, struct gd_limit_foot *out, struct gd_detail *detail)
+                                const struct gd_control *control, struct gd_limit_foot *out,
+                                struct gd_detail *detail)
 {
     if (!(isfinite(xyz.x) && isfinite(xyz.y) && isfinite(xyz.z)))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the point has a coordinate that is no finite number");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the point has a coordinate that is no finite number");
     struct search search = {.xyz = xyz, .square = INFINITY};
-    enum gd_status status = gd__walker_create(&search.walker, surface, gd__grid_stages(SEED_LEVEL), control);
+    enum gd_status status =
+        gd__walker_create(&search.walker, surface, gd__grid_stages(SEED_LEVEL), control);
     if (status) return status;
     status = search_all(&search, control);
     gd__walker_free(&search.walker);
     if (status) return status;
-    *out = (struct gd_limit_foot){gd__place_of(surface, &search.best), search.position, sqrt(search.square)};
+    *out = (struct gd_limit_foot){gd__place_of(surface, &search.best), search.position,
+                                  sqrt(search.square)};
     return GD_OK;
 }

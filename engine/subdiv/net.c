@@ -2,15 +2,19 @@
 
 #include <stdlib.h>
 
-enum { PER_SIDE = 3 * sizeof(uint32_t) + sizeof(float), PER_POINT = sizeof(struct gd_vec3) + sizeof(float) };
+enum {
+    PER_SIDE = 3 * sizeof(uint32_t) + sizeof(float),
+    PER_POINT = sizeof(struct gd_vec3) + sizeof(float)
+};
 
 size_t gd__net_size(size_t points, size_t faces, size_t sides, bool polygons)
 {
-    return points * PER_POINT + sides * PER_SIDE + (polygons ? (faces + 1 + sides) * sizeof(uint32_t) : 0);
+    return points * PER_POINT + sides * PER_SIDE +
+           (polygons ? (faces + 1 + sides) * sizeof(uint32_t) : 0);
 }
 
-enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points, size_t faces, size_t sides,
-                              bool polygons)
+enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points, size_t faces,
+                              size_t sides, bool polygons)
 {
     struct gd__net made = {.arity = arity};
     made.points = malloc((points + 1) * sizeof *made.points);
@@ -19,7 +23,8 @@ enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points
     made.twin = malloc((sides + 1) * sizeof *made.twin);
     made.edge = malloc((sides + 1) * sizeof *made.edge);
     made.sharpness = calloc(sides + 1, sizeof *made.sharpness);
-    bool whole = made.points && made.corner && made.origin && made.twin && made.edge && made.sharpness;
+    bool whole =
+        made.points && made.corner && made.origin && made.twin && made.edge && made.sharpness;
     if (polygons) {
         made.first = malloc((faces + 1) * sizeof *made.first);
         made.face_of = malloc((sides + 1) * sizeof *made.face_of);

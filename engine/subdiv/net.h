@@ -1,8 +1,9 @@
-/* Net: a control mesh at some level of subdivision, as compact half-edge tables. The whole mesh has one, and so has each neighbourhood that is
- * subdivided locally.
+/* Net: a control mesh at some level of subdivision, as compact half-edge tables. The whole mesh has
+ * one, and so has each neighbourhood that is subdivided locally.
  *
- * Side h is the half-edge from corner h of its face to the next one, the face to its left; the sides of a face follow each other. Faces have
- * `arity` corners (4 Catmull-Clark, 3 Loop), so that side h is of face h / arity; only the net of a control mesh with other polygons has `first`. */
+ * Side h is the half-edge from corner h of its face to the next one, the face to its left; the
+ * sides of a face follow each other. Faces have `arity` corners (4 Catmull-Clark, 3 Loop), so that
+ * side h is of face h / arity; only the net of a control mesh with other polygons has `first`. */
 #ifndef GD_SUBDIV_NET_H
 #define GD_SUBDIV_NET_H
 
@@ -19,15 +20,18 @@ struct gd__net {
     uint32_t *first;  /* face_count + 1 offsets of sides, NULL: arity each */
     uint32_t *origin; /* per side: the point that it starts from */
     uint32_t *
-        twin; /* per side: the same edge seen from the other face, GD_NONE at the boundary and where a neighbourhood was cut out */
+        /* per side: the same edge seen from the other face, GD_NONE at the boundary and where a
+           neighbourhood was cut out */
+        twin;
     uint32_t *edge;    /* per side: number of its edge; set and used by gd__net_refine */
     float *sharpness;  /* per side, equal on both; INFINITY at the boundary of the mesh */
     uint32_t *face_of; /* per side, only with `first` */
 };
 
-/* Memory for so many points, faces and sides, counts zero; `polygons`: with `first` and `face_of`. GD_NO_MEMORY: nothing is held. */
-GD_MUST_USE enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points, size_t faces,
-                                          size_t sides, bool polygons);
+/* Memory for so many points, faces and sides, counts zero; `polygons`: with `first` and `face_of`.
+ * GD_NO_MEMORY: nothing is held. */
+GD_MUST_USE enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points,
+                                          size_t faces, size_t sides, bool polygons);
 void gd__net_free(struct gd__net *net);
 
 /* Bytes that gd__net_create takes. */
@@ -60,14 +64,16 @@ static inline uint32_t gd__side_end(const struct gd__net *net, uint32_t side)
     return net->origin[gd__side_next(net, side)];
 }
 
-/* Fan: the faces and edges around a point, counter-clockwise. Spoke i is the edge of sides[i]; an open fan has one more, the last side's predecessor. */
+/* Fan: the faces and edges around a point, counter-clockwise. Spoke i is the edge of sides[i]; an
+ * open fan has one more, the last side's predecessor. */
 struct gd__fan {
     uint32_t *sides; /* outgoing, one a face; room for the largest valence of the mesh */
     uint32_t count;
     bool closed;
 };
 
-/* The fan around the origin of `side`: from `side` on if it is closed, else from its clockwise end on. */
+/* The fan around the origin of `side`: from `side` on if it is closed, else from its clockwise end
+ * on. */
 void gd__fan_around(const struct gd__net *net, uint32_t side, struct gd__fan *fan);
 
 static inline uint32_t gd__fan_spokes(const struct gd__fan *fan)
@@ -76,15 +82,18 @@ static inline uint32_t gd__fan_spokes(const struct gd__fan *fan)
 }
 
 /* The point at the end of a spoke, and its sharpness. */
-static inline uint32_t gd__spoke_end(const struct gd__net *net, const struct gd__fan *fan, uint32_t spoke)
+static inline uint32_t gd__spoke_end(const struct gd__net *net, const struct gd__fan *fan,
+                                     uint32_t spoke)
 {
     return spoke < fan->count ? gd__side_end(net, fan->sides[spoke])
                               : net->origin[gd__side_previous(net, fan->sides[spoke - 1])];
 }
 
-static inline float gd__spoke_sharpness(const struct gd__net *net, const struct gd__fan *fan, uint32_t spoke)
+static inline float gd__spoke_sharpness(const struct gd__net *net, const struct gd__fan *fan,
+                                        uint32_t spoke)
 {
-    return net->sharpness[spoke < fan->count ? fan->sides[spoke] : gd__side_previous(net, fan->sides[spoke - 1])];
+    return net->sharpness[spoke < fan->count ? fan->sides[spoke]
+                                             : gd__side_previous(net, fan->sides[spoke - 1])];
 }
 
 #endif

@@ -9,7 +9,8 @@ struct gd__chart gd__chart_child(const struct gd__chart *frame, const struct gd_
 {
     struct gd__chart out;
     for (int i = 0; i < 2; i++) {
-        out.origin[i] = frame->origin[i] + (child->origin[0] * frame->s[i] + child->origin[1] * frame->t[i]) / 2;
+        out.origin[i] = frame->origin[i] +
+                        (child->origin[0] * frame->s[i] + child->origin[1] * frame->t[i]) / 2;
         out.s[i] = (child->s[0] * frame->s[i] + child->s[1] * frame->t[i]) / 2;
         out.t[i] = (child->t[0] * frame->s[i] + child->t[1] * frame->t[i]) / 2;
     }
@@ -57,13 +58,16 @@ static bool is_split_quad(const struct gd_subdivision *surface, uint32_t face)
     return surface->split_first && surface->split_first[face + 1] - surface->split_first[face] == 4;
 }
 
-struct gd__spot gd__spot_of(const struct gd_subdivision *surface, const struct gd_limit_point *place)
+struct gd__spot gd__spot_of(const struct gd_subdivision *surface,
+                            const struct gd_limit_point *place)
 {
     if (!surface->split_first) return (struct gd__spot){place->face, place->u, place->v};
     uint32_t first = surface->split_first[place->face];
-    if (!is_split_quad(surface, place->face)) return (struct gd__spot){first + place->corner, place->u, place->v};
+    if (!is_split_quad(surface, place->face))
+        return (struct gd__spot){first + place->corner, place->u, place->v};
     uint32_t child = surface->rules->child_at(place->u, place->v, 0, 0, 0);
-    struct gd__chart whole = GD__CHART_WHOLE, frame = gd__chart_child(&whole, &surface->rules->children[child]);
+    struct gd__chart whole = GD__CHART_WHOLE,
+                     frame = gd__chart_child(&whole, &surface->rules->children[child]);
     double st[2];
     gd__chart_in(&frame, place->u, place->v, st);
     return (struct gd__spot){first + child, st[0], st[1]};
@@ -83,19 +87,22 @@ static uint32_t control_face(const struct gd_subdivision *surface, uint32_t base
     return low;
 }
 
-struct gd__chart gd__base_frame(const struct gd_subdivision *surface, uint32_t base, uint32_t *face, uint32_t *corner)
+struct gd__chart gd__base_frame(const struct gd_subdivision *surface, uint32_t base, uint32_t *face,
+                                uint32_t *corner)
 {
     struct gd__chart whole = GD__CHART_WHOLE;
     *face = surface->split_first ? control_face(surface, base) : base;
     *corner = 0;
     if (!surface->split_first) return whole;
     uint32_t child = base - surface->split_first[*face];
-    if (is_split_quad(surface, *face)) return gd__chart_child(&whole, &surface->rules->children[child]);
+    if (is_split_quad(surface, *face))
+        return gd__chart_child(&whole, &surface->rules->children[child]);
     *corner = child;
     return whole;
 }
 
-struct gd_limit_point gd__place_of(const struct gd_subdivision *surface, const struct gd__spot *spot)
+struct gd_limit_point gd__place_of(const struct gd_subdivision *surface,
+                                   const struct gd__spot *spot)
 {
     struct gd_limit_point place;
     struct gd__chart frame = gd__base_frame(surface, spot->face, &place.face, &place.corner);
@@ -106,20 +113,22 @@ struct gd_limit_point gd__place_of(const struct gd_subdivision *surface, const s
     return place;
 }
 
-static enum gd_status check_corner(const struct gd_subdivision *surface, const struct gd_limit_point *place,
-                                   struct gd_detail *detail)
+static enum gd_status check_corner(const struct gd_subdivision *surface,
+                                   const struct gd_limit_point *place, struct gd_detail *detail)
 {
     if (place->face >= surface->control_faces)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no face %u: the control mesh has %u", place->face,
-                       surface->control_faces);
+        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no face %u: the control mesh has %u",
+                       place->face, surface->control_faces);
     bool polygon = surface->split_first && !is_split_quad(surface, place->face);
-    uint32_t corners = polygon ? surface->split_first[place->face + 1] - surface->split_first[place->face] : 1;
+    uint32_t corners =
+        polygon ? surface->split_first[place->face + 1] - surface->split_first[place->face] : 1;
     if (place->corner < corners) return GD_OK;
     if (!polygon)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "face %u is one piece, whose corner must be 0, not %u", place->face,
+        return gd_fail(detail, GD_OUT_OF_RANGE,
+                       "face %u is one piece, whose corner must be 0, not %u", place->face,
                        place->corner);
-    return gd_fail(detail, GD_OUT_OF_RANGE, "face %u has %u corners, and none of number %u", place->face, corners,
-                   place->corner);
+    return gd_fail(detail, GD_OUT_OF_RANGE, "face %u has %u corners, and none of number %u",
+                   place->face, corners, place->corner);
 }
 
 enum gd_status gd__place_check(const struct gd_subdivision *surface, struct gd_limit_point *place,
@@ -130,8 +139,10 @@ enum gd_status gd__place_check(const struct gd_subdivision *surface, struct gd_l
     bool triangle = surface->rules->arity == 3;
     double u = place->u, v = place->v, most = triangle ? u + v : fmax(u, v);
     if (!(u >= -GD_TOL_INPUT && v >= -GD_TOL_INPUT && most <= 1 + GD_TOL_INPUT))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "(u,v) = (%g,%g) is outside of the face: %s", u, v,
-                       triangle ? "both must be at least 0 and their sum at most 1" : "both must be from 0 to 1");
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "(u,v) = (%g,%g) is outside of the face: %s", u,
+                       v,
+                       triangle ? "both must be at least 0 and their sum at most 1"
+                                : "both must be from 0 to 1");
     place->u = fmin(fmax(u, 0), 1);
     place->v = fmin(fmax(v, 0), triangle ? 1 - place->u : 1);
     return GD_OK;

@@ -2,8 +2,9 @@
 
 #include <math.h>
 
-/* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3; where the rule of a point changes from one level to the next, its
- * position is blended by the mean of the sharpnesses that run out, as OpenSubdiv does. */
+/* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3; where the
+ * rule of a point changes from one level to the next, its position is blended by the mean of the
+ * sharpnesses that run out, as OpenSubdiv does. */
 enum rule { RULE_SMOOTH, RULE_CREASE, RULE_CORNER };
 
 #define NOT_PLACED (-1.0F) /* the sharpness of a corner that has no point yet */
@@ -13,19 +14,22 @@ static float decayed(float sharpness, float decay)
     return sharpness > decay ? sharpness - decay : 0;
 }
 
-static enum rule rule_at(const struct gd__net *net, const struct gd__fan *fan, float corner, float decay)
+static enum rule rule_at(const struct gd__net *net, const struct gd__fan *fan, float corner,
+                         float decay)
 {
     uint32_t sharp = 0;
-    for (uint32_t i = 0; i < gd__fan_spokes(fan); i++) sharp += gd__spoke_sharpness(net, fan, i) > decay;
+    for (uint32_t i = 0; i < gd__fan_spokes(fan); i++)
+        sharp += gd__spoke_sharpness(net, fan, i) > decay;
     return corner > decay || sharp > 2 ? RULE_CORNER : sharp == 2 ? RULE_CREASE : RULE_SMOOTH;
 }
 
-static struct gd_vec3 crease_point(const struct gd__net *net, const struct gd__fan *fan, struct gd_vec3 own,
-                                   float decay)
+static struct gd_vec3 crease_point(const struct gd__net *net, const struct gd__fan *fan,
+                                   struct gd_vec3 own, float decay)
 {
     struct gd_vec3 sum = gd_vec3_scale(own, 6);
     for (uint32_t i = 0; i < gd__fan_spokes(fan); i++) {
-        if (gd__spoke_sharpness(net, fan, i) > decay) sum = gd_vec3_add(sum, net->points[gd__spoke_end(net, fan, i)]);
+        if (gd__spoke_sharpness(net, fan, i) > decay)
+            sum = gd_vec3_add(sum, net->points[gd__spoke_end(net, fan, i)]);
     }
     return gd_vec3_scale(sum, 0.125);
 }
@@ -58,7 +62,8 @@ static double transition(const struct gd__net *net, const struct gd__fan *fan, f
     uint32_t count = 0;
     double sum = 0;
     count_transition(corner, &count, &sum);
-    for (uint32_t i = 0; i < gd__fan_spokes(fan); i++) count_transition(gd__spoke_sharpness(net, fan, i), &count, &sum);
+    for (uint32_t i = 0; i < gd__fan_spokes(fan); i++)
+        count_transition(gd__spoke_sharpness(net, fan, i), &count, &sum);
     return count ? sum / count : 0;
 }
 
@@ -73,7 +78,8 @@ static struct gd_vec3 vertex_point(const struct gd__net *net, const struct gd__f
     return gd_vec3_along(later, transition(net, fan, corner), gd_vec3_sub(point, later));
 }
 
-static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side, const struct gd_vec3 *face_points)
+static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side,
+                                 const struct gd_vec3 *face_points)
 {
     struct gd_vec3 a = net->points[net->origin[side]], b = net->points[gd__side_end(net, side)];
     struct gd_vec3 middle = gd_vec3_scale(gd_vec3_add(a, b), 0.5);
@@ -87,7 +93,8 @@ static struct gd_vec3 face_point(const struct gd__net *net, uint32_t face)
 {
     uint32_t first = gd__face_first(net, face), count = gd__face_first(net, face + 1) - first;
     struct gd_vec3 sum = {0};
-    for (uint32_t i = 0; i < count; i++) sum = gd_vec3_add(sum, net->points[net->origin[first + i]]);
+    for (uint32_t i = 0; i < count; i++)
+        sum = gd_vec3_add(sum, net->points[net->origin[first + i]]);
     return gd_vec3_scale(sum, 1.0 / count);
 }
 
@@ -96,17 +103,20 @@ uint32_t gd__number_edges(struct gd__net *net)
     uint32_t edges = 0;
     for (uint32_t side = 0; side < net->side_count; side++) {
         uint32_t twin = net->twin[side];
-        net->edge[side] = twin < side ? net->edge[twin] : edges++; /* GD_NONE is the largest number */
+        /* GD_NONE is the largest number */
+        net->edge[side] = twin < side ? net->edge[twin] : edges++;
     }
     return edges;
 }
 
-static void place_points(const struct gd__net *net, uint32_t edges, uint32_t settled, struct gd__fan *fan,
-                         struct gd__net *out)
+static void place_points(const struct gd__net *net, uint32_t edges, uint32_t settled,
+                         struct gd__fan *fan, struct gd__net *out)
 {
     bool face_points = gd__scheme_of(net)->face_points;
-    struct gd_vec3 *of_edges = out->points + net->point_count, *of_faces = face_points ? of_edges + edges : NULL;
-    for (uint32_t face = 0; face_points && face < net->face_count; face++) of_faces[face] = face_point(net, face);
+    struct gd_vec3 *of_edges = out->points + net->point_count,
+                   *of_faces = face_points ? of_edges + edges : NULL;
+    for (uint32_t face = 0; face_points && face < net->face_count; face++)
+        of_faces[face] = face_point(net, face);
     for (uint32_t side = 0; side < net->side_count; side++) {
         if (net->twin[side] >= side) of_edges[net->edge[side]] = edge_point(net, side, of_faces);
     }
@@ -114,7 +124,8 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
     for (uint32_t i = 0; i < out->point_count; i++)
         out->corner[i] = i < net->point_count ? decayed(net->corner[i], 1) : 0;
     for (uint32_t i = 0; i < net->point_count; i++) out->points[i] = net->points[i];
-    /* each point once: by the side at which its fan begins; those that no face refers to have none, and may be more than there are sides */
+    /* each point once: by the side at which its fan begins; those that no face refers to have none,
+     * and may be more than there are sides */
     for (uint32_t i = 0; i < settled; i++) out->corner[i] = NOT_PLACED;
     for (uint32_t side = 0; side < net->side_count; side++) {
         uint32_t point = net->origin[side];
@@ -129,17 +140,21 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
 /* The child at the origin of `side`: corner, edge point ahead, (face point,) edge point behind. */
 static void join_corner(const struct gd__net *net, uint32_t side, struct gd__net *out)
 {
-    uint32_t arity = net->arity, first = arity * gd__child_at_corner(net, side), last = first + arity - 1;
-    uint32_t before = gd__side_previous(net, side), twin = net->twin[side], twin_before = net->twin[before];
+    uint32_t arity = net->arity, first = arity * gd__child_at_corner(net, side),
+             last = first + arity - 1;
+    uint32_t before = gd__side_previous(net, side), twin = net->twin[side],
+             twin_before = net->twin[before];
     uint32_t edges = net->point_count;
     out->origin[first] = net->origin[side];
     out->origin[first + 1] = edges + net->edge[side];
     out->origin[last] = edges + net->edge[before];
     out->sharpness[first] = decayed(net->sharpness[side], 1);
     out->sharpness[last] = decayed(net->sharpness[before], 1);
-    out->twin[first] =
-        twin == GD_NONE ? GD_NONE : arity * gd__child_at_corner(net, gd__side_next(net, twin)) + arity - 1;
-    out->twin[last] = twin_before == GD_NONE ? GD_NONE : arity * gd__child_at_corner(net, twin_before);
+    out->twin[first] = twin == GD_NONE
+                           ? GD_NONE
+                           : arity * gd__child_at_corner(net, gd__side_next(net, twin)) + arity - 1;
+    out->twin[last] =
+        twin_before == GD_NONE ? GD_NONE : arity * gd__child_at_corner(net, twin_before);
     for (uint32_t i = first + 1; i < last; i++) out->sharpness[i] = 0;
 }
 

@@ -28,18 +28,20 @@ static enum gd_status shoot(const struct aim *aim, double angle, double length, 
 {
     struct gd_vec3 direction = gd_vec3_along(gd_vec3_scale(aim->x, cos(angle)), sin(angle), aim->y);
     struct shot shot = {.angle = angle, .length = length};
-    enum gd_status status =
-        gd_limit_trace(aim->surface, &aim->start, direction, length, aim->control, &shot.path, aim->detail);
+    enum gd_status status = gd_limit_trace(aim->surface, &aim->start, direction, length,
+                                           aim->control, &shot.path, aim->detail);
     if (status) return status;
-    shot.end = gd_vec3_along(shot.path.steps[shot.path.step_count - 1].position, length - shot.path.length,
-                             shot.path.direction);
+    shot.end = gd_vec3_along(shot.path.steps[shot.path.step_count - 1].position,
+                             length - shot.path.length, shot.path.direction);
     shot.miss = gd_vec3_distance(shot.end, aim->target);
     *out = shot;
     return GD_OK;
 }
 
-/* How far the end moves sideways, and which way that is, per radian of the direction at the start. */
-static enum gd_status end_movement(const struct aim *aim, const struct shot *shot, struct gd_vec3 *out)
+/* How far the end moves sideways, and which way that is, per radian of the direction at the start.
+ */
+static enum gd_status end_movement(const struct aim *aim, const struct shot *shot,
+                                   struct gd_vec3 *out)
 {
     struct shot beside;
     enum gd_status status = shoot(aim, shot->angle + GD_TOL_BESIDE_SHOT, shot->length, &beside);
@@ -50,7 +52,8 @@ static enum gd_status end_movement(const struct aim *aim, const struct shot *sho
     return GD_OK;
 }
 
-/* One step of Newton's method, halved until it comes nearer; `*shot` becomes the better one. `*better` false: none is. */
+/* One step of Newton's method, halved until it comes nearer; `*shot` becomes the better one.
+ * `*better` false: none is. */
 static enum gd_status improve(const struct aim *aim, struct shot *shot, bool *better)
 {
     struct gd_vec3 sideways, miss = gd_vec3_sub(aim->target, shot->end);
@@ -58,7 +61,8 @@ static enum gd_status improve(const struct aim *aim, struct shot *shot, bool *be
     double square = gd_vec3_dot(sideways, sideways);
     *better = false;
     if (status || !(square > 0)) return status;
-    double turn = gd_vec3_dot(miss, sideways) / square, longer = gd_vec3_dot(miss, shot->path.direction);
+    double turn = gd_vec3_dot(miss, sideways) / square,
+           longer = gd_vec3_dot(miss, shot->path.direction);
     turn = fmin(fmax(turn, -0.3), 0.3);
     for (int halvings = 0; halvings < 6 && !*better; halvings++, turn /= 2, longer /= 2) {
         struct shot next;
@@ -80,36 +84,45 @@ static enum gd_status hit(const struct aim *aim, double length, struct gd_limit_
     for (int i = 0; !status && better && i < SHOTS && shot.miss > GD_TOL_PLACE * length; i++)
         status = improve(aim, &shot, &better);
     *out = (struct gd_limit_geodesic){.path = shot.path};
-    double off = shot.miss + fabs(shot.length - shot.path.length); /* it may have met the boundary before */
+    /* it may have met the boundary before */
+    double off = shot.miss + fabs(shot.length - shot.path.length);
     out->error_estimate = off + GD_TOL_GEODESIC * shot.path.step_count * length;
-    out->converged = off <= GD_TOL_SHOT * length && fabs(shot.length - length) <= GD_TOL_SAME_WAY * length;
+    out->converged =
+        off <= GD_TOL_SHOT * length && fabs(shot.length - length) <= GD_TOL_SAME_WAY * length;
     if (status || !out->converged) gd_limit_path_free(&out->path);
     return status;
 }
 
 /* Axes of the tangent plane, x towards the polyline's first tenth; the polyline's length. */
-static enum gd_status take_aim(const struct gd_limit_jet *jets, size_t count, struct aim *aim, double *length)
+static enum gd_status take_aim(const struct gd_limit_jet *jets, size_t count, struct aim *aim,
+                               double *length)
 {
     struct gd_vec3 start = jets[0].position, normal = jets[0].normal;
     *length = 0;
-    for (size_t i = 1; i < count; i++) *length += gd_vec3_distance(jets[i].position, jets[i - 1].position);
+    for (size_t i = 1; i < count; i++)
+        *length += gd_vec3_distance(jets[i].position, jets[i - 1].position);
     size_t ahead = 1;
-    while (ahead + 1 < count && gd_vec3_distance(jets[ahead].position, start) < *length / 10) ahead++;
+    while (ahead + 1 < count && gd_vec3_distance(jets[ahead].position, start) < *length / 10)
+        ahead++;
     struct gd_vec3 way = gd_vec3_sub(jets[ahead].position, start);
     way = gd_vec3_along(way, -gd_vec3_dot(way, normal), normal);
     double size = gd_vec3_length(way);
     if (!(size > 0))
-        return gd_fail(aim->detail, GD_INVALID_ARGUMENT, "the polyline does not lead away from where it starts");
+        return gd_fail(aim->detail, GD_INVALID_ARGUMENT,
+                       "the polyline does not lead away from where it starts");
     aim->x = gd_vec3_scale(way, 1 / size);
     aim->y = gd_vec3_cross(normal, aim->x);
     aim->target = jets[count - 1].position;
     return GD_OK;
 }
 
-enum gd_status gd_limit_relax(const struct gd_subdivision *surface, const struct gd_limit_point *places, size_t count,
-                              const struct gd_control *control, struct gd_limit_geodesic *out, struct gd_detail *detail)
+enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
+                              const struct gd_limit_point *places, size_t count,
+                              const struct gd_control *control, struct gd_limit_geodesic *out,
+                              struct gd_detail *detail)
 {
-    if (count < 2) return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has at least two points");
+    if (count < 2)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has at least two points");
     struct aim aim = {.surface = surface, .control = control, .start = places[0], .detail = detail};
     double length = 0;
     struct gd_limit_jet *jets = malloc(count * sizeof *jets);

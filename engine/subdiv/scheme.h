@@ -1,7 +1,9 @@
-/* Scheme: what Catmull-Clark and Loop subdivision differ in. Everything else (refinement, neighbourhoods, descent, grids, tracing) is written once.
+/* Scheme: what Catmull-Clark and Loop subdivision differ in. Everything else (refinement,
+ * neighbourhoods, descent, grids, tracing) is written once.
  *
- * A face's own coordinates (s,t) run over its domain: the square [0,1]^2 or the triangle s, t >= 0, s + t <= 1. Its children lie in it as `children`
- * says: (s,t) of a child is ((origin + s * axis_s + t * axis_t) / 2) of its parent; the determinant of the axes is 1. */
+ * A face's own coordinates (s,t) run over its domain: the square [0,1]^2 or the triangle s, t >= 0,
+ * s + t <= 1. Its children lie in it as `children` says: (s,t) of a child is ((origin + s * axis_s
+ * + t * axis_t) / 2) of its parent; the determinant of the axes is 1. */
 #ifndef GD_SUBDIV_SCHEME_H
 #define GD_SUBDIV_SCHEME_H
 
@@ -12,7 +14,8 @@ struct gd__jet {
     struct gd_vec3 p, s, t, ss, st, tt;
 };
 
-/* A polynomial piece of the surface over its face: 16 B-spline control points, or the 15 coefficients of a quartic in powers of s and t. */
+/* A polynomial piece of the surface over its face: 16 B-spline control points, or the 15
+ * coefficients of a quartic in powers of s and t. */
 struct gd__patch {
     struct gd_vec3 c[16];
 };
@@ -37,27 +40,34 @@ struct gd__scheme {
     struct gd__child children[GD__CHILDREN];
     bool corner_patches; /* a sharp corner of one face is part of a polynomial patch */
 
-    /* The child in whose domain (s,t) lies. On a border between children, up to `slack`: the one that (ds,dt) points into, if that is not 0. */
+    /* The child in whose domain (s,t) lies. On a border between children, up to `slack`: the one
+     * that (ds,dt) points into, if that is not 0. */
     uint32_t (*child_at)(double s, double t, double ds, double dt, double slack);
 
     /* Subdivision rules inside; `face_points` is NULL for Loop. */
-    struct gd_vec3 (*edge_point)(const struct gd__net *net, uint32_t side, const struct gd_vec3 *face_points);
+    struct gd_vec3 (*edge_point)(const struct gd__net *net, uint32_t side,
+                                 const struct gd_vec3 *face_points);
     struct gd_vec3 (*vertex_point)(const struct gd__net *net, const struct gd__fan *fan,
                                    const struct gd_vec3 *face_points);
 
-    /* Limit masks of a closed fan without sharp edges, and the tangent towards spoke 0 turned by `angle` (2 pi / n is the next spoke). */
+    /* Limit masks of a closed fan without sharp edges, and the tangent towards spoke 0 turned by
+     * `angle` (2 pi / n is the next spoke). */
     struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
     struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
-    /* ... with the vertex held where it is: the direction that the ring takes as it shrinks, 0: none. */
+    /* ... with the vertex held where it is: the direction that the ring takes as it shrinks, 0:
+     * none. */
     struct gd_vec3 (*axis)(const struct gd__net *net, const struct gd__fan *fan);
-    /* ... and, at a crease with `faces` faces from spoke `begin` on, the tangent into the surface across it. */
-    struct gd_vec3 (*cross)(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces);
+    /* ... and, at a crease with `faces` faces from spoke `begin` on, the tangent into the surface
+     * across it. */
+    struct gd_vec3 (*cross)(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
+                            uint32_t faces);
 
     /* The polynomial of face 0, all of whose corners are regular (gd__ring_is_regular). */
     void (*patch)(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out);
     void (*evaluate)(const struct gd__patch *patch, double s, double t, struct gd__jet *out);
 
-    /* Row i of a grid: positions and cross products of the derivatives at (i / cells, j / cells), 0 <= j <= cells in the domain. */
+    /* Row i of a grid: positions and cross products of the derivatives at (i / cells, j / cells), 0
+     * <= j <= cells in the domain. */
     void (*row)(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows);
 };
 

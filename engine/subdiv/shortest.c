@@ -34,34 +34,38 @@ static void search_free(struct search *search)
     free(search->jets);
 }
 
-/* --- on the mesh -------------------------------------------------------------------------------------------------- */
+/* --- on the mesh ------------------------------------------------------------------------------ */
 
 static enum gd_status search_mesh(struct search *search)
 {
     struct gd_point points[2];
     enum gd_status status = GD_OK;
     for (int i = 0; i < 2 && !status; i++)
-        status = gd_limit_place_check(gd_limit_mesh_surface(search->fine), &search->ends[i], search->detail);
+        status = gd_limit_place_check(gd_limit_mesh_surface(search->fine), &search->ends[i],
+                                      search->detail);
     for (int i = 0; i < 2 && !status; i++)
         status = gd_limit_mesh_point(search->fine, &search->ends[i], &points[i], search->detail);
     if (status) return status;
-    return gd_pair_solve(gd_limit_mesh_mesh(search->fine), &points[0], &points[1], true, NULL, search->control,
-                         &search->pair, search->detail);
+    return gd_pair_solve(gd_limit_mesh_mesh(search->fine), &points[0], &points[1], true, NULL,
+                         search->control, &search->pair, search->detail);
 }
 
-/* The middle of a straight part of the path; where the mesh passes through itself perhaps that of another sheet, which is as good for a length. */
-static enum gd_status place_between(const struct search *search, const struct gd_point *a, const struct gd_point *b,
-                                    struct gd_limit_point *out)
+/* The middle of a straight part of the path; where the mesh passes through itself perhaps that of
+ * another sheet, which is as good for a length. */
+static enum gd_status place_between(const struct search *search, const struct gd_point *a,
+                                    const struct gd_point *b, struct gd_limit_point *out)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(search->fine);
     struct gd_vec3 sum = gd_vec3_add(gd_point_position(mesh, a), gd_point_position(mesh, b));
     struct gd_point middle;
-    enum gd_status status = gd_locate_nearest(mesh, gd_vec3_scale(sum, 0.5), -1, &middle, NULL, search->detail);
+    enum gd_status status =
+        gd_locate_nearest(mesh, gd_vec3_scale(sum, 0.5), -1, &middle, NULL, search->detail);
     if (!status) *out = gd_limit_mesh_place(search->fine, &middle);
     return status;
 }
 
-/* The places of the path's points and, between them, of the middles of its parts. They begin and end with the caller's own. */
+/* The places of the path's points and, between them, of the middles of its parts. They begin and
+ * end with the caller's own. */
 static enum gd_status place_path(struct search *search)
 {
     const struct gd_path *path = &search->pair.path;
@@ -90,11 +94,11 @@ static enum gd_status lift(struct search *search)
     for (uint32_t i = 0; i < count; i++) search->places[i] = search->ends[0];
     status = place_path(search);
     if (status) return status;
-    return gd_limit_evaluate_many(gd_limit_mesh_surface(search->fine), search->places, count, search->control,
-                                  search->jets, search->detail);
+    return gd_limit_evaluate_many(gd_limit_mesh_surface(search->fine), search->places, count,
+                                  search->control, search->jets, search->detail);
 }
 
-/* --- on the surface ----------------------------------------------------------------------------------------------- */
+/* --- on the surface --------------------------------------------------------------------------- */
 
 /* Length of the cubic over a chord that leaves it with the slopes a and b, to the fourth order. */
 static double arc(double chord, double a, double b)
@@ -108,7 +112,8 @@ static double slope_at(const struct gd_limit_jet *jet, struct gd_vec3 way, doubl
     return isnan(jet->normal.x) ? 0 : -gd_vec3_dot(jet->normal, way) / chord;
 }
 
-/* Of the surface's curve from one jet's point to the other's, straight but for what the normals tell. */
+/* Of the surface's curve from one jet's point to the other's, straight but for what the normals
+ * tell. */
 static double arc_between(const struct gd_limit_jet *from, const struct gd_limit_jet *to)
 {
     struct gd_vec3 way = gd_vec3_sub(to->position, from->position);
@@ -117,8 +122,9 @@ static double arc_between(const struct gd_limit_jet *from, const struct gd_limit
     return arc(chord, slope_at(from, way, chord), slope_at(to, way, chord));
 }
 
-/* Over three points: what the middle one adds to the whole's length is a quarter of what is missing, since normals tell how the surface bends, but not how the
- * path bends in it, at a boundary for instance. */
+/* Over three points: what the middle one adds to the whole's length is a quarter of what is
+ * missing, since normals tell how the surface bends, but not how the path bends in it, at a
+ * boundary for instance. */
 static double arc_by_way(const struct gd_limit_jet *jets)
 {
     double halves = arc_between(&jets[0], &jets[1]) + arc_between(&jets[1], &jets[2]);
@@ -128,20 +134,24 @@ static double arc_by_way(const struct gd_limit_jet *jets)
 /* The lifted path as the answer. */
 static enum gd_status answer_lifted(const struct search *search, struct gd_limit_shortest *out)
 {
-    struct gd_limit_shortest made = {.mesh_distance = search->pair.distance, .step_count = search->count / 2 + 1};
+    struct gd_limit_shortest made = {.mesh_distance = search->pair.distance,
+                                     .step_count = search->count / 2 + 1};
     made.steps = malloc(made.step_count * sizeof *made.steps);
     if (!made.steps) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < made.step_count; i++) {
         if (i) made.distance += arc_by_way(&search->jets[2 * i - 2]);
-        made.steps[i] = (struct gd_limit_step){search->places[2 * i], search->jets[2 * i].position, made.distance};
+        made.steps[i] = (struct gd_limit_step){search->places[2 * i], search->jets[2 * i].position,
+                                               made.distance};
     }
     made.error_estimate = fabs(made.distance - made.mesh_distance);
     *out = made;
     return GD_OK;
 }
 
-/* Puts the geodesic in the place of the lifted path if it is no longer than that, as far as its length is known. */
-static void prefer_geodesic(const struct search *search, struct gd_limit_geodesic *found, struct gd_limit_shortest *out)
+/* Puts the geodesic in the place of the lifted path if it is no longer than that, as far as its
+ * length is known. */
+static void prefer_geodesic(const struct search *search, struct gd_limit_geodesic *found,
+                            struct gd_limit_shortest *out)
 {
     struct gd_limit_path *path = &found->path;
     if (!found->converged || !(path->length <= out->distance + out->error_estimate)) {
@@ -161,9 +171,10 @@ static enum gd_status relax(const struct search *search, struct gd_limit_shortes
 {
     struct gd_limit_geodesic found;
     if (!(out->distance > 0)) return GD_OK;
-    enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine), search->places, search->count,
-                                           search->control, &found, search->detail);
-    /* the ends are too near to each other to tell a direction, or there is none at the start, or geodesics can't be followed */
+    enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine), search->places,
+                                           search->count, search->control, &found, search->detail);
+    /* the ends are too near to each other to tell a direction, or there is none at the start, or
+     * geodesics can't be followed */
     if (status == GD_INVALID_ARGUMENT || status == GD_INTERNAL) return GD_OK;
     if (!status) prefer_geodesic(search, &found, out);
     return status;
@@ -187,11 +198,14 @@ static enum gd_status find(struct search *search, struct gd_limit_shortest *out)
     return status;
 }
 
-enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine, const struct gd_limit_point *from,
-                                      const struct gd_limit_point *to, const struct gd_control *control,
+enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
+                                      const struct gd_limit_point *from,
+                                      const struct gd_limit_point *to,
+                                      const struct gd_control *control,
                                       struct gd_limit_shortest *out, struct gd_detail *detail)
 {
-    struct search search = {.fine = fine, .control = control, .detail = detail, .ends = {*from, *to}};
+    struct search search = {
+        .fine = fine, .control = control, .detail = detail, .ends = {*from, *to}};
     enum gd_status status = find(&search, out);
     search_free(&search);
     return status;

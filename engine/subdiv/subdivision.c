@@ -18,7 +18,8 @@ static enum gd_status split(struct gd_subdivision *surface, struct gd__net *cont
     enum gd_status status = fan.sides && surface->split_first ? GD_OK : GD_NO_MEMORY;
     size_t points = (size_t)control->point_count + edges + control->face_count;
     if (!status)
-        status = gd__net_create(&surface->base, 4, points, control->side_count, 4 * (size_t)control->side_count, false);
+        status = gd__net_create(&surface->base, 4, points, control->side_count,
+                                4 * (size_t)control->side_count, false);
     if (!status) {
         for (uint32_t face = 0; face <= control->face_count; face++)
             surface->split_first[face] = gd__face_first(control, face);
@@ -28,7 +29,8 @@ static enum gd_status split(struct gd_subdivision *surface, struct gd__net *cont
     return status;
 }
 
-/* Counts, per point, its edges (one more than its faces at a boundary) and whether it is at the boundary. */
+/* Counts, per point, its edges (one more than its faces at a boundary) and whether it is at the
+ * boundary. */
 struct census {
     uint32_t *edges;
     bool *open;
@@ -48,16 +50,18 @@ static enum gd_status take_census(const struct gd__net *net, struct census *out)
     return GD_OK;
 }
 
-static uint32_t largest_valence(const struct gd__net *net, const struct census *census, uint32_t least)
+static uint32_t largest_valence(const struct gd__net *net, const struct census *census,
+                                uint32_t least)
 {
     uint32_t largest = least;
-    for (uint32_t i = 0; i < net->point_count; i++) largest = census->edges[i] > largest ? census->edges[i] : largest;
+    for (uint32_t i = 0; i < net->point_count; i++)
+        largest = census->edges[i] > largest ? census->edges[i] : largest;
     return largest;
 }
 
 /* `valences` has room for one of each valence up to the largest. */
-static uint32_t count_extraordinary(const struct gd__net *net, const struct census *census, uint32_t regular,
-                                    uint32_t largest, struct gd_valence *valences)
+static uint32_t count_extraordinary(const struct gd__net *net, const struct census *census,
+                                    uint32_t regular, uint32_t largest, struct gd_valence *valences)
 {
     for (uint32_t v = 0; v <= largest; v++) valences[v] = (struct gd_valence){v, 0};
     for (uint32_t i = 0; i < net->point_count; i++) {
@@ -89,8 +93,8 @@ static uint32_t count_loops(const struct gd__net *net)
     return found;
 }
 
-static void count_edges(const struct gd__net *net, const struct gd_control_mesh *mesh, uint32_t edges,
-                        struct gd_subdivision_summary *out)
+static void count_edges(const struct gd__net *net, const struct gd_control_mesh *mesh,
+                        uint32_t edges, struct gd_subdivision_summary *out)
 {
     out->vertex_count = net->point_count;
     out->edge_count = edges;
@@ -100,7 +104,8 @@ static void count_edges(const struct gd__net *net, const struct gd_control_mesh 
         out->boundary_edges += twin == GD_NONE;
         out->crease_edges += twin != GD_NONE && side < twin && net->sharpness[side] > 0;
     }
-    for (uint32_t i = 0; i < mesh->corner_count; i++) out->corner_vertices += mesh->corners[i].sharpness > 0;
+    for (uint32_t i = 0; i < mesh->corner_count; i++)
+        out->corner_vertices += mesh->corners[i].sharpness > 0;
 }
 
 static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *control,
@@ -116,8 +121,8 @@ static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *
         struct gd_subdivision_summary *summary = &surface->summary;
         count_edges(control, mesh, gd__number_edges(control), summary);
         summary->boundary_loops = loops;
-        summary->extraordinary_count =
-            count_extraordinary(control, &census, surface->rules->valence, largest, surface->valences);
+        summary->extraordinary_count = count_extraordinary(
+            control, &census, surface->rules->valence, largest, surface->valences);
         summary->extraordinary = surface->valences;
         surface->largest_valence = largest;
     }
@@ -137,11 +142,13 @@ static void widen_valence(struct gd_subdivision *surface)
 
 static struct gd__box joined(struct gd__box a, struct gd__box b)
 {
-    return (struct gd__box){{fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y), fmin(a.low.z, b.low.z)},
-                            {fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z)}};
+    return (struct gd__box){
+        {fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y), fmin(a.low.z, b.low.z)},
+        {fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z)}};
 }
 
-/* Of the corners of each face; then of the faces around each point; then of the points of each face again. */
+/* Of the corners of each face; then of the faces around each point; then of the points of each face
+ * again. */
 static enum gd_status make_boxes(struct gd_subdivision *surface)
 {
     const struct gd__net *base = &surface->base;
@@ -160,12 +167,14 @@ static enum gd_status make_boxes(struct gd_subdivision *surface)
             struct gd_vec3 p = base->points[corners[k]];
             box = joined(box, (struct gd__box){p, p});
         }
-        for (uint32_t k = 0; k < base->arity; k++) around[corners[k]] = joined(around[corners[k]], box);
+        for (uint32_t k = 0; k < base->arity; k++)
+            around[corners[k]] = joined(around[corners[k]], box);
     }
     for (uint32_t face = 0; face < base->face_count; face++) {
         surface->boxes[face] = none;
         for (uint32_t k = 0; k < base->arity; k++)
-            surface->boxes[face] = joined(surface->boxes[face], around[base->origin[base->arity * face + k]]);
+            surface->boxes[face] =
+                joined(surface->boxes[face], around[base->origin[base->arity * face + k]]);
     }
     free(around);
     return GD_OK;
@@ -174,12 +183,14 @@ static enum gd_status make_boxes(struct gd_subdivision *surface)
 static void measure(struct gd_subdivision *surface)
 {
     struct gd__box all = surface->boxes[0];
-    for (uint32_t face = 1; face < surface->base.face_count; face++) all = joined(all, surface->boxes[face]);
+    for (uint32_t face = 1; face < surface->base.face_count; face++)
+        all = joined(all, surface->boxes[face]);
     struct gd_vec3 extent = gd_vec3_sub(all.high, all.low);
     surface->size = fmax(extent.x, fmax(extent.y, extent.z));
 }
 
-static enum gd_status adopt(struct gd_subdivision *surface, struct gd__net *control, const struct gd_control_mesh *mesh)
+static enum gd_status adopt(struct gd_subdivision *surface, struct gd__net *control,
+                            const struct gd_control_mesh *mesh)
 {
     surface->control_faces = control->face_count;
     enum gd_status status = summarise(surface, control, mesh);
@@ -203,7 +214,8 @@ static enum gd_status build(struct gd_subdivision *surface, const struct gd_cont
 {
     struct gd__net control = {0};
     struct gd__edge_key *edges = NULL;
-    enum gd_status status = gd__net_connect(&mesh->polygons, surface->rules->arity, &control, &edges, detail);
+    enum gd_status status =
+        gd__net_connect(&mesh->polygons, surface->rules->arity, &control, &edges, detail);
     if (!status) status = gd__apply_tags(mesh, edges, &control, detail);
     free(edges);
     if (!status) status = adopt(surface, &control, mesh);
@@ -211,13 +223,16 @@ static enum gd_status build(struct gd_subdivision *surface, const struct gd_cont
     return status;
 }
 
-enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh, enum gd_scheme scheme,
-                                     const struct gd_control *control, struct gd_subdivision **out,
-                                     struct gd_detail *detail)
+enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh,
+                                     enum gd_scheme scheme, const struct gd_control *control,
+                                     struct gd_subdivision **out, struct gd_detail *detail)
 {
-    size_t sides = control_mesh->polygons.polygon_count ? gd_polygons_corner_count(&control_mesh->polygons) : 0;
+    size_t sides = control_mesh->polygons.polygon_count
+                       ? gd_polygons_corner_count(&control_mesh->polygons)
+                       : 0;
     if (sides > SIDES_MOST)
-        return gd_fail(detail, GD_TOO_LARGE, "the control mesh's faces have %zu corners in all: at most %d are taken",
+        return gd_fail(detail, GD_TOO_LARGE,
+                       "the control mesh's faces have %zu corners in all: at most %d are taken",
                        sides, SIDES_MOST);
     enum gd_status status = gd_control_check(control, 0);
     if (!status) status = gd_control_afford(control, 200 * sides);

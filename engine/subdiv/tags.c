@@ -8,15 +8,16 @@ static float sharpness_of(double sharpness)
     return sharpness >= GD_SHARPNESS_INFINITE ? INFINITY : (float)sharpness;
 }
 
-static enum gd_status check_tag(const struct gd__net *net, const char *what, uint32_t index, uint32_t vertex,
-                                double sharpness, struct gd_detail *detail)
+static enum gd_status check_tag(const struct gd__net *net, const char *what, uint32_t index,
+                                uint32_t vertex, double sharpness, struct gd_detail *detail)
 {
     if (vertex >= net->point_count)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "%s %u names vertex %u, of which there are %u", what, index, vertex,
-                       net->point_count);
+        return gd_fail(detail, GD_OUT_OF_RANGE, "%s %u names vertex %u, of which there are %u",
+                       what, index, vertex, net->point_count);
     if (!(sharpness >= 0))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "%s %u has the sharpness %g: it must be a number of at least 0",
-                       what, index, sharpness);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "%s %u has the sharpness %g: it must be a number of at least 0", what, index,
+                       sharpness);
     return GD_OK;
 }
 
@@ -26,17 +27,22 @@ static int compare_key(const void *key, const void *edge)
     return (a > b) - (a < b);
 }
 
-static enum gd_status apply_crease(const struct gd_crease *crease, uint32_t index, const struct gd__edge_key *edges,
-                                   struct gd__net *net, struct gd_detail *detail)
+static enum gd_status apply_crease(const struct gd_crease *crease, uint32_t index,
+                                   const struct gd__edge_key *edges, struct gd__net *net,
+                                   struct gd_detail *detail)
 {
-    uint64_t a = crease->vertices[0], b = crease->vertices[1], key = a < b ? a << 32 | b : b << 32 | a;
-    enum gd_status status = check_tag(net, "crease", index, crease->vertices[0], crease->sharpness, detail);
-    if (!status) status = check_tag(net, "crease", index, crease->vertices[1], crease->sharpness, detail);
+    uint64_t a = crease->vertices[0], b = crease->vertices[1],
+             key = a < b ? a << 32 | b : b << 32 | a;
+    enum gd_status status =
+        check_tag(net, "crease", index, crease->vertices[0], crease->sharpness, detail);
+    if (!status)
+        status = check_tag(net, "crease", index, crease->vertices[1], crease->sharpness, detail);
     if (status) return status;
-    const struct gd__edge_key *edge = bsearch(&key, edges, net->side_count, sizeof *edges, compare_key);
+    const struct gd__edge_key *edge =
+        bsearch(&key, edges, net->side_count, sizeof *edges, compare_key);
     if (!edge) {
-        gd_fail(detail, GD_NO_SUCH_EDGE, "crease %u is of vertices %u and %u, which share no edge", index,
-                crease->vertices[0], crease->vertices[1]);
+        gd_fail(detail, GD_NO_SUCH_EDGE, "crease %u is of vertices %u and %u, which share no edge",
+                index, crease->vertices[0], crease->vertices[1]);
         gd_detail_add(detail, GD_ELEMENT_EDGE, a, b);
         return GD_NO_SUCH_EDGE;
     }
@@ -46,37 +52,40 @@ static enum gd_status apply_crease(const struct gd_crease *crease, uint32_t inde
     return GD_OK;
 }
 
-static enum gd_status apply_corner(const struct gd_corner *corner, uint32_t index, const uint32_t *faces,
-                                   struct gd__net *net, struct gd_detail *detail)
+static enum gd_status apply_corner(const struct gd_corner *corner, uint32_t index,
+                                   const uint32_t *faces, struct gd__net *net,
+                                   struct gd_detail *detail)
 {
-    enum gd_status status = check_tag(net, "corner", index, corner->vertex, corner->sharpness, detail);
+    enum gd_status status =
+        check_tag(net, "corner", index, corner->vertex, corner->sharpness, detail);
     if (status) return status;
     if (faces[corner->vertex] == 0)
-        return gd_fail(detail, GD_UNREFERENCED_VERTEX, "corner %u is vertex %u, which belongs to no face", index,
-                       corner->vertex);
+        return gd_fail(detail, GD_UNREFERENCED_VERTEX,
+                       "corner %u is vertex %u, which belongs to no face", index, corner->vertex);
     net->corner[corner->vertex] = sharpness_of(corner->sharpness);
     return GD_OK;
 }
 
-static enum gd_status apply_boundary(enum gd_interpolate_boundary rule, const uint32_t *faces, struct gd__net *net,
-                                     struct gd_detail *detail)
+static enum gd_status apply_boundary(enum gd_interpolate_boundary rule, const uint32_t *faces,
+                                     struct gd__net *net, struct gd_detail *detail)
 {
     for (uint32_t side = 0; side < net->side_count; side++) {
         if (net->twin[side] != GD_NONE) continue;
         if (rule == GD_INTERPOLATE_NONE)
-            return gd_fail(
-                detail, GD_UNSUPPORTED,
-                "the mesh has a boundary (at vertices %u and %u), next to which the boundary rule \"none\" has "
-                "no surface: choose edgeOnly or edgeAndCorner",
-                net->origin[side], gd__side_end(net, side));
+            return gd_fail(detail, GD_UNSUPPORTED,
+                           "the mesh has a boundary (at vertices %u and %u), next to which the "
+                           "boundary rule \"none\" has "
+                           "no surface: choose edgeOnly or edgeAndCorner",
+                           net->origin[side], gd__side_end(net, side));
         uint32_t point = net->origin[side];
-        if (rule == GD_INTERPOLATE_EDGE_AND_CORNER && faces[point] == 1) net->corner[point] = INFINITY;
+        if (rule == GD_INTERPOLATE_EDGE_AND_CORNER && faces[point] == 1)
+            net->corner[point] = INFINITY;
     }
     return GD_OK;
 }
 
-enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh, const struct gd__edge_key *edges, struct gd__net *net,
-                              struct gd_detail *detail)
+enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh, const struct gd__edge_key *edges,
+                              struct gd__net *net, struct gd_detail *detail)
 {
     uint32_t *faces = calloc(net->point_count + (size_t)1, sizeof *faces);
     if (!faces) return GD_NO_MEMORY;

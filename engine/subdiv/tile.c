@@ -16,13 +16,15 @@ static double square_distance(const double *a, const double *b)
 /* Counter-clockwise corners; cut along the shorter diagonal, of equal ones from a to c. */
 static uint32_t *quad(const double (*positions)[3], const uint32_t v[4], uint32_t *corners)
 {
-    bool first = square_distance(positions[v[0]], positions[v[2]]) <= square_distance(positions[v[1]], positions[v[3]]);
+    bool first = square_distance(positions[v[0]], positions[v[2]]) <=
+                 square_distance(positions[v[1]], positions[v[3]]);
     corners = triangle(corners, v[0], v[1], v[first ? 2 : 3]);
     return first ? triangle(corners, v[0], v[2], v[3]) : triangle(corners, v[1], v[2], v[3]);
 }
 
 /* The vertex at (i,j) of a face whose edges are as fine as itself. */
-static uint32_t vertex_at(const struct gd__tiling *tiling, uint32_t face, uint32_t cells, uint32_t i, uint32_t j)
+static uint32_t vertex_at(const struct gd__tiling *tiling, uint32_t face, uint32_t cells,
+                          uint32_t i, uint32_t j)
 {
     uint32_t arity = tiling->surface->rules->arity, first = arity * face;
     if (j == 0) return gd__tiling_on_side(tiling, first, i);
@@ -41,7 +43,8 @@ struct tiled {
 };
 
 /* Cells (i,j) with low <= i, j and i, j < high (Loop: i + j < high). */
-static uint32_t *tile_cells(const struct tiled *tiled, uint32_t low, uint32_t high, uint32_t *corners)
+static uint32_t *tile_cells(const struct tiled *tiled, uint32_t low, uint32_t high,
+                            uint32_t *corners)
 {
     const struct gd__tiling *tiling = tiled->tiling;
     uint32_t face = tiled->face, cells = 1u << tiling->face_level[face];
@@ -49,7 +52,8 @@ static uint32_t *tile_cells(const struct tiled *tiled, uint32_t low, uint32_t hi
     for (uint32_t i = low; i < high && gd__pace(tiled->pace, high - low); i++) {
         uint32_t last = triangles ? high - i : high;
         if (last <= low) break;
-        uint32_t a = vertex_at(tiling, face, cells, i, low), b = vertex_at(tiling, face, cells, i + 1, low);
+        uint32_t a = vertex_at(tiling, face, cells, i, low),
+                 b = vertex_at(tiling, face, cells, i + 1, low);
         for (uint32_t j = low; j < last; j++) {
             uint32_t d = vertex_at(tiling, face, cells, i, j + 1);
             bool half = triangles && j + 1 == last;
@@ -79,12 +83,15 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
     return gd__tiling_inside(tiling, face, cells, at[k][0], at[k][1]);
 }
 
-/* Between a side and the inner row beside it: from both, the vertex that comes next along the side. */
-static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k, uint32_t *corners)
+/* Between a side and the inner row beside it: from both, the vertex that comes next along the side.
+ */
+static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
+                            uint32_t *corners)
 {
     const struct gd__net *base = &tiling->surface->base;
     uint32_t side = base->arity * face + k;
-    uint32_t outer_cells = 1u << tiling->edge_level[base->edge[side]], cells = 1u << tiling->face_level[face];
+    uint32_t outer_cells = 1u << tiling->edge_level[base->edge[side]],
+             cells = 1u << tiling->face_level[face];
     uint32_t inner_cells = base->arity == 4 ? cells - 2 : cells - 3;
     double shift = base->arity == 4 ? 1 : 1.5;
     uint32_t outer = gd__tiling_on_side(tiling, side, 0), inner = inner_vertex(tiling, face, k, 0);
@@ -104,11 +111,12 @@ static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint
     return corners;
 }
 
-uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3], uint32_t *corners,
-                   struct gd__pace *pace)
+uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3],
+                   uint32_t *corners, struct gd__pace *pace)
 {
     const struct tiled tiled = {tiling, face, positions, pace};
-    uint32_t level = tiling->face_level[face], cells = 1u << level, arity = tiling->surface->rules->arity;
+    uint32_t level = tiling->face_level[face], cells = 1u << level,
+             arity = tiling->surface->rules->arity;
     if (gd__tiling_finest(tiling, face) == level) return tile_cells(&tiled, 0, cells, corners);
     corners = tile_cells(&tiled, 1, cells - 1, corners);
     for (uint32_t k = 0; k < arity; k++) corners = tile_strip(tiling, face, k, corners);

@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t level, struct gd__tiling *out)
+enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t level,
+                                 struct gd__tiling *out)
 {
     const struct gd__net *base = &surface->base;
     struct gd__tiling made = {.surface = surface};
@@ -12,7 +13,8 @@ enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t 
     made.point = malloc(base->point_count * sizeof *made.point);
     made.edge_first = malloc(surface->base_edges * sizeof *made.edge_first);
     made.face_first = malloc(base->face_count * sizeof *made.face_first);
-    if (!made.face_level || !made.edge_level || !made.point || !made.edge_first || !made.face_first) {
+    if (!made.face_level || !made.edge_level || !made.point || !made.edge_first ||
+        !made.face_first) {
         gd__tiling_free(&made);
         return GD_NO_MEMORY;
     }
@@ -36,7 +38,8 @@ static void level_edges(struct gd__tiling *tiling)
     const struct gd__net *base = &tiling->surface->base;
     memset(tiling->edge_level, 0, tiling->surface->base_edges);
     for (uint32_t side = 0; side < base->side_count; side++) {
-        uint8_t *edge = &tiling->edge_level[base->edge[side]], face = tiling->face_level[side / base->arity];
+        uint8_t *edge = &tiling->edge_level[base->edge[side]],
+                face = tiling->face_level[side / base->arity];
         *edge = *edge > face ? *edge : face;
     }
 }
@@ -62,7 +65,8 @@ static uint64_t triangle_count(const struct gd__tiling *tiling, uint32_t face)
     const struct gd__net *base = &tiling->surface->base;
     uint32_t arity = base->arity;
     uint64_t cells = 1ull << tiling->face_level[face], count = (arity == 4 ? 2 : 1) * cells * cells;
-    for (uint32_t k = 0; k < arity; k++) count += (1ull << tiling->edge_level[base->edge[arity * face + k]]) - cells;
+    for (uint32_t k = 0; k < arity; k++)
+        count += (1ull << tiling->edge_level[base->edge[arity * face + k]]) - cells;
     return count;
 }
 
@@ -71,8 +75,10 @@ enum gd_status gd__tiling_number(struct gd__tiling *tiling, uint64_t most)
     const struct gd__net *base = &tiling->surface->base;
     tiling->vertices = tiling->triangles = 0;
     level_edges(tiling);
-    for (uint32_t face = 0; face < base->face_count; face++) tiling->triangles += triangle_count(tiling, face);
-    if (tiling->triangles > most) return GD_TOO_LARGE; /* the vertices of fewer than 2^30 triangles can be counted */
+    for (uint32_t face = 0; face < base->face_count; face++)
+        tiling->triangles += triangle_count(tiling, face);
+    /* the vertices of fewer than 2^30 triangles can be counted */
+    if (tiling->triangles > most) return GD_TOO_LARGE;
     number_points(tiling);
     for (uint32_t edge = 0; edge < tiling->surface->base_edges; edge++) {
         tiling->edge_first[edge] = (uint32_t)tiling->vertices;
@@ -106,7 +112,8 @@ uint32_t gd__tiling_on_side(const struct gd__tiling *tiling, uint32_t side, uint
     return tiling->edge_first[edge] + (owner ? m : cells - m) - 1;
 }
 
-uint32_t gd__tiling_inside(const struct gd__tiling *tiling, uint32_t face, uint32_t cells, uint32_t i, uint32_t j)
+uint32_t gd__tiling_inside(const struct gd__tiling *tiling, uint32_t face, uint32_t cells,
+                           uint32_t i, uint32_t j)
 {
     uint32_t before = (i - 1) * (cells - 1);
     if (tiling->surface->rules->arity == 3) before -= i * (i - 1) / 2;

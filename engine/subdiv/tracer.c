@@ -18,8 +18,9 @@ static void settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
     flow->s = at[0], flow->t = at[1];
 }
 
-/* The state in the piece's coordinates, on its border where it is within slack of that. In small pieces the base face's coordinates tell places with an error, and axes turn within
- * small pieces as much as within large ones: so it is the direction that is taken apart, at the very place. */
+/* The state in the piece's coordinates, on its border where it is within slack of that. In small
+ * pieces the base face's coordinates tell places with an error, and axes turn within small pieces
+ * as much as within large ones: so it is the direction that is taken apart, at the very place. */
 static struct gd__flow flow_in(const struct gd__tracer *tracer)
 {
     const struct gd__scheme *rules = rules_of(tracer);
@@ -29,7 +30,8 @@ static struct gd__flow flow_in(const struct gd__tracer *tracer)
     gd__chart_in(&piece->frame, tracer->spot.s, tracer->spot.t, at);
     struct gd__flow flow = {.s = at[0], .t = at[1]};
     for (uint32_t k = 0; k < rules->arity; k++) {
-        if (fabs(gd__line_at(rules->arity, k, flow.s, flow.t)) <= piece->slack) settle(rules->arity, k, &flow);
+        if (fabs(gd__line_at(rules->arity, k, flow.s, flow.t)) <= piece->slack)
+            settle(rules->arity, k, &flow);
     }
     rules->evaluate(&piece->patch, flow.s, flow.t, &jet);
     (void)gd__components(&jet, tracer->direction, move);
@@ -54,7 +56,8 @@ static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
     gd__chart_out(&frame, flow->ds, flow->dt, move);
     tracer->spot.s = at[0], tracer->spot.t = at[1];
     tracer->ds = move[0], tracer->dt = move[1];
-    /* from the piece's own coordinates: at a distant corner the base face's don't tell places in small pieces well enough for derivatives */
+    /* from the piece's own coordinates: at a distant corner the base face's don't tell places in
+     * small pieces well enough for derivatives */
     struct gd__jet jet;
     rules_of(tracer)->evaluate(&tracer->walker->piece.patch, flow->s, flow->t, &jet);
     tracer->position = gd_vec3_add(jet.p, tracer->walker->piece.origin);
@@ -84,18 +87,20 @@ static enum gd_status enter(struct gd__tracer *tracer, struct gd_vec3 direction)
     if (!gd__components(&jet, direction, c)) return end_here(tracer);
     tracer->ds = c[0], tracer->dt = c[1];
     struct gd_vec3 vector = gd_vec3_along(gd_vec3_scale(jet.s, c[0]), c[1], jet.t);
-    if (!(gd_vec3_length(vector) > GD_TOL_INPUT * gd_vec3_length(direction))) return GD_INVALID_ARGUMENT;
+    if (!(gd_vec3_length(vector) > GD_TOL_INPUT * gd_vec3_length(direction)))
+        return GD_INVALID_ARGUMENT;
     set_direction(tracer, vector);
     return GD_OK;
 }
 
-enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *walker, const struct gd__spot *spot,
-                                struct gd_vec3 direction)
+enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *walker,
+                                const struct gd__spot *spot, struct gd_vec3 direction)
 {
     *tracer = (struct gd__tracer){.walker = walker, .spot = *spot, .direction = direction};
     enum gd_status status = enter(tracer, direction);
     /* once more: now it is known which of the pieces that meet here it leads into */
-    if (!status && !tracer->ended && walker->piece.face != GD_NONE) status = enter(tracer, tracer->direction);
+    if (!status && !tracer->ended && walker->piece.face != GD_NONE)
+        status = enter(tracer, tracer->direction);
     tracer->under_way = true;
     return status;
 }
@@ -107,7 +112,9 @@ static uint32_t side_ahead(const struct gd__tracer *tracer)
     double steepest = 0, speed = fmax(fabs(tracer->ds), fabs(tracer->dt));
     for (uint32_t k = 0; k < arity; k++) {
         double slope = gd__line_slope(arity, k, tracer->ds, tracer->dt) / speed;
-        if (gd__line_at(arity, k, tracer->spot.s, tracer->spot.t) > GD_TOL_PATCH || slope >= steepest) continue;
+        if (gd__line_at(arity, k, tracer->spot.s, tracer->spot.t) > GD_TOL_PATCH ||
+            slope >= steepest)
+            continue;
         if (slope > -GD_TOL_PATCH) continue;
         steepest = slope;
         found = k;
@@ -131,7 +138,8 @@ static bool side_axes(const struct gd__jet *jet, uint32_t arity, uint32_t k, str
     return true;
 }
 
-/* Over side k into the face behind it. Movements for the choice of a piece there: along the side as here, and inwards. */
+/* Over side k into the face behind it. Movements for the choice of a piece there: along the side as
+ * here, and inwards. */
 static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
 {
     const struct gd__net *base = &tracer->walker->surface->base;
@@ -154,10 +162,12 @@ static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
     gd__place_on_side(arity, other, 0, a);
     gd__place_on_side(arity, other, 1, b);
     tracer->spot.s = in[0], tracer->spot.t = in[1];
-    double s = b[0] - a[0], t = b[1] - a[1]; /* along the side; turned to the left it leads inwards */
+    /* along the side; turned to the left it leads inwards */
+    double s = b[0] - a[0], t = b[1] - a[1];
     if (!gd__cell_at(tracer->walker, &tracer->spot, -x * s - y * t, -x * t + y * s, &corner))
         return gd__tracer_leave_vertex(tracer, tracer->spot.face, corner, tracer->direction);
-    if (base->sharpness[twin] != INFINITY) return enter(tracer, tracer->direction); /* smooth: the same vector */
+    /* smooth: the same vector */
+    if (base->sharpness[twin] != INFINITY) return enter(tracer, tracer->direction);
     jet = gd__cell_jet(tracer->walker, in[0], in[1]);
     if (!side_axes(&jet, arity, other, &next_along, &next_normal)) return end_here(tracer);
     struct gd_vec3 inwards = gd_vec3_cross(next_normal, next_along);
@@ -183,14 +193,16 @@ static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
     return found;
 }
 
-/* The step in (0, step] to where line k is crossed: Newton's iteration within a bracket. Leaves `*end` there. `from` is on the inner side. */
-static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *from, double step, uint32_t k,
-                           struct gd__flow *end)
+/* The step in (0, step] to where line k is crossed: Newton's iteration within a bracket. Leaves
+ * `*end` there. `from` is on the inner side. */
+static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *from, double step,
+                           uint32_t k, struct gd__flow *end)
 {
     uint32_t arity = rules_of(tracer)->arity;
     double low = 0, high = step, at = step;
     for (int i = 0; i < 60; i++) {
-        double height = gd__line_at(arity, k, end->s, end->t), slope = gd__line_slope(arity, k, end->ds, end->dt);
+        double height = gd__line_at(arity, k, end->s, end->t),
+               slope = gd__line_slope(arity, k, end->ds, end->dt);
         if (fabs(height) <= GD_TOL_FOOT) break;
         *(height > 0 ? &low : &high) = at;
         at -= height / slope;
@@ -201,8 +213,8 @@ static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *fro
 }
 
 /* Shortens a step that ends beyond the piece to where it leaves it first. */
-static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *from, double step, struct gd__flow *end,
-                             bool *at_border)
+static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *from, double step,
+                             struct gd__flow *end, bool *at_border)
 {
     uint32_t arity = rules_of(tracer)->arity, k;
     double least = GD_TOL_PATCH * step;
@@ -216,9 +228,11 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
             settle(arity, k, end);
             return 0;
         }
-        if (height <= GD_TOL_PATCH) { /* it left the line and came back: half as far it may still be inside */
+        /* it left the line and came back: half as far it may still be inside */
+        if (height <= GD_TOL_PATCH) {
             step /= 2;
-            if (!gd__flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, step, end)) return 0;
+            if (!gd__flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, step, end))
+                return 0;
             *at_border = false;
             continue;
         }
@@ -228,7 +242,8 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
     return step;
 }
 
-/* The vertex at the nearest corner of the base face, if the piece is small and the path about to meet it within `most`. */
+/* The vertex at the nearest corner of the base face, if the piece is small and the path about to
+ * meet it within `most`. */
 static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *met)
 {
     const struct gd__cell *piece = &tracer->walker->piece;
@@ -241,7 +256,8 @@ static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *
     gd__corner_limit(tracer->walker, face, corner, &vertex);
     struct gd_vec3 way = gd_vec3_sub(vertex.position, tracer->position);
     double length = gd_vec3_length(way), width = length;
-    if (isnan(vertex.normal.x)) { /* a spike that thin is its axis, and on it the path goes to the tip */
+    /* a spike that thin is its axis, and on it the path goes to the tip */
+    if (isnan(vertex.normal.x)) {
         struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
         width *= gd__sine(&jet);
     }

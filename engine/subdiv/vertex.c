@@ -47,7 +47,8 @@ static struct sector sector_of(const struct gd__net *net, const struct gd__fan *
         sector.own++;
     }
     sector.faces += sector.own;
-    while (gd__spoke_sharpness(net, fan, (sector.begin + sector.faces) % spokes) == 0) sector.faces++;
+    while (gd__spoke_sharpness(net, fan, (sector.begin + sector.faces) % spokes) == 0)
+        sector.faces++;
     return sector;
 }
 
@@ -61,7 +62,8 @@ static bool corner_is_regular(const struct gd__net *net, uint32_t side, struct g
     case KIND_CREASE:
         return sector_of(net, fan, side).faces == rules->valence / 2;
     case KIND_CORNER:
-        return rules->corner_patches && net->sharpness[side] > 0 && net->sharpness[gd__side_previous(net, side)] > 0;
+        return rules->corner_patches && net->sharpness[side] > 0 &&
+               net->sharpness[gd__side_previous(net, side)] > 0;
     case KIND_DART:
     case KIND_SPIKE:
     case KIND_PASSING:
@@ -93,7 +95,8 @@ static void to_units(struct gd__vertex *vertex)
     vertex->t = unit(vertex->t);
 }
 
-static void smooth_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
+static void smooth_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                         struct gd__vertex *out)
 {
     const struct gd__scheme *rules = gd__scheme_of(net);
     uint32_t own = 0;
@@ -107,9 +110,12 @@ static void smooth_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* The ring shrinks more slowly along the spike's axis than across it: all ways from the vertex begin along the axis, and there is no tangent plane. Where the ring has no such part, as in an
- * even plane, what is across is what a smooth vertex has, for the vertex' own place is no part of that. */
-static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
+/* The ring shrinks more slowly along the spike's axis than across it: all ways from the vertex
+ * begin along the axis, and there is no tangent plane. Where the ring has no such part, as in an
+ * even plane, what is across is what a smooth vertex has, for the vertex' own place is no part of
+ * that. */
+static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                        struct gd__vertex *out)
 {
     const struct gd__scheme *rules = gd__scheme_of(net);
     struct gd_vec3 own = net->points[net->origin[side]], axis = rules->axis(net, fan);
@@ -123,21 +129,25 @@ static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, ui
     out->position = own;
 }
 
-/* Along the crease, or, from an inner spoke of three or more faces, across it: there the ring shrinks less across the crease than along it. */
-static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, struct gd_vec3 along, struct gd_vec3 cross)
+/* Along the crease, or, from an inner spoke of three or more faces, across it: there the ring
+ * shrinks less across the crease than along it. */
+static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, struct gd_vec3 along,
+                                       struct gd_vec3 cross)
 {
     if (spoke == 0) return along;
     return spoke == sector.faces ? gd_vec3_scale(along, -1) : cross;
 }
 
-static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
+static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                         struct gd__vertex *out)
 {
     struct sector sector = sector_of(net, fan, side);
     uint32_t spokes = gd__fan_spokes(fan);
     struct gd_vec3 own = net->points[net->origin[side]];
     struct gd_vec3 a = net->points[gd__spoke_end(net, fan, sector.begin)];
     struct gd_vec3 b = net->points[gd__spoke_end(net, fan, (sector.begin + sector.faces) % spokes)];
-    struct gd_vec3 along = gd_vec3_sub(a, b), cross = gd__scheme_of(net)->cross(net, fan, sector.begin, sector.faces);
+    struct gd_vec3 along = gd_vec3_sub(a, b),
+                   cross = gd__scheme_of(net)->cross(net, fan, sector.begin, sector.faces);
     *out = (struct gd__vertex){
         .position = gd_vec3_scale(gd_vec3_along(gd_vec3_add(a, b), 4, own), 1.0 / 6),
         .normal = gd_vec3_cross(along, cross),
@@ -147,8 +157,10 @@ static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* Darts and corners have no masks in closed form: their rings have been subdivided until only their shape is left. */
-static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
+/* Darts and corners have no masks in closed form: their rings have been subdivided until only their
+ * shape is left. */
+static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                        struct gd__vertex *out)
 {
     bool corner = kind_of(net, fan) == KIND_CORNER;
     struct gd_vec3 own = net->points[net->origin[side]];
@@ -161,19 +173,24 @@ static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, ui
     for (uint32_t i = 0; !corner && i < fan->count; i++) {
         struct gd_vec3 a = net->points[gd__side_end(net, fan->sides[i])];
         struct gd_vec3 b = net->points[net->origin[gd__side_previous(net, fan->sides[i])]];
-        out->normal = gd_vec3_add(out->normal, gd_vec3_cross(gd_vec3_sub(a, limit), gd_vec3_sub(b, limit)));
+        out->normal =
+            gd_vec3_add(out->normal, gd_vec3_cross(gd_vec3_sub(a, limit), gd_vec3_sub(b, limit)));
     }
     if (corner) out->normal = gd_vec3_cross(out->s, out->t);
-    bool is_plane = gd_vec3_length(out->normal) > GD_TOL_SPIKE * gd_vec3_length(out->s) * gd_vec3_length(out->t);
+    bool is_plane = gd_vec3_length(out->normal) >
+                    GD_TOL_SPIKE * gd_vec3_length(out->s) * gd_vec3_length(out->t);
     if (corner && !is_plane) out->normal = (struct gd_vec3){NAN, NAN, NAN};
     to_units(out);
 }
 
-void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free, struct gd_vec3 origin,
-                      struct gd__vertex *out)
+void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
+                      struct gd_vec3 origin, struct gd__vertex *out)
 {
-    static void (*const limits[])(const struct gd__net *, const struct gd__fan *, uint32_t, struct gd__vertex *) = {
-        [KIND_SMOOTH] = smooth_limit, [KIND_CREASE] = crease_limit, [KIND_SPIKE] = spike_limit, [KIND_PASSING] = NULL};
+    static void (*const limits[])(const struct gd__net *, const struct gd__fan *, uint32_t,
+                                  struct gd__vertex *) = {[KIND_SMOOTH] = smooth_limit,
+                                                          [KIND_CREASE] = crease_limit,
+                                                          [KIND_SPIKE] = spike_limit,
+                                                          [KIND_PASSING] = NULL};
     for (uint32_t depth = 0;; depth++) {
         const struct gd__net *net = &walker->stages[at].ring;
         gd__fan_around(net, corner, &walker->fan);

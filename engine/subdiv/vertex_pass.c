@@ -6,7 +6,8 @@
 #include "base/tolerance.h"
 #include "subdiv/domain.h"
 
-/* How far `direction` is inside of the corner of a face, by the sine of the angle to the nearer edge; below 0: outside. */
+/* How far `direction` is inside of the corner of a face, by the sine of the angle to the nearer
+ * edge; below 0: outside. */
 static double inside_by(const struct gd__vertex *vertex, struct gd_vec3 direction)
 {
     double left = gd_vec3_dot(gd_vec3_cross(vertex->s, direction), vertex->normal);
@@ -24,7 +25,8 @@ static bool is_smooth(const struct gd__net *base, const struct gd__fan *fan)
     return true;
 }
 
-/* The side at which the faces between two creases begin, clockwise of `side`; without creases `side`. */
+/* The side at which the faces between two creases begin, clockwise of `side`; without creases
+ * `side`. */
 static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
 {
     uint32_t at = side;
@@ -35,8 +37,10 @@ static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
     return at;
 }
 
-/* The side that begins at the vertex, in the face of its sector into which the direction leads best, and by how much. */
-static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd_vec3 direction, double *best)
+/* The side that begins at the vertex, in the face of its sector into which the direction leads
+ * best, and by how much. */
+static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd_vec3 direction,
+                             double *best)
 {
     const struct gd__net *base = &walker->surface->base;
     uint32_t begin = sector_begin(base, side), at = begin, found = begin, before;
@@ -52,7 +56,8 @@ static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd
     return found;
 }
 
-/* ... GD_NONE: no way on is straight. Creases and corners have a tangent plane in each sector: a path may begin in one, but none passes through. */
+/* ... GD_NONE: no way on is straight. Creases and corners have a tangent plane in each sector: a
+ * path may begin in one, but none passes through. */
 static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 direction)
 {
     struct gd__walker *walker = tracer->walker;
@@ -67,10 +72,12 @@ static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 
 }
 
 /* The spot at `reach` and `angle` from a corner, in the corner's own axes. */
-static struct gd__spot spot_near(const struct gd__walker *walker, uint32_t side, double reach, double angle)
+static struct gd__spot spot_near(const struct gd__walker *walker, uint32_t side, double reach,
+                                 double angle)
 {
     const struct gd__scheme *rules = walker->surface->rules;
-    struct gd__chart whole = GD__CHART_WHOLE, frame = gd__chart_child(&whole, &rules->children[side % rules->arity]);
+    struct gd__chart whole = GD__CHART_WHOLE,
+                     frame = gd__chart_child(&whole, &rules->children[side % rules->arity]);
     double at[2], c = cos(angle), s = sin(angle);
     gd__chart_out(&frame, 2 * reach * c / (c + s), 2 * reach * s / (c + s), at);
     return (struct gd__spot){side / rules->arity, at[0], at[1]};
@@ -84,8 +91,9 @@ static struct gd_vec3 position_at(struct gd__walker *walker, const struct gd__sp
 }
 
 /* The spot at `reach` that is seen from the vertex in the direction: bisection over the angle. */
-static struct gd__spot spot_towards(struct gd__walker *walker, uint32_t side, const struct gd__vertex *vertex,
-                                    double reach, struct gd_vec3 direction)
+static struct gd__spot spot_towards(struct gd__walker *walker, uint32_t side,
+                                    const struct gd__vertex *vertex, double reach,
+                                    struct gd_vec3 direction)
 {
     double low = 0, high = M_PI / 2;
     for (int i = 0; i < 50; i++) {
@@ -135,7 +143,8 @@ enum gd_status gd__tracer_leave_vertex(struct gd__tracer *tracer, uint32_t face,
     }
     double reach = reach_from(walker, towards, &vertex);
     struct gd__spot spot = spot_towards(walker, towards, &vertex, reach, direction);
-    double skipped = tracer->skipped + gd_vec3_distance(position_at(walker, &spot), vertex.position);
+    double skipped =
+        tracer->skipped + gd_vec3_distance(position_at(walker, &spot), vertex.position);
     enum gd_status status = gd__tracer_start(tracer, walker, &spot, direction);
     tracer->skipped = skipped;
     return status;

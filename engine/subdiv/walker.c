@@ -18,10 +18,11 @@ static struct sizes sizes_of(const struct gd_subdivision *surface)
     return (struct sizes){faces, arity * faces, 4 * faces, (2 * arity + 1) * faces};
 }
 
-static enum gd_status create_stage(struct gd__stage *stage, uint32_t arity, const struct sizes *sizes)
+static enum gd_status create_stage(struct gd__stage *stage, uint32_t arity,
+                                   const struct sizes *sizes)
 {
-    enum gd_status status =
-        gd__net_create(&stage->ring, arity, sizes->ring_points, sizes->ring_faces, arity * sizes->ring_faces, false);
+    enum gd_status status = gd__net_create(&stage->ring, arity, sizes->ring_points,
+                                           sizes->ring_faces, arity * sizes->ring_faces, false);
     if (!status)
         status = gd__net_create(&stage->refined, arity, sizes->refined_points, sizes->refined_faces,
                                 arity * sizes->refined_faces, false);
@@ -41,28 +42,30 @@ static enum gd_status create_marks(struct gd__walker *walker, size_t faces, size
     walker->point_stamp = calloc(points, sizeof *walker->point_stamp);
     walker->point_at = malloc(points * sizeof *walker->point_at);
     walker->cut_faces = malloc(faces * sizeof *walker->cut_faces);
-    bool whole = walker->fan.sides && walker->face_stamp && walker->face_at && walker->point_stamp &&
-                 walker->point_at && walker->cut_faces;
+    bool whole = walker->fan.sides && walker->face_stamp && walker->face_at &&
+                 walker->point_stamp && walker->point_at && walker->cut_faces;
     return whole ? GD_OK : GD_NO_MEMORY;
 }
 
-enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subdivision *surface, uint32_t stages,
-                                 const struct gd_control *control)
+enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subdivision *surface,
+                                 uint32_t stages, const struct gd_control *control)
 {
     uint32_t arity = surface->rules->arity;
     struct sizes sizes = sizes_of(surface);
     size_t faces = larger(surface->base.face_count, sizes.refined_faces);
     size_t points = larger(surface->base.point_count, sizes.refined_points);
-    size_t stage_size = gd__net_size(sizes.ring_points, sizes.ring_faces, arity * sizes.ring_faces, false) +
-                        gd__net_size(sizes.refined_points, sizes.refined_faces, arity * sizes.refined_faces, false);
-    enum gd_status status =
-        gd_control_afford(control, stages * stage_size + (3 * faces + 2 * points) * sizeof(uint32_t));
+    size_t stage_size =
+        gd__net_size(sizes.ring_points, sizes.ring_faces, arity * sizes.ring_faces, false) +
+        gd__net_size(sizes.refined_points, sizes.refined_faces, arity * sizes.refined_faces, false);
+    enum gd_status status = gd_control_afford(
+        control, stages * stage_size + (3 * faces + 2 * points) * sizeof(uint32_t));
     if (status) return status;
 
     struct gd__walker made = {.surface = surface, .stage_count = stages, .piece.face = GD_NONE};
     made.stages = calloc(stages, sizeof *made.stages);
     status = made.stages ? create_marks(&made, faces, points) : GD_NO_MEMORY;
-    for (uint32_t i = 0; !status && i < stages; i++) status = create_stage(&made.stages[i], arity, &sizes);
+    for (uint32_t i = 0; !status && i < stages; i++)
+        status = create_stage(&made.stages[i], arity, &sizes);
     if (status)
         gd__walker_free(&made);
     else
@@ -107,8 +110,8 @@ static uint32_t take_faces(struct gd__walker *walker, const struct gd__net *from
     return count;
 }
 
-static uint32_t take_point(struct gd__walker *walker, const struct gd__net *from, uint32_t point, struct gd_vec3 shift,
-                           struct gd__net *out)
+static uint32_t take_point(struct gd__walker *walker, const struct gd__net *from, uint32_t point,
+                           struct gd_vec3 shift, struct gd__net *out)
 {
     if (walker->point_stamp[point] != walker->stamp) {
         walker->point_stamp[point] = walker->stamp;
@@ -137,8 +140,8 @@ static void next_stamp(struct gd__walker *walker)
     walker->stamp = 1;
 }
 
-void gd__cut(struct gd__walker *walker, const struct gd__net *from, uint32_t face, struct gd__net *out,
-             struct gd_vec3 *origin)
+void gd__cut(struct gd__walker *walker, const struct gd__net *from, uint32_t face,
+             struct gd__net *out, struct gd_vec3 *origin)
 {
     next_stamp(walker);
     uint32_t arity = from->arity;
@@ -155,14 +158,16 @@ void gd__cut(struct gd__walker *walker, const struct gd__net *from, uint32_t fac
     *origin = gd_vec3_add(*origin, shift);
 }
 
-void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint32_t to, struct gd_vec3 *origin)
+void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint32_t to,
+                 struct gd_vec3 *origin)
 {
     struct gd__stage *stage = &walker->stages[from];
     gd__net_refine(&stage->ring, stage->ring.arity, &walker->fan, &stage->refined);
     gd__cut(walker, &stage->refined, child, &walker->stages[to].ring, origin);
 }
 
-bool gd__cell_at(struct gd__walker *walker, const struct gd__spot *spot, double ds, double dt, uint32_t *corner)
+bool gd__cell_at(struct gd__walker *walker, const struct gd__spot *spot, double ds, double dt,
+                 uint32_t *corner)
 {
     const struct gd__scheme *rules = walker->surface->rules;
     struct gd__cell *piece = &walker->piece;
@@ -206,7 +211,8 @@ struct gd__jet gd__cell_jet(const struct gd__walker *walker, double s, double t)
     return jet;
 }
 
-void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner, struct gd__vertex *out)
+void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner,
+                      struct gd__vertex *out)
 {
     struct gd_vec3 origin = {0};
     gd__cut(walker, &walker->surface->base, face, &walker->stages[0].ring, &origin);

@@ -1,6 +1,7 @@
 #include "transport/ascent.h"
 
-/* Directions around a point are a circle of some circumference, or, at the boundary, an interval. */
+/* Directions around a point are a circle of some circumference, or, at the boundary, an interval.
+ */
 struct cone {
     const struct gd__pull *pulls;
     uint32_t count;
@@ -8,10 +9,11 @@ struct cone {
     bool is_closed;
 };
 
-static struct cone cone_at(const struct gd_mesh *mesh, const struct gd_point *point, const struct gd__pull *pulls,
-                           uint32_t count)
+static struct cone cone_at(const struct gd_mesh *mesh, const struct gd_point *point,
+                           const struct gd__pull *pulls, uint32_t count)
 {
-    struct cone cone = {pulls, count, 0, gd__turn_total(mesh, point), gd__turn_is_closed(mesh, point)};
+    struct cone cone = {pulls, count, 0, gd__turn_total(mesh, point),
+                        gd__turn_is_closed(mesh, point)};
     if (cone.is_closed || point->kind == GD_POINT_VERTEX) return cone;
     cone.total = M_PI;
     if (gd__side_is_boundary(mesh, 2 * point->element)) cone.first = M_PI;
@@ -33,7 +35,8 @@ static double sum_at(const struct cone *cone, double turn)
 {
     double sum = 0;
     for (uint32_t i = 0; i < cone->count; i++)
-        sum += cone->pulls[i].strength * cos(fmin(fabs(between(cone, turn, cone->pulls[i].turn)), M_PI));
+        sum += cone->pulls[i].strength *
+               cos(fmin(fabs(between(cone, turn, cone->pulls[i].turn)), M_PI));
     return sum;
 }
 
@@ -58,8 +61,9 @@ static void try_turn(const struct cone *cone, double turn, double *best, double 
     *out = turn;
 }
 
-/* Where it is greatest the sum is smooth, or the direction is an end of the interval; the vectors that count there are those less than pi away. That set
- * changes only half a turn from a vector: so it is that of one of these places, to one side of it or the other. */
+/* Where it is greatest the sum is smooth, or the direction is an end of the interval; the vectors
+ * that count there are those less than pi away. That set changes only half a turn from a vector: so
+ * it is that of one of these places, to one side of it or the other. */
 static double climb_all(const struct cone *cone, double *turn)
 {
     enum { SIDES = 2 };
@@ -71,15 +75,17 @@ static double climb_all(const struct cone *cone, double *turn)
     for (uint32_t i = 0; i < cone->count; i++) {
         try_turn(cone, climb(cone, cone->pulls[i].turn), &best, turn);
         for (int side = 0; side < SIDES; side++) {
-            try_turn(cone, climb(cone, clamp(cone, cone->pulls[i].turn + M_PI + off[side])), &best, turn);
-            try_turn(cone, climb(cone, clamp(cone, cone->pulls[i].turn - M_PI + off[side])), &best, turn);
+            try_turn(cone, climb(cone, clamp(cone, cone->pulls[i].turn + M_PI + off[side])), &best,
+                     turn);
+            try_turn(cone, climb(cone, clamp(cone, cone->pulls[i].turn - M_PI + off[side])), &best,
+                     turn);
         }
     }
     return best;
 }
 
-double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point, const struct gd__pull *pulls,
-                  uint32_t count, double *turn)
+double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point,
+                  const struct gd__pull *pulls, uint32_t count, double *turn)
 {
     struct cone cone = cone_at(mesh, point, pulls, count);
     double best;
@@ -123,8 +129,8 @@ static double step_in_plane(const struct cone *cone, double *turn)
     return hypot(x, y);
 }
 
-double gd__ascent_step(const struct gd_mesh *mesh, const struct gd_point *point, const struct gd__pull *pulls,
-                       uint32_t count, double heading, double *turn)
+double gd__ascent_step(const struct gd_mesh *mesh, const struct gd_point *point,
+                       const struct gd__pull *pulls, uint32_t count, double heading, double *turn)
 {
     struct cone cone = cone_at(mesh, point, pulls, count);
     if (!cone.is_closed || point->kind == GD_POINT_VERTEX) {

@@ -21,22 +21,26 @@ struct turning {
     double unit;
 };
 
-static struct turning turning_of(const struct gd_mesh *mesh, struct gd__local begin, struct gd__local end)
+static struct turning turning_of(const struct gd_mesh *mesh, struct gd__local begin,
+                                 struct gd__local end)
 {
     struct gd__local way = {end.x - begin.x, end.y - begin.y};
     double length = hypot(way.x, way.y);
-    struct gd__local along = length > 0 ? (struct gd__local){way.x / length, way.y / length} : (struct gd__local){1, 0};
+    struct gd__local along =
+        length > 0 ? (struct gd__local){way.x / length, way.y / length} : (struct gd__local){1, 0};
     return (struct turning){begin, along, mesh->unit};
 }
 
 static void turn(const struct turning *turning, struct gd__local at, double out[2])
 {
-    struct gd__local from = {at.x - turning->begin.x, at.y - turning->begin.y}, along = turning->along;
+    struct gd__local from = {at.x - turning->begin.x, at.y - turning->begin.y},
+                     along = turning->along;
     out[0] = turning->unit * (from.x * along.x + from.y * along.y);
     out[1] = turning->unit * (from.y * along.x - from.x * along.y);
 }
 
-/* A strip while it is laid: the gates by which its faces are entered, that of the first face first. */
+/* A strip while it is laid: the gates by which its faces are entered, that of the first face first.
+ */
 struct laying {
     const struct gd_mesh *mesh;
     const struct gd_path *path;
@@ -53,11 +57,13 @@ static struct gd__local corner(const struct laying *laying, uint32_t number, int
 {
     const struct gd__gate *gate = gate_of(laying, number);
     uint32_t face = laying->mesh->side_face[gate->side];
-    struct gd_point point = gd__point_of_vertex(laying->mesh->origin[laying->mesh->face_side[face][k]]);
+    struct gd_point point =
+        gd__point_of_vertex(laying->mesh->origin[laying->mesh->face_side[face][k]]);
     return gd__gate_place(laying->mesh, gate, &point);
 }
 
-/* The first face, from `*number` on, that has the point: a path leaves a face only where the next point is not in it. */
+/* The first face, from `*number` on, that has the point: a path leaves a face only where the next
+ * point is not in it. */
 static bool find_face(const struct laying *laying, const struct gd_point *point, uint32_t *number)
 {
     for (; *number <= laying->strip->count; ++*number) {
@@ -81,16 +87,19 @@ static enum gd_status lay_points(const struct laying *laying, const struct turni
     return status;
 }
 
-static void lay_faces(const struct laying *laying, const struct turning *turning, struct gd_flat_face *out)
+static void lay_faces(const struct laying *laying, const struct turning *turning,
+                      struct gd_flat_face *out)
 {
     for (uint32_t i = 0; i <= laying->strip->count; i++)
         for (int k = 0; k < 3; k++) turn(turning, corner(laying, i, k), out[i].corners[k]);
 }
 
-static enum gd_status reserve(const struct laying *laying, const struct gd_control *control, struct gd_flat_strip *out)
+static enum gd_status reserve(const struct laying *laying, const struct gd_control *control,
+                              struct gd_flat_strip *out)
 {
     size_t faces = laying->strip->count + (size_t)1, points = laying->path->count;
-    size_t bytes = faces * (sizeof *out->faces + sizeof *laying->strip->gates) + points * sizeof *out->points;
+    size_t bytes =
+        faces * (sizeof *out->faces + sizeof *laying->strip->gates) + points * sizeof *out->points;
     enum gd_status status = gd_control_afford(control, bytes);
     if (status) return status;
     out->faces = malloc(faces * sizeof *out->faces);
@@ -100,8 +109,9 @@ static enum gd_status reserve(const struct laying *laying, const struct gd_contr
     return out->faces && out->points ? GD_OK : GD_NO_MEMORY;
 }
 
-static enum gd_status flatten(const struct gd_mesh *mesh, const struct gd_path *path, const struct gd__strip *strip,
-                              const struct gd_control *control, struct gd_flat_strip *out)
+static enum gd_status flatten(const struct gd_mesh *mesh, const struct gd_path *path,
+                              const struct gd__strip *strip, const struct gd_control *control,
+                              struct gd_flat_strip *out)
 {
     const struct laying laying = {mesh, path, strip, gd__strip_entrance(mesh, strip)};
     const struct turning turning = turning_of(mesh, strip->begin, strip->end);
@@ -131,7 +141,8 @@ enum gd_status gd_flat_strip_of(const struct gd_mesh *mesh, const struct gd_path
                                 const struct gd_control *control, struct gd_flat_strip *out)
 {
     if (path->count == 0) return GD_INVALID_ARGUMENT;
-    struct gd__strip strip = {.keeps_ways_back = true}; /* a path may turn round at any of its points */
+    /* a path may turn round at any of its points */
+    struct gd__strip strip = {.keeps_ways_back = true};
     enum gd_status status = find_strip(mesh, path, control, &strip);
     if (!status) status = flatten(mesh, path, &strip, control, out);
     gd__strip_free(&strip);

@@ -1,5 +1,6 @@
-/* Flight: a straight line on its way from face to face. It enters the face of `side` over that side, `t` from its origin, in the direction
- * (dx, dy) of the side's frame, a unit vector with dy >= 0. Nothing is rotated in space: crossing a face reads one record of the mesh. */
+/* Flight: a straight line on its way from face to face. It enters the face of `side` over that
+ * side, `t` from its origin, in the direction (dx, dy) of the side's frame, a unit vector with dy
+ * >= 0. Nothing is rotated in space: crossing a face reads one record of the mesh. */
 #ifndef GD_TRANSPORT_FLIGHT_H
 #define GD_TRANSPORT_FLIGHT_H
 
@@ -10,8 +11,9 @@ struct gd__flight {
     double t, dx, dy;
 };
 
-/* How a face was crossed: the length of the edge by which it was left, and of the way. Where the line runs into the end of an edge up to
- * rounding, t may lie off the edge by some, or be NaN: not between the ends; and `run` is of no use. */
+/* How a face was crossed: the length of the edge by which it was left, and of the way. Where the
+ * line runs into the end of an edge up to rounding, t may lie off the edge by some, or be NaN: not
+ * between the ends; and `run` is of no use. */
 struct gd__passage {
     double edge, run;
 };
@@ -24,9 +26,11 @@ static inline void gd__flight_turn(struct gd__flight *flight, double x, double y
     flight->dy = y * scale;
 }
 
-/* Leaves the face of the flight's side, whose record is `s`: by the edge to the left, origin -> apex, or to the right, apex -> destination. With u along the
- * edge, sin = |u x d| is the new dy, so one division gives both where and how far. A line from the side's origin itself goes right. */
-static inline struct gd__passage gd__flight_cross(const struct gd_side *s, struct gd__flight *flight)
+/* Leaves the face of the flight's side, whose record is `s`: by the edge to the left, origin ->
+ * apex, or to the right, apex -> destination. With u along the edge, sin = |u x d| is the new dy,
+ * so one division gives both where and how far. A line from the side's origin itself goes right. */
+static inline struct gd__passage gd__flight_cross(const struct gd_side *s,
+                                                  struct gd__flight *flight)
 {
     double t = flight->t, dx = flight->dx, dy = flight->dy;
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y; /* apex */

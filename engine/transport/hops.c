@@ -7,7 +7,8 @@
 #include "line/route.h"
 #include "wedge/workspace.h"
 
-/* Searches have nothing to do with each other, so each lane takes the next one when it is done. A thread is known by where its own copy of `here` lies. */
+/* Searches have nothing to do with each other, so each lane takes the next one when it is done. A
+ * thread is known by where its own copy of `here` lies. */
 
 enum { LANES_MOST = 2 }; /* a workspace has one partner */
 
@@ -34,7 +35,7 @@ void gd__hops_free(struct gd__hop *hops, uint32_t count)
     free(hops);
 }
 
-/* --- one search ---------------------------------------------------------------------------------------------------------- */
+/* --- one search ------------------------------------------------------------------------------- */
 
 static bool report(void *user, double fraction)
 {
@@ -49,7 +50,8 @@ static struct gd_control control_of(struct hunt *hunt, struct gd_workspace *work
 {
     struct gd_control own = hunt->control;
     size_t held = atomic_load(&hunt->held);
-    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1; /* 0: no limit */
+    /* 0: no limit */
+    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
     if (own.budget_bytes > hunt->lanes) own.budget_bytes /= hunt->lanes;
     own.progress = report;
     own.user = hunt;
@@ -57,14 +59,18 @@ static struct gd_control control_of(struct hunt *hunt, struct gd_workspace *work
     return own;
 }
 
-/* It is searched in the order of the points' places, so that reversed points have the same paths even where there are several. */
-static enum gd_status search(struct hunt *hunt, struct gd__hop *hop, const struct gd_control *control)
+/* It is searched in the order of the points' places, so that reversed points have the same paths
+ * even where there are several. */
+static enum gd_status search(struct hunt *hunt, struct gd__hop *hop,
+                             const struct gd_control *control)
 {
-    const struct gd_point *from = &hunt->request->points[hop->from], *to = &hunt->request->points[hop->to];
+    const struct gd_point *from = &hunt->request->points[hop->from],
+                          *to = &hunt->request->points[hop->to];
     bool is_swapped = gd__point_follows(from, to);
     struct gd_pair_answer answer;
-    enum gd_status status = gd_pair_solve(hunt->mesh, is_swapped ? to : from, is_swapped ? from : to,
-                                          GD_PAIR_PATH_AND_CUT, hunt->request->landmarks, control, &answer, NULL);
+    enum gd_status status =
+        gd_pair_solve(hunt->mesh, is_swapped ? to : from, is_swapped ? from : to,
+                      GD_PAIR_PATH_AND_CUT, hunt->request->landmarks, control, &answer, NULL);
     if (status) return status;
     if (is_swapped) gd__points_reverse(answer.path.points, answer.path.count);
     hop->path = answer.path;
@@ -73,12 +79,13 @@ static enum gd_status search(struct hunt *hunt, struct gd__hop *hop, const struc
     return GD_OK;
 }
 
-/* --- all of them --------------------------------------------------------------------------------------------------------- */
+/* --- all of them ------------------------------------------------------------------------------ */
 
 static void search_lane(void *context, uint32_t lane)
 {
     struct hunt *hunt = context;
-    for (uint32_t i; !atomic_load(&hunt->status) && (i = atomic_fetch_add(&hunt->next, 1)) < hunt->count;) {
+    for (uint32_t i;
+         !atomic_load(&hunt->status) && (i = atomic_fetch_add(&hunt->next, 1)) < hunt->count;) {
         struct gd__hop *hop = &hunt->hops[hunt->order[i]];
         const struct gd_control own = control_of(hunt, hunt->workspaces[lane]);
         int none = GD_OK;
@@ -93,7 +100,8 @@ static enum gd_status search_in_lanes(struct hunt *hunt, uint32_t lanes)
 {
     hunt->lanes = lanes;
     hunt->workspaces[0] = hunt->control.workspace;
-    if (lanes > 1 && hunt->control.workspace) hunt->workspaces[1] = gd__workspace_partner(hunt->control.workspace);
+    if (lanes > 1 && hunt->control.workspace)
+        hunt->workspaces[1] = gd__workspace_partner(hunt->control.workspace);
     atomic_store(&hunt->next, 0);
     atomic_store(&hunt->status, GD_OK);
     gd_executor_run(lanes > 1 ? hunt->request->executor : NULL, search_lane, hunt, lanes);
@@ -107,7 +115,8 @@ static enum gd_status search_all(struct hunt *hunt)
     const struct gd_executor *executor = hunt->request->executor;
     uint32_t before = hunt->share->done;
     atomic_init(&hunt->done, before);
-    enum gd_status status = search_in_lanes(hunt, executor && executor->width > 1 && hunt->count > 1 ? LANES_MOST : 1);
+    enum gd_status status =
+        search_in_lanes(hunt, executor && executor->width > 1 && hunt->count > 1 ? LANES_MOST : 1);
     if (status != GD_BUDGET || hunt->lanes == 1) return status;
     if (hunt->workspaces[1]) gd_workspace_trim(hunt->workspaces[1]);
     return search_in_lanes(hunt, 1);
@@ -125,9 +134,10 @@ static int by_length(const void *a, const void *b)
     return (s->hop > t->hop) - (s->hop < t->hop);
 }
 
-/* A long search that came last would leave the other lane without work. The order: of the hops that are wanted, whose number is *count. */
-static uint32_t *sort(const struct gd_mesh *mesh, const struct gd_spline_request *request, const struct gd__hop *hops,
-                      uint32_t *count)
+/* A long search that came last would leave the other lane without work. The order: of the hops that
+ * are wanted, whose number is *count. */
+static uint32_t *sort(const struct gd_mesh *mesh, const struct gd_spline_request *request,
+                      const struct gd__hop *hops, uint32_t *count)
 {
     uint32_t *order = malloc(*count * sizeof *order), wanted = 0;
     struct span *spans = malloc(*count * sizeof *spans);
@@ -149,15 +159,18 @@ static uint32_t *sort(const struct gd_mesh *mesh, const struct gd_spline_request
     return order;
 }
 
-static enum gd_status check_joined(const struct gd_mesh *mesh, const struct gd_spline_request *request,
-                                   const struct gd__hop *hops, uint32_t count, struct gd_detail *detail)
+static enum gd_status check_joined(const struct gd_mesh *mesh,
+                                   const struct gd_spline_request *request,
+                                   const struct gd__hop *hops, uint32_t count,
+                                   struct gd_detail *detail)
 {
     for (uint32_t i = 0; i < count; i++) {
         uint32_t from = hops[i].from, to = hops[i].to;
-        if (gd_point_component(mesh, &request->points[from]) == gd_point_component(mesh, &request->points[to]))
+        if (gd_point_component(mesh, &request->points[from]) ==
+            gd_point_component(mesh, &request->points[to]))
             continue;
-        gd_fail(detail, GD_INVALID_ARGUMENT, "points %u and %u of the spline lie on components that no path joins",
-                from, to);
+        gd_fail(detail, GD_INVALID_ARGUMENT,
+                "points %u and %u of the spline lie on components that no path joins", from, to);
         gd_detail_add(detail, GD_ELEMENT_NONE, to, 0);
         return GD_INVALID_ARGUMENT;
     }
@@ -165,7 +178,8 @@ static enum gd_status check_joined(const struct gd_mesh *mesh, const struct gd_s
 }
 
 enum gd_status gd__hops_search(const struct gd_mesh *mesh, const struct gd_spline_request *request,
-                               struct gd__share *share, struct gd__hop *hops, uint32_t count, struct gd_detail *detail)
+                               struct gd__share *share, struct gd__hop *hops, uint32_t count,
+                               struct gd_detail *detail)
 {
     enum gd_status status = check_joined(mesh, request, hops, count, detail);
     if (status) return status;

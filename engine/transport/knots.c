@@ -5,9 +5,10 @@
 #include "base/tolerance.h"
 #include "line/route.h"
 
-/* --- paths --------------------------------------------------------------------------------------------------------------- */
+/* --- paths ------------------------------------------------------------------------------------ */
 
-static enum gd_status refuse(const struct gd__knotting *knotting, uint32_t which, const char *sentence, uint32_t other)
+static enum gd_status refuse(const struct gd__knotting *knotting, uint32_t which,
+                             const char *sentence, uint32_t other)
 {
     gd_fail(knotting->detail, GD_INVALID_ARGUMENT, sentence, other, which);
     if (knotting->detail) gd_detail_add(knotting->detail, GD_ELEMENT_NONE, which, 0);
@@ -18,13 +19,16 @@ static enum gd_status refuse(const struct gd__knotting *knotting, uint32_t which
 static enum gd_status check_apart(const struct gd__knotting *knotting)
 {
     double longest = 0;
-    for (uint32_t i = 0; i < knotting->hop_count; i++) longest = fmax(longest, knotting->hops[i].path.length);
+    for (uint32_t i = 0; i < knotting->hop_count; i++)
+        longest = fmax(longest, knotting->hops[i].path.length);
     for (uint32_t i = 0; i < knotting->hop_count; i++) {
         if (knotting->hops[i].path.length > GD_TOL_SAME_POINT * longest) continue;
         if (i + 1 == knotting->request->count)
-            return refuse(knotting, i, "point %u is there again as point %u; a closed spline joins its ends by itself",
-                          0);
-        return refuse(knotting, i + 1, "points %u and %u of the spline are the same place; leave one out", i);
+            return refuse(
+                knotting, i,
+                "point %u is there again as point %u; a closed spline joins its ends by itself", 0);
+        return refuse(knotting, i + 1,
+                      "points %u and %u of the spline are the same place; leave one out", i);
     }
     return GD_OK;
 }
@@ -44,20 +48,23 @@ enum gd_status gd__knots_search(struct gd__knotting *knotting)
 {
     const struct gd_spline_request *request = knotting->request;
     uint32_t hops = knotting->hop_count, count = request->count;
-    for (uint32_t i = 0; i < hops; i++) knotting->hops[i] = (struct gd__hop){.from = i, .to = (i + 1) % count};
+    for (uint32_t i = 0; i < hops; i++)
+        knotting->hops[i] = (struct gd__hop){.from = i, .to = (i + 1) % count};
     for (uint32_t i = request->closed ? 0 : 1; i < hops && knotting->total_count > hops; i++)
         if (!is_given(request, i))
-            knotting->hops[hops + i] = (struct gd__hop){.from = before(knotting, i), .to = (i + 1) % count};
-    enum gd_status status = gd__hops_search(knotting->mesh, request, knotting->share, knotting->hops,
-                                            knotting->total_count, knotting->detail);
+            knotting->hops[hops + i] =
+                (struct gd__hop){.from = before(knotting, i), .to = (i + 1) % count};
+    enum gd_status status =
+        gd__hops_search(knotting->mesh, request, knotting->share, knotting->hops,
+                        knotting->total_count, knotting->detail);
     return status ? status : check_apart(knotting);
 }
 
-/* --- vectors ------------------------------------------------------------------------------------------------------------- */
+/* --- vectors ---------------------------------------------------------------------------------- */
 
 /* The vector of a path, from its beginning or from its end. */
-static enum gd_status log_of(const struct gd__knotting *knotting, const struct gd_path *path, bool backwards,
-                             struct gd_vector *out)
+static enum gd_status log_of(const struct gd__knotting *knotting, const struct gd_path *path,
+                             bool backwards, struct gd_vector *out)
 {
     struct gd_path turned = *path;
     struct gd__route copy = {0};
@@ -76,8 +83,9 @@ static enum gd_status log_of(const struct gd__knotting *knotting, const struct g
 }
 
 /* What is at the other end of a path, moved to its beginning or, else, to its end. */
-static enum gd_status moved(const struct gd__knotting *knotting, const struct gd_path *path, bool to_beginning,
-                            const struct gd_vector *vector, struct gd_vector *out)
+static enum gd_status moved(const struct gd__knotting *knotting, const struct gd_path *path,
+                            bool to_beginning, const struct gd_vector *vector,
+                            struct gd_vector *out)
 {
     struct gd_path turned = *path;
     struct gd__route copy = {0};
@@ -86,34 +94,39 @@ static enum gd_status moved(const struct gd__knotting *knotting, const struct gd
         status = gd__route_join(&copy, path->points, path->count, 0, true, knotting->control);
         turned.points = copy.points;
     }
-    if (!status) status = gd_vector_transport(knotting->mesh, &turned, vector, 1, out, knotting->detail);
+    if (!status)
+        status = gd_vector_transport(knotting->mesh, &turned, vector, 1, out, knotting->detail);
     gd__route_free(&copy);
     return status;
 }
 
-/* --- inner points -------------------------------------------------------------------------------------------------------- */
+/* --- inner points ----------------------------------------------------------------------------- */
 
 /* (1-c), by the parameters' difference across point i. */
 static double slope_at(const struct gd__knotting *knotting, uint32_t i)
 {
     const struct gd_spline_knot *knots = knotting->knots;
     uint32_t last = before(knotting, i);
-    return (1 - knotting->request->tension) /
-           (knots[i + 1].parameter - knots[i].parameter + knots[last + 1].parameter - knots[last].parameter);
+    return (1 - knotting->request->tension) / (knots[i + 1].parameter - knots[i].parameter +
+                                               knots[last + 1].parameter - knots[last].parameter);
 }
 
-static enum gd_status symmetric_tangent(const struct gd__knotting *knotting, uint32_t i, struct gd_vector *out)
+static enum gd_status symmetric_tangent(const struct gd__knotting *knotting, uint32_t i,
+                                        struct gd_vector *out)
 {
     double slope = slope_at(knotting, i);
     struct gd_vector vectors[2];
     enum gd_status status = log_of(knotting, &knotting->hops[i].path, false, &vectors[0]);
-    if (!status) status = log_of(knotting, &knotting->hops[before(knotting, i)].path, true, &vectors[1]);
     if (!status)
-        *out = gd_vector_combine(knotting->mesh, &knotting->request->points[i], vectors, (double[2]){slope, -slope}, 2);
+        status = log_of(knotting, &knotting->hops[before(knotting, i)].path, true, &vectors[1]);
+    if (!status)
+        *out = gd_vector_combine(knotting->mesh, &knotting->request->points[i], vectors,
+                                 (double[2]){slope, -slope}, 2);
     return status;
 }
 
-static enum gd_status paper_tangent(const struct gd__knotting *knotting, uint32_t i, struct gd_vector *out)
+static enum gd_status paper_tangent(const struct gd__knotting *knotting, uint32_t i,
+                                    struct gd_vector *out)
 {
     const struct gd_path *chord = &knotting->hops[knotting->hop_count + i].path;
     struct gd_vector vector = {0};
@@ -123,22 +136,26 @@ static enum gd_status paper_tangent(const struct gd__knotting *knotting, uint32_
     }
     enum gd_status status = log_of(knotting, chord, false, &vector);
     vector.length *= slope_at(knotting, i);
-    return status ? status : moved(knotting, &knotting->hops[before(knotting, i)].path, false, &vector, out);
+    return status ? status
+                  : moved(knotting, &knotting->hops[before(knotting, i)].path, false, &vector, out);
 }
 
-/* --- ends ---------------------------------------------------------------------------------------------------------------- */
+/* --- ends ------------------------------------------------------------------------------------- */
 
-/* (3/2) log / D - v / 2, where log / D leads along the curve: at the first point towards the second, at the last one away from the one before. */
-static enum gd_status natural_tangent(const struct gd__knotting *knotting, bool at_end, bool is_alone,
-                                      struct gd_vector *out)
+/* (3/2) log / D - v / 2, where log / D leads along the curve: at the first point towards the
+ * second, at the last one away from the one before. */
+static enum gd_status natural_tangent(const struct gd__knotting *knotting, bool at_end,
+                                      bool is_alone, struct gd_vector *out)
 {
-    uint32_t hop = at_end ? knotting->hop_count - 1 : 0, here = hop + at_end, neighbour = hop + !at_end;
+    uint32_t hop = at_end ? knotting->hop_count - 1 : 0, here = hop + at_end,
+             neighbour = hop + !at_end;
     const struct gd_spline_knot *knots = knotting->knots;
     double slope = (at_end ? -1 : 1) / (knots[hop + 1].parameter - knots[hop].parameter);
     struct gd_vector vectors[2] = {0};
     enum gd_status status = log_of(knotting, &knotting->hops[hop].path, at_end, &vectors[0]);
     if (!status && !is_alone)
-        status = moved(knotting, &knotting->hops[hop].path, !at_end, &knots[neighbour].tangent, &vectors[1]);
+        status = moved(knotting, &knotting->hops[hop].path, !at_end, &knots[neighbour].tangent,
+                       &vectors[1]);
     if (status) return status;
     *out = gd_vector_combine(knotting->mesh, &knotting->request->points[here], vectors,
                              (double[2]){is_alone ? slope : 1.5 * slope, -0.5}, is_alone ? 1 : 2);
@@ -153,19 +170,22 @@ static enum gd_status fill_ends(const struct gd__knotting *knotting)
     bool first_is_given = is_given(request, 0), last_is_given = is_given(request, last);
     bool is_alone = last == 1 && !first_is_given && !last_is_given;
     if (request->end_rule == GD_END_ZERO) return GD_OK;
-    if (!first_is_given) status = natural_tangent(knotting, false, is_alone, &knotting->knots[0].tangent);
-    if (!last_is_given && !status) status = natural_tangent(knotting, true, is_alone, &knotting->knots[last].tangent);
+    if (!first_is_given)
+        status = natural_tangent(knotting, false, is_alone, &knotting->knots[0].tangent);
+    if (!last_is_given && !status)
+        status = natural_tangent(knotting, true, is_alone, &knotting->knots[last].tangent);
     return status;
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static void fill_parameters(const struct gd__knotting *knotting)
 {
     double parameter = 0;
     for (uint32_t i = 0; i <= knotting->hop_count; i++) {
         knotting->knots[i].parameter = parameter;
-        if (i < knotting->hop_count) parameter += pow(knotting->hops[i].path.length, knotting->request->alpha);
+        if (i < knotting->hop_count)
+            parameter += pow(knotting->hops[i].path.length, knotting->request->alpha);
     }
 }
 
@@ -177,7 +197,8 @@ static enum gd_status fill_inner(const struct gd__knotting *knotting)
     for (uint32_t i = request->closed ? 0 : 1; i < knotting->hop_count && !status; i++) {
         struct gd_vector *out = &knotting->knots[i].tangent;
         if (is_given(request, i)) continue;
-        status = is_symmetric ? symmetric_tangent(knotting, i, out) : paper_tangent(knotting, i, out);
+        status =
+            is_symmetric ? symmetric_tangent(knotting, i, out) : paper_tangent(knotting, i, out);
     }
     return status;
 }

@@ -1,4 +1,5 @@
-/* Knots: of a spline's points the shortest paths between them, their parameters and their tangents. */
+/* Knots: of a spline's points the shortest paths between them, their parameters and their tangents.
+ */
 #ifndef GD_TRANSPORT_KNOTS_H
 #define GD_TRANSPORT_KNOTS_H
 
@@ -13,11 +14,14 @@ struct gd__knotting {
     struct gd_detail *detail;
     uint32_t hop_count, total_count;
     struct gd__hop *
-        hops; /* total_count: hop i goes from point i to the next one; by the paper's rule hop hop_count + i past point i, from the one before it to the next one */
+        /* total_count: hop i goes from point i to the next one; by the paper's rule hop hop_count +
+           i past point i, from the one before it to the next one */
+        hops;
     struct gd_spline_knot *knots; /* hop_count + 1, to be filled in */
 };
 
-/* Searches the hops. Errors: GD_INVALID_ARGUMENT (points that are one), and those of gd__hops_search. */
+/* Searches the hops. Errors: GD_INVALID_ARGUMENT (points that are one), and those of
+ * gd__hops_search. */
 GD_MUST_USE enum gd_status gd__knots_search(struct gd__knotting *knotting);
 
 /* Parameters and tangents from the hops. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL. */

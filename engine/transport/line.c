@@ -9,7 +9,8 @@ enum {
 
 static uint32_t next_capacity(const struct gd__line *line)
 {
-    uint32_t doubled = line->capacity ? 2 * line->capacity : FIRST, stepped = line->capacity + CHUNK;
+    uint32_t doubled = line->capacity ? 2 * line->capacity : FIRST,
+             stepped = line->capacity + CHUNK;
     uint32_t capacity = doubled < stepped ? doubled : stepped;
     return capacity < line->limit + 1 ? capacity : line->limit + 1;
 }
@@ -22,7 +23,8 @@ bool gd__line_grow(struct gd__line *line)
     line->status = gd_control_check(line->control, part);
     if (!line->status)
         line->status = gd_control_afford(line->control, (line->others + (size_t)1) *
-                                                            ((size_t)capacity + line->capacity) * sizeof *line->points);
+                                                            ((size_t)capacity + line->capacity) *
+                                                            sizeof *line->points);
     if (line->status) return false;
     struct gd_point *points = realloc(line->points, capacity * sizeof *points);
     if (!points) {

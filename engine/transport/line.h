@@ -17,8 +17,8 @@ struct gd__line {
     enum gd_status status; /* sticky: the first failure */
 };
 
-/* Room for more points, with a look at the control; false: a failure, or the limit (status GD_OK). Called when the room is used up, which doubles, and so
- * is looked at seldom. */
+/* Room for more points, with a look at the control; false: a failure, or the limit (status GD_OK).
+ * Called when the room is used up, which doubles, and so is looked at seldom. */
 bool gd__line_grow(struct gd__line *line);
 
 static inline double gd__line_rest(const struct gd__line *line)

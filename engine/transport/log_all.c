@@ -8,9 +8,11 @@
 #include "transport/flight.h"
 #include "line/unfold.h"
 
-/* The log map of one point. Vertices are taken by distance. One whose path bends last at a vertex leaves the point as that vertex does. Of one that is seen
- * straight the sight is walked back only until it crosses an edge with an end that is seen straight as well, and over the same strip of faces: then
- * the two directions at the point differ by the angle between the two ends, which the birth of the sight tells. */
+/* The log map of one point. Vertices are taken by distance. One whose path bends last at a vertex
+ * leaves the point as that vertex does. Of one that is seen straight the sight is walked back only
+ * until it crosses an edge with an end that is seen straight as well, and over the same strip of
+ * faces: then the two directions at the point differ by the angle between the two ends, which the
+ * birth of the sight tells. */
 
 struct map {
     const struct gd_field *field;
@@ -31,7 +33,7 @@ static bool is_root(const struct map *map, uint32_t source)
     return map->from.kind == GD_POINT_VERTEX && map->from.element == source;
 }
 
-/* --- one vertex ---------------------------------------------------------------------------------------------------------- */
+/* --- one vertex ------------------------------------------------------------------------------- */
 
 /* The turn at which a path that is known in full leaves the source. */
 static enum gd_status trace_it(struct map *map, uint32_t vertex)
@@ -63,7 +65,8 @@ static enum gd_status look_beside(struct map *map, uint32_t vertex)
 /* In the frame of the flight's side. */
 static struct gd__local source_of(const struct sight *sight)
 {
-    return (struct gd__local){sight->flight.t + sight->rest * sight->flight.dx, sight->rest * sight->flight.dy};
+    return (struct gd__local){sight->flight.t + sight->rest * sight->flight.dx,
+                              sight->rest * sight->flight.dy};
 }
 
 static bool has_arrived(const struct map *map, const struct sight *sight)
@@ -77,7 +80,8 @@ static bool has_arrived(const struct map *map, const struct sight *sight)
     if (map->from.kind == GD_POINT_FACE && map->from.element != face) return false;
     gd__point_weights(mesh, &map->from, face, w);
     int k = gd__place_of_side(mesh->face_side[face], side);
-    struct gd__local at = gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
+    struct gd__local at =
+        gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
     return w[0] + w[1] + w[2] > 0 && hypot(at.x - source.x, at.y - source.y) <= tolerance;
 }
 
@@ -92,30 +96,37 @@ static double back_of(const struct map *map, uint32_t vertex)
                             -birth.y - s->left_length * s->left_y);
 }
 
-/* Is the end of the edge that the sight crosses seen over the same strip? Then its direction tells the vertex'. */
-static bool lean_on(struct map *map, const struct sight *sight, uint32_t end, double x, double *ahead)
+/* Is the end of the edge that the sight crosses seen over the same strip? Then its direction tells
+ * the vertex'. */
+static bool lean_on(struct map *map, const struct sight *sight, uint32_t end, double x,
+                    double *ahead)
 {
     const struct gd_mesh *mesh = map->mesh;
     struct gd__birth birth = map->field->birth[end];
-    if (isnan(map->ahead[end]) || birth.side == GD_NONE || !is_root(map, birth.source)) return false;
+    if (isnan(map->ahead[end]) || birth.side == GD_NONE || !is_root(map, birth.source))
+        return false;
     struct gd__local source = source_of(sight), to = {x - source.x, -source.y};
     double distance = map->field->distance[end];
     if (!(fabs(hypot(to.x, to.y) - distance) <= GD_TOL_SAME_SOURCE * distance)) return false;
     struct gd_point point = gd__point_of_vertex(end);
-    double apart = gd__turn_in_face(mesh, &point, sight->flight.side, -to.x, -to.y) - back_of(map, end);
+    double apart =
+        gd__turn_in_face(mesh, &point, sight->flight.side, -to.x, -to.y) - back_of(map, end);
     if (!(fabs(remainder(apart, mesh->total_angle[end])) <= GD_TOL_SAME_SOURCE)) return false;
     double dx = -sight->flight.dx, dy = -sight->flight.dy;
-    *ahead = gd__turn_reduce(mesh, &map->from, map->ahead[end] + atan2(to.x * dy - to.y * dx, to.x * dx + to.y * dy));
+    *ahead = gd__turn_reduce(mesh, &map->from,
+                             map->ahead[end] + atan2(to.x * dy - to.y * dx, to.x * dx + to.y * dy));
     return true;
 }
 
 /* By the farther end of the edge: there the angle is better told. */
 static bool lean(struct map *map, const struct sight *sight, double *ahead)
 {
-    uint32_t side = sight->flight.side, ends[2] = {map->mesh->origin[side], map->mesh->origin[side ^ 1]};
+    uint32_t side = sight->flight.side,
+             ends[2] = {map->mesh->origin[side], map->mesh->origin[side ^ 1]};
     double x[2] = {0, map->mesh->side[side].length};
     int far = map->field->distance[ends[1]] > map->field->distance[ends[0]];
-    return lean_on(map, sight, ends[far], x[far], ahead) || lean_on(map, sight, ends[!far], x[!far], ahead);
+    return lean_on(map, sight, ends[far], x[far], ahead) ||
+           lean_on(map, sight, ends[!far], x[!far], ahead);
 }
 
 /* Over the side opposite to the vertex. */
@@ -124,9 +135,11 @@ static struct sight sight_from(const struct map *map, uint32_t vertex)
     struct gd__birth birth = map->field->birth[vertex];
     const struct gd_side *s = &map->mesh->side[birth.side];
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-    double dx = birth.x - px, dy = -birth.y - py, length = hypot(dx, dy), gone = length * py / (py + birth.y);
+    double dx = birth.x - px, dy = -birth.y - py, length = hypot(dx, dy),
+           gone = length * py / (py + birth.y);
     double t = px + dx / length * gone;
-    return (struct sight){{birth.side ^ 1, s->length - t, -dx / length, -dy / length}, length - gone};
+    return (struct sight){{birth.side ^ 1, s->length - t, -dx / length, -dy / length},
+                          length - gone};
 }
 
 static enum gd_status look_back(struct map *map, uint32_t vertex)
@@ -136,8 +149,8 @@ static enum gd_status look_back(struct map *map, uint32_t vertex)
     while (sight.rest > 0 && !gd__side_is_boundary(mesh, sight.flight.side)) {
         const struct gd_side *s = &mesh->side[sight.flight.side];
         if (has_arrived(map, &sight)) {
-            map->ahead[vertex] =
-                gd__turn_in_face(mesh, &map->from, sight.flight.side, -sight.flight.dx, -sight.flight.dy);
+            map->ahead[vertex] = gd__turn_in_face(mesh, &map->from, sight.flight.side,
+                                                  -sight.flight.dx, -sight.flight.dy);
             return GD_OK;
         }
         if (lean(map, &sight, &map->ahead[vertex])) return GD_OK;
@@ -151,7 +164,8 @@ static enum gd_status look_back(struct map *map, uint32_t vertex)
 static enum gd_status look_from(struct map *map, uint32_t vertex)
 {
     struct gd__birth birth = map->field->birth[vertex];
-    if (birth.source == GD_NONE && birth.side != GD_NONE) return trace_it(map, vertex); /* it bends on an edge */
+    /* it bends on an edge */
+    if (birth.source == GD_NONE && birth.side != GD_NONE) return trace_it(map, vertex);
     if (is_root(map, birth.source)) {
         bool is_beside = birth.side == GD_NONE || birth.y < 0;
         return is_beside ? look_beside(map, vertex) : look_back(map, vertex);
@@ -161,7 +175,7 @@ static enum gd_status look_from(struct map *map, uint32_t vertex)
     return GD_OK;
 }
 
-/* --- all of them --------------------------------------------------------------------------------------------------------- */
+/* --- all of them ------------------------------------------------------------------------------ */
 
 struct entry {
     double distance;
@@ -191,7 +205,8 @@ static enum gd_status fill(struct map *map, struct entry *entries, const struct 
     uint32_t count = sort_vertices(map->field, entries);
     for (uint32_t v = 0; v < map->mesh->vertex_count; v++) map->ahead[v] = NAN;
     for (uint32_t i = 0; i < count && !status; i++) {
-        bool is_itself = map->from.kind == GD_POINT_VERTEX && map->from.element == entries[i].vertex;
+        bool is_itself =
+            map->from.kind == GD_POINT_VERTEX && map->from.element == entries[i].vertex;
         if (!is_itself) status = look_from(map, entries[i].vertex);
         if (!status && i % CHUNK == 0) status = gd_control_check(control, (double)i / count);
     }
@@ -205,19 +220,23 @@ static void write_out(const struct map *map, double *angles, double *lengths)
     for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
         uint32_t v = mesh->vertex_of_index[i];
         bool is_known = v != GD_NONE && !isnan(map->ahead[v]);
-        angles[i] = is_known ? gd__turn_reduce(mesh, &map->from, map->ahead[v] - zero) / scale : NAN;
+        angles[i] =
+            is_known ? gd__turn_reduce(mesh, &map->from, map->ahead[v] - zero) / scale : NAN;
     }
     gd_field_vertex_distances(map->field, lengths);
 }
 
-enum gd_status gd_vector_log_all(const struct gd_field *field, const struct gd_control *control, double *angles,
-                                 double *lengths, struct gd_detail *detail)
+enum gd_status gd_vector_log_all(const struct gd_field *field, const struct gd_control *control,
+                                 double *angles, double *lengths, struct gd_detail *detail)
 {
     struct map map = {.field = field, .mesh = field->mesh};
     bool is_whole = gd_field_single_seed(field, &map.from) && isinf(gd_field_reach(field));
-    if (!is_whole) return gd_fail(detail, GD_INVALID_ARGUMENT, "the log map takes the whole field of one point");
+    if (!is_whole)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the log map takes the whole field of one point");
     size_t count = field->mesh->vertex_count;
-    enum gd_status status = gd_control_afford(control, count * (sizeof(struct entry) + sizeof *map.ahead));
+    enum gd_status status =
+        gd_control_afford(control, count * (sizeof(struct entry) + sizeof *map.ahead));
     struct entry *entries = status ? NULL : malloc(count * sizeof *entries);
     map.ahead = status ? NULL : malloc(count * sizeof *map.ahead);
     if (!status) status = entries && map.ahead ? fill(&map, entries, control) : GD_NO_MEMORY;

@@ -10,9 +10,10 @@
 #include "mesh/canonical.h"
 #include "transport/ascent.h"
 
-/* Newton's steps, halved until they help. As long as the paths to the points cross the same faces f is the sum of squared distances in the plane, of the points
- * or of where the paths bend first: its second derivatives are known. A minimum may stand at a vertex, where f has a kink: so corners of the
- * face at hand are tried when steps have to be halved. */
+/* Newton's steps, halved until they help. As long as the paths to the points cross the same faces f
+ * is the sum of squared distances in the plane, of the points or of where the paths bend first: its
+ * second derivatives are known. A minimum may stand at a vertex, where f has a kink: so corners of
+ * the face at hand are tried when steps have to be halved. */
 
 enum { ITERATIONS = 100, HALVINGS = 8, SEARCHES = ITERATIONS / 4 };
 
@@ -42,15 +43,16 @@ static double weight_of(const struct finder *finder, uint32_t i)
     return finder->request->weights ? finder->request->weights[i] : 1;
 }
 
-/* --- one place ----------------------------------------------------------------------------------------------------------- */
+/* --- one place -------------------------------------------------------------------------------- */
 
 static enum gd_status pull_of(const struct finder *finder, const struct gd_point *from, uint32_t i,
                               struct gd__pull *pull, double *length, bool *is_cut)
 {
     struct gd_pair_answer answer;
     struct gd_log log;
-    enum gd_status status = gd_pair_solve(finder->mesh, from, &finder->request->points[i], GD_PAIR_PATH_AND_CUT,
-                                          finder->request->landmarks, finder->control, &answer, finder->detail);
+    enum gd_status status =
+        gd_pair_solve(finder->mesh, from, &finder->request->points[i], GD_PAIR_PATH_AND_CUT,
+                      finder->request->landmarks, finder->control, &answer, finder->detail);
     if (status) return status;
     status = gd_vector_log(finder->mesh, &answer.path, &log, finder->detail);
     gd_pair_answer_free(&answer);
@@ -58,15 +60,17 @@ static enum gd_status pull_of(const struct finder *finder, const struct gd_point
     double weight = weight_of(finder, i);
     *is_cut |= answer.is_cut && weight > 0;
     *length = log.vector.length / finder->mesh->unit;
-    *pull = (struct gd__pull){.turn = gd__turn_of_angle(finder->mesh, from, log.vector.direction.angle),
-                              .strength = *length * weight,
-                              .weight = weight,
-                              .bend = log.count > 1 ? log.vector.length / log.segments[0].length : 1};
+    *pull =
+        (struct gd__pull){.turn = gd__turn_of_angle(finder->mesh, from, log.vector.direction.angle),
+                          .strength = *length * weight,
+                          .weight = weight,
+                          .bend = log.count > 1 ? log.vector.length / log.segments[0].length : 1};
     gd_log_free(&log);
     return GD_OK;
 }
 
-static enum gd_status look(const struct finder *finder, const struct gd_point *point, struct view *out)
+static enum gd_status look(const struct finder *finder, const struct gd_point *point,
+                           struct view *out)
 {
     double value = 0, length;
     bool is_cut = false;
@@ -78,21 +82,24 @@ static enum gd_status look(const struct finder *finder, const struct gd_point *p
     }
     uint32_t count = finder->request->count;
     struct view view = {.point = *point, .value = value / finder->weights, .is_cut = is_cut};
-    view.slope = gd__ascent(finder->mesh, point, finder->pulls, count, &view.heading) / finder->weights;
-    view.length = gd__ascent_step(finder->mesh, point, finder->pulls, count, view.heading, &view.turn);
+    view.slope =
+        gd__ascent(finder->mesh, point, finder->pulls, count, &view.heading) / finder->weights;
+    view.length =
+        gd__ascent_step(finder->mesh, point, finder->pulls, count, view.heading, &view.turn);
     *out = view;
     return GD_OK;
 }
 
-/* --- steps --------------------------------------------------------------------------------------------------------------- */
+/* --- steps ------------------------------------------------------------------------------------ */
 
-static enum gd_status step(const struct finder *finder, const struct view *view, double turn, double length,
-                           struct gd_point *out)
+static enum gd_status step(const struct finder *finder, const struct view *view, double turn,
+                           double length, struct gd_point *out)
 {
     const struct gd_direction ahead = gd__turn_direction(finder->mesh, &view->point, turn);
     struct gd_trace trace;
-    enum gd_status status = gd_trace_follow(finder->mesh, &view->point, &ahead, length * finder->mesh->unit, NULL,
-                                            finder->control, &trace, finder->detail);
+    enum gd_status status =
+        gd_trace_follow(finder->mesh, &view->point, &ahead, length * finder->mesh->unit, NULL,
+                        finder->control, &trace, finder->detail);
     if (status) return status;
     *out = trace.path.points[trace.path.count - 1];
     gd_trace_free(&trace);
@@ -103,11 +110,12 @@ static enum gd_status step(const struct finder *finder, const struct view *view,
 static bool is_better(const struct view *a, const struct view *b)
 {
     double noise = GD_TOL_HIT * b->value;
-    return a->value < b->value - noise || (a->value < b->value + noise && a->slope < 0.5 * b->slope);
+    return a->value < b->value - noise ||
+           (a->value < b->value + noise && a->slope < 0.5 * b->slope);
 }
 
-static enum gd_status try_point(const struct finder *finder, const struct gd_point *point, struct view *view,
-                                bool *has_moved)
+static enum gd_status try_point(const struct finder *finder, const struct gd_point *point,
+                                struct view *view, bool *has_moved)
 {
     struct view next;
     enum gd_status status = look(finder, point, &next);
@@ -118,7 +126,8 @@ static enum gd_status try_point(const struct finder *finder, const struct gd_poi
     return GD_OK;
 }
 
-/* The corners of a face at the point, or of those on both sides of its edge the ends of the edge. */
+/* The corners of a face at the point, or of those on both sides of its edge the ends of the edge.
+ */
 static enum gd_status try_corners(const struct finder *finder, struct view *view, bool *has_moved)
 {
     const struct gd_mesh *mesh = finder->mesh;
@@ -126,7 +135,8 @@ static enum gd_status try_corners(const struct finder *finder, struct view *view
     enum gd_status status = GD_OK;
     uint32_t corners = from.kind == GD_POINT_FACE ? 3 : from.kind == GD_POINT_EDGE ? 2 : 0;
     for (uint32_t k = 0; k < corners && !status; k++) {
-        uint32_t side = from.kind == GD_POINT_FACE ? mesh->face_side[from.element][k] : 2 * from.element + k;
+        uint32_t side =
+            from.kind == GD_POINT_FACE ? mesh->face_side[from.element][k] : 2 * from.element + k;
         struct gd_point corner = gd__point_of_vertex(mesh->origin[side]);
         status = try_point(finder, &corner, view, has_moved);
     }
@@ -164,7 +174,7 @@ static enum gd_status descend(const struct finder *finder, struct view *view, ui
     return status;
 }
 
-/* --- where to begin ------------------------------------------------------------------------------------------------------ */
+/* --- where to begin --------------------------------------------------------------------------- */
 
 static struct gd_vec3 centroid(const struct finder *finder)
 {
@@ -197,29 +207,35 @@ static enum gd_status begin(const struct finder *finder, struct view *out)
     bool has_moved;
     enum gd_status status = look(finder, &start, out);
     if (status || gd_locate_nearest(finder->mesh, middle, -1, &other, NULL, NULL)) return status;
-    if (gd_point_component(finder->mesh, &other) != gd_point_component(finder->mesh, &start)) return GD_OK;
+    if (gd_point_component(finder->mesh, &other) != gd_point_component(finder->mesh, &start))
+        return GD_OK;
     return try_point(finder, &other, out, &has_moved);
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
-static enum gd_status check(const struct gd_mesh *mesh, const struct gd_mean_request *request, double *sum,
-                            struct gd_detail *detail)
+static enum gd_status check(const struct gd_mesh *mesh, const struct gd_mean_request *request,
+                            double *sum, struct gd_detail *detail)
 {
-    if (!request->count) return gd_fail(detail, GD_INVALID_ARGUMENT, "a mean is of at least one point");
+    if (!request->count)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a mean is of at least one point");
     *sum = 0;
     for (uint32_t i = 0; i < request->count; i++) {
         double weight = request->weights ? request->weights[i] : 1;
         if (!(isfinite(weight) && weight >= 0))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "weight %u is %.17g; it must be a finite number, 0 or more", i,
-                           weight);
-        if (gd_point_component(mesh, &request->points[i]) != gd_point_component(mesh, &request->points[0]))
-            return gd_fail(detail, GD_NOT_ON_SURFACE,
-                           "point %u lies on another component than point 0: there is no path between them", i);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "weight %u is %.17g; it must be a finite number, 0 or more", i, weight);
+        if (gd_point_component(mesh, &request->points[i]) !=
+            gd_point_component(mesh, &request->points[0]))
+            return gd_fail(
+                detail, GD_NOT_ON_SURFACE,
+                "point %u lies on another component than point 0: there is no path between them",
+                i);
         *sum += weight;
     }
     if (*sum > 0 && isfinite(*sum)) return GD_OK;
-    return gd_fail(detail, GD_INVALID_ARGUMENT, "the weights sum to %.17g; one must be more than 0", *sum);
+    return gd_fail(detail, GD_INVALID_ARGUMENT, "the weights sum to %.17g; one must be more than 0",
+                   *sum);
 }
 
 static enum gd_status find_in_one_step(const struct finder *finder, struct view *view)
@@ -256,7 +272,8 @@ static enum gd_status find(struct finder *finder, struct gd_mean *out)
 }
 
 enum gd_status gd_mean_find(const struct gd_mesh *mesh, const struct gd_mean_request *request,
-                            const struct gd_control *control, struct gd_mean *out, struct gd_detail *detail)
+                            const struct gd_control *control, struct gd_mean *out,
+                            struct gd_detail *detail)
 {
     struct finder finder = {.mesh = mesh, .request = request, .detail = detail};
     enum gd_status status = check(mesh, request, &finder.weights, detail);

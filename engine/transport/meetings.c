@@ -57,7 +57,7 @@ enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_p
     return GD_OK;
 }
 
-/* --- two segments -------------------------------------------------------------------------------------------------------- */
+/* --- two segments ----------------------------------------------------------------------------- */
 
 static struct gd__local minus(struct gd__local a, struct gd__local b)
 {
@@ -77,7 +77,8 @@ static double dot(struct gd__local a, struct gd__local b)
 /* The part of `a` after which it first runs on `b`, along the same line; 2 if it doesn't. */
 static double meet_along(const struct segment *a, const struct segment *b)
 {
-    struct gd__local d = minus(a->to, a->from), w = minus(b->from, a->from), e = minus(b->to, a->from);
+    struct gd__local d = minus(a->to, a->from), w = minus(b->from, a->from),
+                     e = minus(b->to, a->from);
     double length = dot(d, d), touch = GD_TOL_TOUCH * length;
     if (fabs(cross(d, w)) > touch || fabs(cross(d, e)) > touch) return 2;
     double first = fmin(dot(d, w), dot(d, e)) / length, last = fmax(dot(d, w), dot(d, e)) / length;
@@ -88,7 +89,8 @@ static double meet_along(const struct segment *a, const struct segment *b)
 /* The part of `a` after which it meets `b`; 2 if it doesn't. */
 static double meet(const struct segment *a, const struct segment *b)
 {
-    struct gd__local d = minus(a->to, a->from), e = minus(b->to, b->from), w = minus(b->from, a->from);
+    struct gd__local d = minus(a->to, a->from), e = minus(b->to, b->from),
+                     w = minus(b->from, a->from);
     double sine = cross(d, e), lengths = sqrt(dot(d, d) * dot(e, e));
     if (!(lengths > 0)) return 2;
     if (fabs(sine) <= GD_TOL_TOUCH * lengths) return meet_along(a, b);
@@ -97,14 +99,14 @@ static double meet(const struct segment *a, const struct segment *b)
     return other >= -GD_TOL_TOUCH && other <= 1 + GD_TOL_TOUCH ? part : 2;
 }
 
-/* --- the line ------------------------------------------------------------------------------------------------------------ */
+/* --- the line --------------------------------------------------------------------------------- */
 
 static enum gd_status make_room(struct gd__meetings *meetings)
 {
     if (meetings->count < meetings->capacity) return GD_OK;
     uint32_t capacity = meetings->capacity ? 2 * meetings->capacity : CAPACITY;
-    enum gd_status status =
-        gd_control_afford(meetings->control, table_bytes(meetings->mesh) + capacity * sizeof *meetings->segments);
+    enum gd_status status = gd_control_afford(
+        meetings->control, table_bytes(meetings->mesh) + capacity * sizeof *meetings->segments);
     if (status) return status;
     struct segment *segments = realloc(meetings->segments, capacity * sizeof *segments);
     if (!segments) return GD_NO_MEMORY;
@@ -113,15 +115,17 @@ static enum gd_status make_room(struct gd__meetings *meetings)
     return GD_OK;
 }
 
-static struct gd__local place(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
+static struct gd__local place(const struct gd_mesh *mesh, uint32_t face,
+                              const struct gd_point *point)
 {
     double weight[3];
     gd__point_weights(mesh, point, face, weight);
     return gd__face_local(mesh, mesh->face_side[face][0], weight);
 }
 
-enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face, const struct gd_point *from,
-                                const struct gd_point *to, double *part)
+enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
+                                const struct gd_point *from, const struct gd_point *to,
+                                double *part)
 {
     enum gd_status status = make_room(meetings);
     if (status) return status;

@@ -4,12 +4,13 @@
 
 #include "base/tolerance.h"
 
-enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve, double distance,
-                               const struct gd_control *control, struct gd_isoline *out, struct gd_detail *detail)
+enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                               double distance, const struct gd_control *control,
+                               struct gd_isoline *out, struct gd_detail *detail)
 {
     if (!(isfinite(distance) && distance > 0))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the distance is %.17g; it must be a length, more than 0",
-                       distance);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the distance is %.17g; it must be a length, more than 0", distance);
     struct gd_field_request request = {.seed_count = gd_curve_seed_count(curve),
                                        .radius = distance * (1 + GD_TOL_CHECK)};
     struct gd_field *field;

@@ -6,7 +6,8 @@ enum gd_status gd__route_of_curve(const struct gd_mesh *mesh, const struct gd_cu
     enum gd_status status = gd__route_add(out, &curve->points[0], 0, control);
     for (uint32_t i = 1; i < curve->count + curve->closed && !status; i++) {
         const struct gd_point *point = &curve->points[i % curve->count];
-        status = gd__route_add(out, point, gd__route_run(mesh, &out->points[out->count - 1], point), control);
+        status = gd__route_add(out, point, gd__route_run(mesh, &out->points[out->count - 1], point),
+                               control);
     }
     return status;
 }
@@ -14,7 +15,9 @@ enum gd_status gd__route_of_curve(const struct gd_mesh *mesh, const struct gd_cu
 struct gd_curve gd__route_take_curve(struct gd__route *route, bool closed)
 {
     struct gd_curve curve = {.points = route->points, .count = route->count, .closed = closed};
-    while (closed && curve.count > 1 && gd_point_equal(&curve.points[0], &curve.points[curve.count - 1])) curve.count--;
+    while (closed && curve.count > 1 &&
+           gd_point_equal(&curve.points[0], &curve.points[curve.count - 1]))
+        curve.count--;
     *route = (struct gd__route){0};
     return curve;
 }
@@ -28,7 +31,8 @@ struct walk {
 };
 
 /* From where the walk is to a length behind the beginning, as a route that is filled anew. */
-static enum gd_status walk_to(struct gd__straightener *s, struct walk *walk, double length, struct gd__route *out)
+static enum gd_status walk_to(struct gd__straightener *s, struct walk *walk, double length,
+                              struct gd__route *out)
 {
     const struct gd_mesh *mesh = s->mesh;
     gd__route_clear(out);
@@ -49,8 +53,9 @@ static enum gd_status walk_to(struct gd__straightener *s, struct walk *walk, dou
     return status;
 }
 
-enum gd_status gd__pieces_tighten(struct gd__straightener *s, const struct gd__route *route, const double *lengths,
-                                  uint32_t count, struct gd__route *out, struct gd_point *marks)
+enum gd_status gd__pieces_tighten(struct gd__straightener *s, const struct gd__route *route,
+                                  const double *lengths, uint32_t count, struct gd__route *out,
+                                  struct gd_point *marks)
 {
     struct walk walk = {.route = route, .here = route->points[0]};
     struct gd__route piece = {0}, line = {0};
@@ -60,7 +65,8 @@ enum gd_status gd__pieces_tighten(struct gd__straightener *s, const struct gd__r
         bool is_last = i + 1 == count && lengths[i] >= route->length;
         status = walk_to(s, &walk, is_last ? INFINITY : lengths[i], &piece);
         if (!status && i) status = gd__straighten(s, &piece, &line);
-        if (!status && i) status = gd__route_join(out, line.points, line.count, line.length, false, s->control);
+        if (!status && i)
+            status = gd__route_join(out, line.points, line.count, line.length, false, s->control);
         if (!status && marks) marks[i] = walk.here;
         if (!status) status = gd_control_check(s->control, s->progress);
     }

@@ -14,37 +14,44 @@ struct construction {
 };
 
 /* Divides a line at the part: `before` and `behind` are filled anew. */
-static enum gd_status cut(const struct construction *c, const struct gd__route *line, struct gd__route *before,
-                          struct gd__route *behind)
+static enum gd_status cut(const struct construction *c, const struct gd__route *line,
+                          struct gd__route *before, struct gd__route *behind)
 {
     const struct gd_control *control = c->straightener->control;
     struct gd__route whole = {0};
     uint32_t at;
-    enum gd_status status = gd__route_join(&whole, line->points, line->count, line->length, false, control);
+    enum gd_status status =
+        gd__route_join(&whole, line->points, line->count, line->length, false, control);
     if (!status) status = gd__route_split(c->straightener->mesh, &whole, c->part, control, &at);
     gd__route_clear(before);
     gd__route_clear(behind);
-    if (!status) status = gd__route_join(before, whole.points, at + 1, c->part * line->length, false, control);
     if (!status)
         status =
-            gd__route_join(behind, whole.points + at, whole.count - at, (1 - c->part) * line->length, false, control);
+            gd__route_join(before, whole.points, at + 1, c->part * line->length, false, control);
+    if (!status)
+        status = gd__route_join(behind, whole.points + at, whole.count - at,
+                                (1 - c->part) * line->length, false, control);
     gd__route_free(&whole);
     return status;
 }
 
 /* The line that two become which meet: from where the first begins to where the second ends. */
-static enum gd_status pull(struct construction *c, const struct gd__route *first, const struct gd__route *second,
-                           struct gd__route *out)
+static enum gd_status pull(struct construction *c, const struct gd__route *first,
+                           const struct gd__route *second, struct gd__route *out)
 {
     const struct gd_control *control = c->straightener->control;
     gd__route_clear(&c->route);
-    enum gd_status status = gd__route_join(&c->route, first->points, first->count, 0, false, control);
-    if (!status) status = gd__route_join(&c->route, second->points, second->count, 0, false, control);
+    enum gd_status status =
+        gd__route_join(&c->route, first->points, first->count, 0, false, control);
+    if (!status)
+        status = gd__route_join(&c->route, second->points, second->count, 0, false, control);
     return status ? status : gd__straighten(c->straightener, &c->route, out);
 }
 
-enum gd_status gd__polygon_divide(struct gd__straightener *straightener, const struct gd__polygon *polygon, double part,
-                                  struct gd__polygon *left, struct gd__polygon *right, double *touching)
+enum gd_status gd__polygon_divide(struct gd__straightener *straightener,
+                                  const struct gd__polygon *polygon, double part,
+                                  struct gd__polygon *left, struct gd__polygon *right,
+                                  double *touching)
 {
     struct construction c = {straightener, part, {0}};
     struct gd__route inner[2] = {0}, second[2] = {0}, third = {0};
@@ -69,8 +76,8 @@ enum gd_status gd__polygon_divide(struct gd__straightener *straightener, const s
     return status;
 }
 
-enum gd_status gd__polygon_join(const struct gd__polygon *polygon, bool backwards, struct gd__route *out,
-                                const struct gd_control *control)
+enum gd_status gd__polygon_join(const struct gd__polygon *polygon, bool backwards,
+                                struct gd__route *out, const struct gd_control *control)
 {
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++) {
@@ -80,8 +87,9 @@ enum gd_status gd__polygon_join(const struct gd__polygon *polygon, bool backward
     return status;
 }
 
-enum gd_status gd__polygon_chord(struct gd__straightener *straightener, const struct gd__polygon *polygon,
-                                 struct gd__route *scratch, struct gd__route *out)
+enum gd_status gd__polygon_chord(struct gd__straightener *straightener,
+                                 const struct gd__polygon *polygon, struct gd__route *scratch,
+                                 struct gd__route *out)
 {
     gd__route_clear(scratch);
     enum gd_status status = gd__polygon_join(polygon, false, scratch, straightener->control);

@@ -22,11 +22,11 @@ void gd_spline_line_free(struct gd_spline_line *line)
     *line = (struct gd_spline_line){0};
 }
 
-/* --- one place ----------------------------------------------------------------------------------------------------------- */
+/* --- one place -------------------------------------------------------------------------------- */
 
 /* The direction in which a polygon begins, if it has any length. */
-static enum gd_status begins_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon, bool *found,
-                                struct gd_direction *out)
+static enum gd_status begins_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
+                                bool *found, struct gd_direction *out)
 {
     double turn;
     for (int k = 0; k < 3 && !*found; k++) {
@@ -41,8 +41,8 @@ static enum gd_status begins_in(const struct gd_mesh *mesh, const struct gd__pol
 }
 
 /* ... and ends. */
-static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon, bool *found,
-                              struct gd_direction *out)
+static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
+                              bool *found, struct gd_direction *out)
 {
     double turn;
     for (int k = 3; k-- > 0 && !*found;) {
@@ -59,8 +59,8 @@ static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polyg
 }
 
 /* The place between two parts of a leaf. */
-static enum gd_status describe(struct sampling *s, const struct gd__polygon *left, const struct gd__polygon *right,
-                               double parameter, double speed)
+static enum gd_status describe(struct sampling *s, const struct gd__polygon *left,
+                               const struct gd__polygon *right, double parameter, double speed)
 {
     const struct gd_mesh *mesh = s->sampler.mesh;
     const struct gd__route *end = &left->legs[2];
@@ -74,34 +74,39 @@ static enum gd_status describe(struct sampling *s, const struct gd__polygon *lef
     return status;
 }
 
-/* --- the polyline -------------------------------------------------------------------------------------------------------- */
+/* --- the polyline ----------------------------------------------------------------------------- */
 
 /* On from the last place to the end of `left`, the part of the leaf before the next one. */
-static enum gd_status reach(struct sampling *s, const struct gd__polygon *left, const struct gd_point *point)
+static enum gd_status reach(struct sampling *s, const struct gd__polygon *left,
+                            const struct gd_point *point)
 {
     const struct gd_control *control = s->sampler.straightener.control;
     struct gd__route *line = &s->sampler.line;
     if (!s->path.count) return gd__route_add(&s->path, point, 0, control);
     enum gd_status status = gd__polygon_join(left, false, &s->pending, control);
     if (!status) status = gd__straighten(&s->sampler.straightener, &s->pending, line);
-    if (!status) status = gd__route_join(&s->path, line->points, line->count, line->length, false, control);
+    if (!status)
+        status = gd__route_join(&s->path, line->points, line->count, line->length, false, control);
     return status;
 }
 
-static enum gd_status put(struct sampling *s, const struct gd__polygon *left, const struct gd__polygon *right,
-                          double parameter, double speed)
+static enum gd_status put(struct sampling *s, const struct gd__polygon *left,
+                          const struct gd__polygon *right, double parameter, double speed)
 {
     enum gd_status status = describe(s, left, right, parameter, speed);
     if (!status) status = reach(s, left, &s->places[s->count - 1].point);
     gd__route_clear(&s->pending);
     if (!status)
-        status = gd__route_add(&s->pending, &s->places[s->count - 1].point, 0, s->sampler.straightener.control);
-    if (!status) status = gd__polygon_join(left, true, &s->pending, s->sampler.straightener.control);
+        status = gd__route_add(&s->pending, &s->places[s->count - 1].point, 0,
+                               s->sampler.straightener.control);
+    if (!status)
+        status = gd__polygon_join(left, true, &s->pending, s->sampler.straightener.control);
     return status;
 }
 
 /* The place at a parameter of a leaf. */
-static enum gd_status put_place(struct sampling *s, const struct gd__polygon *leaf, double parameter)
+static enum gd_status put_place(struct sampling *s, const struct gd__polygon *leaf,
+                                double parameter)
 {
     static const struct gd__polygon none = {0};
     struct gd__polygon left = {0}, right = {0};
@@ -110,14 +115,16 @@ static enum gd_status put_place(struct sampling *s, const struct gd__polygon *le
     s->is_at_end = !(part < 1);
     if (!(part > 0)) return put(s, &none, leaf, parameter, leaf->legs[0].length * scale);
     if (s->is_at_end) return put(s, leaf, &none, parameter, leaf->legs[2].length * scale);
-    enum gd_status status = gd__polygon_divide(&s->sampler.straightener, leaf, part, &left, &right, &touching);
+    enum gd_status status =
+        gd__polygon_divide(&s->sampler.straightener, leaf, part, &left, &right, &touching);
     if (!status) status = put(s, &left, &right, parameter, touching * scale);
     gd__polygon_free(&left);
     gd__polygon_free(&right);
     return status;
 }
 
-static enum gd_status visit(struct gd__sampler *sampler, const struct gd__polygon *leaf, const struct gd__route *chord)
+static enum gd_status visit(struct gd__sampler *sampler, const struct gd__polygon *leaf,
+                            const struct gd__route *chord)
 {
     struct sampling *s = (struct sampling *)sampler;
     const struct gd_control *control = sampler->straightener.control;
@@ -126,12 +133,13 @@ static enum gd_status visit(struct gd__sampler *sampler, const struct gd__polygo
     while (!status && s->count < s->parameters.count && s->parameters.values[s->count] <= leaf->end)
         status = put_place(s, leaf, s->parameters.values[s->count]);
     if (status || !s->path.count) return status;
-    if (!s->is_at_end) return gd__route_join(&s->pending, chord->points, chord->count, 0, false, control);
+    if (!s->is_at_end)
+        return gd__route_join(&s->pending, chord->points, chord->count, 0, false, control);
     gd__route_clear(&s->pending);
     return gd__route_add(&s->pending, &s->places[s->count - 1].point, 0, control);
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static enum gd_status check(const struct gd_spline_sampling *sampling, struct gd_detail *detail)
 {
@@ -140,18 +148,22 @@ static enum gd_status check(const struct gd_spline_sampling *sampling, struct gd
     if (ways != 1)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "say exactly one of samples, tolerance, spacing and parameters (and not 0)");
-    if (!(isfinite(sampling->tolerance) && sampling->tolerance >= 0 && isfinite(sampling->spacing) &&
-          sampling->spacing >= 0))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "tolerance and spacing are finite lengths, more than 0");
+    if (!(isfinite(sampling->tolerance) && sampling->tolerance >= 0 &&
+          isfinite(sampling->spacing) && sampling->spacing >= 0))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "tolerance and spacing are finite lengths, more than 0");
     if (sampling->parameters && !sampling->count)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "give at least one parameter");
     return GD_OK;
 }
 
-static enum gd_status sample(struct sampling *s, const struct gd_spline_sampling *sampling, struct gd_detail *detail)
+static enum gd_status sample(struct sampling *s, const struct gd_spline_sampling *sampling,
+                             struct gd_detail *detail)
 {
     enum gd_status status = gd__spacing_find(&s->sampler, sampling, &s->parameters, detail);
-    if (!status) status = gd_control_afford(s->sampler.straightener.control, s->parameters.count * sizeof *s->places);
+    if (!status)
+        status = gd_control_afford(s->sampler.straightener.control,
+                                   s->parameters.count * sizeof *s->places);
     if (status) return status;
     s->places = malloc(s->parameters.count * sizeof *s->places);
     if (!s->places) return GD_NO_MEMORY;
@@ -161,11 +173,14 @@ static enum gd_status sample(struct sampling *s, const struct gd_spline_sampling
 }
 
 enum gd_status gd_spline_sample(const struct gd_mesh *mesh, const struct gd_spline *spline,
-                                const struct gd_spline_sampling *sampling, const struct gd_control *control,
-                                struct gd_spline_line *out, struct gd_detail *detail)
+                                const struct gd_spline_sampling *sampling,
+                                const struct gd_control *control, struct gd_spline_line *out,
+                                struct gd_detail *detail)
 {
-    struct sampling s = {
-        .sampler = {.mesh = mesh, .spline = spline, .share = 0.5, .straightener = {.mesh = mesh, .control = control}}};
+    struct sampling s = {.sampler = {.mesh = mesh,
+                                     .spline = spline,
+                                     .share = 0.5,
+                                     .straightener = {.mesh = mesh, .control = control}}};
     enum gd_status status = check(sampling, detail);
     if (!status) status = sample(&s, sampling, detail);
     if (!status && s.count < s.parameters.count) status = GD_INTERNAL;

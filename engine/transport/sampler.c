@@ -2,8 +2,9 @@
 
 enum { DEPTH = 32 }; /* halvings: far below rounding */
 
-/* A leaf departs from its chord by this part of its segment's polygon: then de Casteljau's construction with any parameter and halving differ
- * by the surface's curvature times this part of the square. */
+/* A leaf departs from its chord by this part of its segment's polygon: then de Casteljau's
+ * construction with any parameter and halving differ by the surface's curvature times this part of
+ * the square. */
 #define HEIGHT_PART 1e-3
 
 void gd__sampler_free(struct gd__sampler *sampler)
@@ -13,13 +14,16 @@ void gd__sampler_free(struct gd__sampler *sampler)
     gd__route_free(&sampler->line);
 }
 
-static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon *polygon, double height, int depth);
+static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon *polygon,
+                           double height, int depth);
 
-static enum gd_status halve(struct gd__sampler *sampler, const struct gd__polygon *polygon, double height, int depth)
+static enum gd_status halve(struct gd__sampler *sampler, const struct gd__polygon *polygon,
+                            double height, int depth)
 {
     struct gd__polygon left = {0}, right = {0};
     double touching;
-    enum gd_status status = gd__polygon_divide(&sampler->straightener, polygon, 0.5, &left, &right, &touching);
+    enum gd_status status =
+        gd__polygon_divide(&sampler->straightener, polygon, 0.5, &left, &right, &touching);
     if (!status) status = walk(sampler, &left, height, depth + 1);
     if (!status) status = walk(sampler, &right, height, depth + 1);
     gd__polygon_free(&left);
@@ -27,15 +31,18 @@ static enum gd_status halve(struct gd__sampler *sampler, const struct gd__polygo
     return status;
 }
 
-static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon *polygon, double height, int depth)
+static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon *polygon,
+                           double height, int depth)
 {
     struct gd__route chord = {0};
     const struct gd_spline *spline = sampler->spline;
     struct gd__straightener *straightener = &sampler->straightener;
-    straightener->progress = sampler->begun + sampler->share * polygon->begin / spline->knots[spline->count].parameter;
+    straightener->progress =
+        sampler->begun + sampler->share * polygon->begin / spline->knots[spline->count].parameter;
     enum gd_status status = gd_control_check(straightener->control, straightener->progress);
     if (!status) status = gd__polygon_chord(straightener, polygon, &sampler->route, &chord);
-    if (!status && depth < DEPTH && gd__polygon_height(gd__polygon_length(polygon), chord.length) > height)
+    if (!status && depth < DEPTH &&
+        gd__polygon_height(gd__polygon_length(polygon), chord.length) > height)
         status = halve(sampler, polygon, height, depth);
     else if (!status)
         status = sampler->visit(sampler, polygon, &chord);
@@ -43,14 +50,17 @@ static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon
     return status;
 }
 
-static enum gd_status walk_segment(struct gd__sampler *sampler, const struct gd_spline_segment *segment)
+static enum gd_status walk_segment(struct gd__sampler *sampler,
+                                   const struct gd_spline_segment *segment)
 {
     struct gd__polygon polygon = {.begin = segment->begin, .end = segment->end};
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++)
         status = gd__route_join(&polygon.legs[k], segment->legs[k].points, segment->legs[k].count,
-                                segment->legs[k].length / sampler->mesh->unit, false, sampler->straightener.control);
-    double height = sampler->height > 0 ? sampler->height : HEIGHT_PART * gd__polygon_length(&polygon);
+                                segment->legs[k].length / sampler->mesh->unit, false,
+                                sampler->straightener.control);
+    double height =
+        sampler->height > 0 ? sampler->height : HEIGHT_PART * gd__polygon_length(&polygon);
     if (!status) status = walk(sampler, &polygon, height, 0);
     gd__polygon_free(&polygon);
     return status;

@@ -10,9 +10,11 @@ struct gd__sampler {
     const struct gd_spline *spline;
     struct gd__straightener straightener;
     double begun, share; /* the part of the caller's work that a walk is */
-    double height;       /* a leaf departs from its chord by no more; 0: by a part of its segment's length */
+    /* a leaf departs from its chord by no more; 0: by a part of its segment's length */
+    double height;
     /* Called for each leaf in order, with its chord. */
-    enum gd_status (*visit)(struct gd__sampler *sampler, const struct gd__polygon *leaf, const struct gd__route *chord);
+    enum gd_status (*visit)(struct gd__sampler *sampler, const struct gd__polygon *leaf,
+                            const struct gd__route *chord);
     void *user;
     struct gd__route route, line; /* to be used by anybody for a moment */
 };

@@ -17,7 +17,8 @@ void gd_shortening_free(struct gd_shortening *shortening)
 
 struct shortening {
     struct gd__straightener straightener;
-    struct gd__route route, line; /* the curve, and what it becomes; a closed one ends where it begins */
+    /* the curve, and what it becomes; a closed one ends where it begins */
+    struct gd__route route, line;
     bool closed;
     double length; /* of the curve that was given */
     struct gd_detail *detail;
@@ -30,10 +31,11 @@ static void swap(struct shortening *s)
     s->line = route;
 }
 
-/* --- bends --------------------------------------------------------------------------------------------------------------- */
+/* --- bends ------------------------------------------------------------------------------------ */
 
 /* By how much a line that came from the turn `back` bends more than a taut one would. */
-static double excess(const struct gd_mesh *mesh, const struct gd_point *at, double back, double ahead)
+static double excess(const struct gd_mesh *mesh, const struct gd_point *at, double back,
+                     double ahead)
 {
     struct gd__bend bend = gd__bend_of_turns(mesh, at, back, ahead);
     return fmax(M_PI - fmin(bend.left, bend.right), 0);
@@ -51,7 +53,7 @@ static enum gd_status excess_at_joint(const struct shortening *s, double *out)
     return status;
 }
 
-/* --- until it is a geodesic ---------------------------------------------------------------------------------------------- */
+/* --- until it is a geodesic ------------------------------------------------------------------- */
 
 /* Begins a closed route at another of its points. */
 static enum gd_status begin_at(struct shortening *s, uint32_t at)
@@ -59,14 +61,15 @@ static enum gd_status begin_at(struct shortening *s, uint32_t at)
     const struct gd__route *route = &s->route;
     const struct gd_control *control = s->straightener.control;
     gd__route_clear(&s->line);
-    enum gd_status status =
-        gd__route_join(&s->line, route->points + at, route->count - at, route->length, false, control);
+    enum gd_status status = gd__route_join(&s->line, route->points + at, route->count - at,
+                                           route->length, false, control);
     if (!status) status = gd__route_join(&s->line, route->points, at + 1, 0, false, control);
     swap(s);
     return status;
 }
 
-/* A vertex near the middle, which may hold the curve, or the middle itself: the next round begins there, so that what bends now is pulled tight. */
+/* A vertex near the middle, which may hold the curve, or the middle itself: the next round begins
+ * there, so that what bends now is pulled tight. */
 static enum gd_status begin_elsewhere(struct shortening *s)
 {
     uint32_t count = s->route.count, best = 0;
@@ -75,7 +78,9 @@ static enum gd_status begin_elsewhere(struct shortening *s)
         if (s->route.points[i].kind == GD_POINT_VERTEX && is_nearer) best = i;
     }
     enum gd_status status = GD_OK;
-    if (!best) status = gd__route_split(s->straightener.mesh, &s->route, 0.5, s->straightener.control, &best);
+    if (!best)
+        status =
+            gd__route_split(s->straightener.mesh, &s->route, 0.5, s->straightener.control, &best);
     return status ? status : begin_at(s, best);
 }
 
@@ -83,9 +88,11 @@ static enum gd_status pull_tight(struct shortening *s)
 {
     enum gd_status status = gd__straighten(&s->straightener, &s->route, &s->line);
     swap(s);
-    if (!status && s->closed && !(s->route.count > 2 && s->route.length > GD_TOL_VANISH * s->length))
+    if (!status && s->closed &&
+        !(s->route.count > 2 && s->route.length > GD_TOL_VANISH * s->length))
         return gd_fail(s->detail, GD_INVALID_ARGUMENT,
-                       "the curve shrinks to a point: nothing on the surface holds it, so it has no closed geodesic");
+                       "the curve shrinks to a point: nothing on the surface holds it, so it has "
+                       "no closed geodesic");
     return status;
 }
 
@@ -93,7 +100,8 @@ static enum gd_status close_up(struct shortening *s, struct gd_shortening *out)
 {
     enum gd_status status = pull_tight(s);
     if (!status) status = excess_at_joint(s, &out->turn);
-    for (out->rounds = 1; !status && out->turn > GD_TOL_CLOSED_TURN && out->rounds < GD_SHORTENING_ROUNDS;
+    for (out->rounds = 1;
+         !status && out->turn > GD_TOL_CLOSED_TURN && out->rounds < GD_SHORTENING_ROUNDS;
          out->rounds++) {
         s->straightener.progress = (double)out->rounds / GD_SHORTENING_ROUNDS;
         status = gd_control_check(s->straightener.control, s->straightener.progress);
@@ -104,9 +112,10 @@ static enum gd_status close_up(struct shortening *s, struct gd_shortening *out)
     return status;
 }
 
-/* --- by rounds ----------------------------------------------------------------------------------------------------------- */
+/* --- by rounds -------------------------------------------------------------------------------- */
 
-/* Divisions of an odd round lie midway between those of an even one; a closed curve begins half a piece further on instead. */
+/* Divisions of an odd round lie midway between those of an even one; a closed curve begins half a
+ * piece further on instead. */
 static uint32_t divide(const struct shortening *s, uint32_t pieces, bool is_odd, double *lengths)
 {
     double step = s->route.length / pieces;
@@ -118,13 +127,15 @@ static uint32_t divide(const struct shortening *s, uint32_t pieces, bool is_odd,
     return count;
 }
 
-static enum gd_status shorten_once(struct shortening *s, uint32_t pieces, uint32_t round, double *lengths)
+static enum gd_status shorten_once(struct shortening *s, uint32_t pieces, uint32_t round,
+                                   double *lengths)
 {
     bool is_odd = round % 2 == 1;
     enum gd_status status = GD_OK;
     if (is_odd && s->closed) {
         uint32_t at;
-        status = gd__route_split(s->straightener.mesh, &s->route, 0.5 / pieces, s->straightener.control, &at);
+        status = gd__route_split(s->straightener.mesh, &s->route, 0.5 / pieces,
+                                 s->straightener.control, &at);
         if (!status) status = begin_at(s, at);
     }
     if (status) return status;
@@ -164,9 +175,10 @@ static enum gd_status shorten_by_rounds(struct shortening *s, uint32_t rounds, u
     return status ? status : greatest_excess(s, &out->turn);
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
-static enum gd_status shorten(struct shortening *s, uint32_t rounds, uint32_t pieces, struct gd_shortening *out)
+static enum gd_status shorten(struct shortening *s, uint32_t rounds, uint32_t pieces,
+                              struct gd_shortening *out)
 {
     if (rounds) return shorten_by_rounds(s, rounds, pieces ? pieces : GD_SHORTENING_PIECES, out);
     if (s->closed) return close_up(s, out);
@@ -174,15 +186,17 @@ static enum gd_status shorten(struct shortening *s, uint32_t rounds, uint32_t pi
     return pull_tight(s);
 }
 
-enum gd_status gd_curve_shorten(const struct gd_mesh *mesh, const struct gd_curve *curve, uint32_t rounds,
-                                uint32_t pieces, const struct gd_control *control, struct gd_shortening *out,
-                                struct gd_detail *detail)
+enum gd_status gd_curve_shorten(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                uint32_t rounds, uint32_t pieces, const struct gd_control *control,
+                                struct gd_shortening *out, struct gd_detail *detail)
 {
-    struct shortening s = {
-        .straightener = {.mesh = mesh, .control = control}, .closed = curve->closed, .detail = detail};
+    struct shortening s = {.straightener = {.mesh = mesh, .control = control},
+                           .closed = curve->closed,
+                           .detail = detail};
     struct gd_shortening shortening = {0};
     if (pieces > PIECES_MOST)
-        return gd_fail(detail, GD_TOO_LARGE, "a curve is shortened in at most %d pieces", PIECES_MOST);
+        return gd_fail(detail, GD_TOO_LARGE, "a curve is shortened in at most %d pieces",
+                       PIECES_MOST);
     enum gd_status status = gd__route_of_curve(mesh, curve, control, &s.route);
     s.length = s.route.length;
     if (!status) status = shorten(&s, rounds, pieces, &shortening);

@@ -6,12 +6,13 @@ enum { FIRST_CAPACITY = 64, BISECTIONS = 60 };
 
 static enum gd_status refuse_number(struct gd_detail *detail)
 {
-    return gd_fail(detail, GD_TOO_LARGE, "the curve would be looked at in more than %u places; ask for fewer",
+    return gd_fail(detail, GD_TOO_LARGE,
+                   "the curve would be looked at in more than %u places; ask for fewer",
                    GD_SPLINE_PLACES);
 }
 
-static enum gd_status reserve(struct gd__parameters *list, double count, const struct gd_control *control,
-                              struct gd_detail *detail)
+static enum gd_status reserve(struct gd__parameters *list, double count,
+                              const struct gd_control *control, struct gd_detail *detail)
 {
     if (count <= list->capacity) return GD_OK;
     if (count > GD_SPLINE_PLACES) return refuse_number(detail);
@@ -26,32 +27,33 @@ static enum gd_status reserve(struct gd__parameters *list, double count, const s
     return GD_OK;
 }
 
-static enum gd_status add(struct gd__parameters *list, double value, const struct gd_control *control,
-                          struct gd_detail *detail)
+static enum gd_status add(struct gd__parameters *list, double value,
+                          const struct gd_control *control, struct gd_detail *detail)
 {
     enum gd_status status = reserve(list, (double)list->count + 1, control, detail);
     if (!status) list->values[list->count++] = value;
     return status;
 }
 
-/* --- equal steps of the parameter ---------------------------------------------------------------------------------------- */
+/* --- equal steps of the parameter ------------------------------------------------------------- */
 
-static enum gd_status find_steps(const struct gd__sampler *sampler, uint32_t per_segment, struct gd__parameters *out,
-                                 struct gd_detail *detail)
+static enum gd_status find_steps(const struct gd__sampler *sampler, uint32_t per_segment,
+                                 struct gd__parameters *out, struct gd_detail *detail)
 {
     const struct gd_spline *spline = sampler->spline;
-    enum gd_status status =
-        reserve(out, (double)per_segment * spline->count + 1, sampler->straightener.control, detail);
+    enum gd_status status = reserve(out, (double)per_segment * spline->count + 1,
+                                    sampler->straightener.control, detail);
     if (status) return status;
     for (uint32_t i = 0; i < spline->count; i++) {
         double begin = spline->segments[i].begin, span = spline->segments[i].end - begin;
-        for (uint32_t k = 0; k < per_segment; k++) out->values[out->count++] = begin + span * k / per_segment;
+        for (uint32_t k = 0; k < per_segment; k++)
+            out->values[out->count++] = begin + span * k / per_segment;
     }
     out->values[out->count++] = spline->knots[spline->count].parameter;
     return GD_OK;
 }
 
-/* --- by tolerance -------------------------------------------------------------------------------------------------------- */
+/* --- by tolerance ----------------------------------------------------------------------------- */
 
 struct collecting {
     struct gd__parameters *list;
@@ -66,20 +68,23 @@ static enum gd_status collect_end(struct gd__sampler *sampler, const struct gd__
     return add(collecting->list, leaf->end, sampler->straightener.control, collecting->detail);
 }
 
-static enum gd_status find_leaves(struct gd__sampler *sampler, struct gd__parameters *out, struct gd_detail *detail)
+static enum gd_status find_leaves(struct gd__sampler *sampler, struct gd__parameters *out,
+                                  struct gd_detail *detail)
 {
     struct collecting collecting = {out, detail};
-    enum gd_status status = add(out, sampler->spline->knots[0].parameter, sampler->straightener.control, detail);
+    enum gd_status status =
+        add(out, sampler->spline->knots[0].parameter, sampler->straightener.control, detail);
     if (status) return status;
     sampler->user = &collecting;
     sampler->visit = collect_end;
     return gd__sampler_walk(sampler);
 }
 
-/* --- by arc length ------------------------------------------------------------------------------------------------------- */
+/* --- by arc length ---------------------------------------------------------------------------- */
 
-/* A leaf's length over its parameter from 0 to 1 is nearly a cubic: the speeds at its ends are known, and its length lies between those of chord and polygon (J. Gravesen's
- * estimate for cubics, the mean of the two; its error is of the fourth order). */
+/* A leaf's length over its parameter from 0 to 1 is nearly a cubic: the speeds at its ends are
+ * known, and its length lies between those of chord and polygon (J. Gravesen's estimate for cubics,
+ * the mean of the two; its error is of the fourth order). */
 struct stretch {
     double begin, end; /* parameters */
     double length, first_speed, last_speed;
@@ -98,8 +103,8 @@ static enum gd_status measure_leaf(struct gd__sampler *sampler, const struct gd_
     if (measuring->count == measuring->capacity) {
         size_t capacity = measuring->capacity ? 2 * measuring->capacity : FIRST_CAPACITY;
         if (capacity > GD_SPLINE_PLACES) return refuse_number(measuring->detail);
-        enum gd_status status =
-            gd_control_afford(sampler->straightener.control, 2 * capacity * sizeof *measuring->stretches);
+        enum gd_status status = gd_control_afford(sampler->straightener.control,
+                                                  2 * capacity * sizeof *measuring->stretches);
         if (status) return status;
         struct stretch *stretches = realloc(measuring->stretches, capacity * sizeof *stretches);
         if (!stretches) return GD_NO_MEMORY;
@@ -117,7 +122,8 @@ static enum gd_status measure_leaf(struct gd__sampler *sampler, const struct gd_
 
 static double length_at(const struct stretch *s, double t)
 {
-    return t * (s->first_speed * (1 - t) * (1 - t) + t * (s->length * (3 - 2 * t) - s->last_speed * (1 - t)));
+    return t * (s->first_speed * (1 - t) * (1 - t) +
+                t * (s->length * (3 - 2 * t) - s->last_speed * (1 - t)));
 }
 
 /* The parameter behind a length of the stretch. */
@@ -160,30 +166,34 @@ static enum gd_status find_lengths(struct gd__sampler *sampler, uint32_t count, 
     sampler->user = &measuring;
     sampler->visit = measure_leaf;
     enum gd_status status = gd__sampler_walk(sampler);
-    if (!status) status = put_lengths(&measuring, count, spacing, out, sampler->straightener.control);
+    if (!status)
+        status = put_lengths(&measuring, count, spacing, out, sampler->straightener.control);
     free(measuring.stretches);
     return status;
 }
 
-/* --- given ones ---------------------------------------------------------------------------------------------------------- */
+/* --- given ones ------------------------------------------------------------------------------- */
 
-static enum gd_status take(const struct gd__sampler *sampler, const struct gd_spline_sampling *sampling,
-                           struct gd__parameters *out, struct gd_detail *detail)
+static enum gd_status take(const struct gd__sampler *sampler,
+                           const struct gd_spline_sampling *sampling, struct gd__parameters *out,
+                           struct gd_detail *detail)
 {
     double last = sampler->spline->knots[sampler->spline->count].parameter, least = 0;
     enum gd_status status = reserve(out, sampling->count, sampler->straightener.control, detail);
     for (uint32_t i = 0; i < sampling->count && !status; i++) {
         double value = sampling->parameters[i];
         if (!(value >= least && value <= last))
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "parameter %u is %.17g; parameters ascend, and run from 0 to %.17g on this curve", i, value,
-                           last);
+            return gd_fail(
+                detail, GD_INVALID_ARGUMENT,
+                "parameter %u is %.17g; parameters ascend, and run from 0 to %.17g on this curve",
+                i, value, last);
         out->values[out->count++] = least = value;
     }
     return status;
 }
 
-enum gd_status gd__spacing_find(struct gd__sampler *sampler, const struct gd_spline_sampling *sampling,
+enum gd_status gd__spacing_find(struct gd__sampler *sampler,
+                                const struct gd_spline_sampling *sampling,
                                 struct gd__parameters *out, struct gd_detail *detail)
 {
     double unit = sampler->mesh->unit;

@@ -10,9 +10,11 @@ struct gd__parameters {
     uint32_t count, capacity;
 };
 
-/* Those of a sampling, for a sampler that has no visitor as yet and is to be used for nothing else meanwhile; its height is set for the sampling. On failure too `out` is to be freed by
- * its owner. GD_TOO_LARGE, and what gd__sampler_walk says. */
-GD_MUST_USE enum gd_status gd__spacing_find(struct gd__sampler *sampler, const struct gd_spline_sampling *sampling,
+/* Those of a sampling, for a sampler that has no visitor as yet and is to be used for nothing else
+ * meanwhile; its height is set for the sampling. On failure too `out` is to be freed by its owner.
+ * GD_TOO_LARGE, and what gd__sampler_walk says. */
+GD_MUST_USE enum gd_status gd__spacing_find(struct gd__sampler *sampler,
+                                            const struct gd_spline_sampling *sampling,
                                             struct gd__parameters *out, struct gd_detail *detail);
 
 #endif

@@ -17,11 +17,12 @@ void gd_spline_free(struct gd_spline *spline)
     *spline = (struct gd_spline){0};
 }
 
-/* --- joints -------------------------------------------------------------------------------------------------------------- */
+/* --- joints ----------------------------------------------------------------------------------- */
 
-/* By how much a line that comes and one that goes miss half a turn, of angles as directions have them. */
-static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_path *in, const struct gd_path *out,
-                                    double *angle)
+/* By how much a line that comes and one that goes miss half a turn, of angles as directions have
+ * them. */
+static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_path *in,
+                                    const struct gd_path *out, double *angle)
 {
     double back, ahead;
     enum gd_status status = gd__route_back(mesh, in->points, in->count, &back);
@@ -33,9 +34,11 @@ static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_
 }
 
 static enum gd_status measure_joint(const struct gd_mesh *mesh, const struct gd_spline_segment *in,
-                                    const struct gd_spline_segment *out, struct gd_spline_knot *knot)
+                                    const struct gd_spline_segment *out,
+                                    struct gd_spline_knot *knot)
 {
-    double from = in->legs[2].length / (in->end - in->begin), to = out->legs[0].length / (out->end - out->begin);
+    double from = in->legs[2].length / (in->end - in->begin),
+           to = out->legs[0].length / (out->end - out->begin);
     knot->speed_jump = fmax(from, to) > 0 ? fabs(to - from) / fmax(from, to) : 0;
     if (in->legs[2].count < 2 || out->legs[0].count < 2) return GD_OK;
     return angle_between(mesh, &in->legs[2], &out->legs[0], &knot->angle_jump);
@@ -45,30 +48,35 @@ static enum gd_status measure_joints(const struct gd_mesh *mesh, struct gd_splin
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 1; i < spline->count && !status; i++)
-        status = measure_joint(mesh, &spline->segments[i - 1], &spline->segments[i], &spline->knots[i]);
+        status =
+            measure_joint(mesh, &spline->segments[i - 1], &spline->segments[i], &spline->knots[i]);
     if (!spline->closed || status) return status;
-    status = measure_joint(mesh, &spline->segments[spline->count - 1], &spline->segments[0], &spline->knots[0]);
+    status = measure_joint(mesh, &spline->segments[spline->count - 1], &spline->segments[0],
+                           &spline->knots[0]);
     spline->knots[spline->count].angle_jump = spline->knots[0].angle_jump;
     spline->knots[spline->count].speed_jump = spline->knots[0].speed_jump;
     return status;
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static enum gd_status check(const struct gd_spline_request *request, struct gd_detail *detail)
 {
     if (request->count < 2)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a spline goes through at least two points; %u %s given",
-                       request->count, request->count == 1 ? "is" : "are");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a spline goes through at least two points; %u %s given", request->count,
+                       request->count == 1 ? "is" : "are");
     if (!(request->alpha >= 0 && request->alpha <= 1))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "alpha is %.17g; it runs from 0 (uniform) to 1 (chordal)",
-                       request->alpha);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "alpha is %.17g; it runs from 0 (uniform) to 1 (chordal)", request->alpha);
     if (!(request->tension >= 0 && request->tension <= 1))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the tension is %.17g; it runs from 0 to 1", request->tension);
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the tension is %.17g; it runs from 0 to 1",
+                       request->tension);
     for (uint32_t i = 0; i < request->count && request->tangents; i++) {
         const struct gd_vector *tangent = &request->tangents[i];
         if (request->is_given && !request->is_given[i]) continue;
-        if (isfinite(tangent->direction.angle) && isfinite(tangent->length) && tangent->length >= 0) continue;
+        if (isfinite(tangent->direction.angle) && isfinite(tangent->length) && tangent->length >= 0)
+            continue;
         gd_fail(detail, GD_INVALID_ARGUMENT, "the tangent at point %u is not a finite vector", i);
         gd_detail_add(detail, GD_ELEMENT_NONE, i, 0);
         return GD_INVALID_ARGUMENT;
@@ -87,7 +95,8 @@ static enum gd_status make(struct gd__knotting *knotting, struct gd_spline *spli
 static enum gd_status allocate(struct gd__knotting *knotting, struct gd_spline *spline)
 {
     size_t count = spline->count, hops = knotting->total_count,
-           bytes = hops * sizeof *knotting->hops + count * (sizeof *spline->segments + sizeof *spline->knots);
+           bytes = hops * sizeof *knotting->hops +
+                   count * (sizeof *spline->segments + sizeof *spline->knots);
     enum gd_status status = gd_control_afford(knotting->control, bytes);
     if (status) return status;
     spline->segments = calloc(count, sizeof *spline->segments);
@@ -98,15 +107,18 @@ static enum gd_status allocate(struct gd__knotting *knotting, struct gd_spline *
 }
 
 enum gd_status gd_spline_build(const struct gd_mesh *mesh, const struct gd_spline_request *request,
-                               const struct gd_control *control, struct gd_spline *out, struct gd_detail *detail)
+                               const struct gd_control *control, struct gd_spline *out,
+                               struct gd_detail *detail)
 {
     enum gd_status status = check(request, detail);
     if (status) return status;
-    struct gd_spline spline = {.closed = request->closed, .count = request->count - !request->closed};
+    struct gd_spline spline = {.closed = request->closed,
+                               .count = request->count - !request->closed};
     uint32_t hops = request->tangent_rule == GD_TANGENT_PAPER ? 2 * spline.count : spline.count;
     struct gd__share share = {.control = control, .total = hops + spline.count + 1};
     const struct gd_control own = gd__share_control(&share, 0);
-    struct gd__knotting knotting = {mesh, request, &share, &own, detail, spline.count, hops, NULL, NULL};
+    struct gd__knotting knotting = {mesh,         request, &share, &own, detail,
+                                    spline.count, hops,    NULL,   NULL};
     status = allocate(&knotting, &spline);
     if (!status) status = make(&knotting, &spline);
     gd__hops_free(knotting.hops, hops);

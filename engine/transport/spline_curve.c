@@ -5,15 +5,19 @@
 /* The points of the line; a closed one does not say its first point again. */
 static struct gd_curve take(struct gd_spline_line *line, bool closed)
 {
-    struct gd_curve curve = {.points = line->path.points, .count = line->path.count, .closed = closed};
-    while (closed && curve.count > 1 && gd_point_equal(&curve.points[0], &curve.points[curve.count - 1])) curve.count--;
+    struct gd_curve curve = {
+        .points = line->path.points, .count = line->path.count, .closed = closed};
+    while (closed && curve.count > 1 &&
+           gd_point_equal(&curve.points[0], &curve.points[curve.count - 1]))
+        curve.count--;
     line->path.points = NULL;
     return curve;
 }
 
 enum gd_status gd_spline_curve(const struct gd_mesh *mesh, const struct gd_spline_request *request,
-                               const struct gd_spline_sampling *sampling, const struct gd_control *control,
-                               struct gd_curve *out, struct gd_detail *detail)
+                               const struct gd_spline_sampling *sampling,
+                               const struct gd_control *control, struct gd_curve *out,
+                               struct gd_detail *detail)
 {
     struct gd_spline spline;
     struct gd_spline_line line;

@@ -3,7 +3,7 @@
 #include "base/tolerance.h"
 #include "mesh/axes.h"
 
-/* --- bisect -------------------------------------------------------------------------------------------------------------- */
+/* --- bisect ----------------------------------------------------------------------------------- */
 
 static double bisect(const struct gd_mesh *mesh, uint32_t vertex, double back)
 {
@@ -11,7 +11,7 @@ static double bisect(const struct gd_mesh *mesh, uint32_t vertex, double back)
     return out < total ? out : out - total;
 }
 
-/* --- normals ------------------------------------------------------------------------------------------------------------- */
+/* --- normals ---------------------------------------------------------------------------------- */
 
 /* The mean of the normals of the faces, weighted by their angles; not of unit length. */
 static struct gd_vec3 mesh_normal(const struct gd_mesh *mesh, uint32_t vertex)
@@ -20,7 +20,8 @@ static struct gd_vec3 mesh_normal(const struct gd_mesh *mesh, uint32_t vertex)
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
         const struct gd_side *s = &mesh->side[mesh->fan[i].side];
         struct gd__axes axes = gd__axes_of_side(mesh, mesh->fan[i].side);
-        sum = gd_vec3_along(sum, atan2(s->left_y, s->left_x), gd_vec3_cross(axes.along, axes.across));
+        sum =
+            gd_vec3_along(sum, atan2(s->left_y, s->left_x), gd_vec3_cross(axes.along, axes.across));
     }
     return sum;
 }
@@ -31,27 +32,32 @@ static struct gd_vec3 unit(struct gd_vec3 v)
     return length > 0 ? gd_vec3_scale(v, 1 / length) : (struct gd_vec3){0, 0, 0};
 }
 
-/* The plane of a line and a normal, through a vertex; `ahead` is where the line points, without its part along the normal. */
+/* The plane of a line and a normal, through a vertex; `ahead` is where the line points, without its
+ * part along the normal. */
 struct plane {
     struct gd_vec3 across, ahead;
 };
 
-static struct plane plane_of(const struct gd_mesh *mesh, uint32_t vertex, double back, struct gd_vec3 normal)
+static struct plane plane_of(const struct gd_mesh *mesh, uint32_t vertex, double back,
+                             struct gd_vec3 normal)
 {
     struct gd_point point = {.kind = GD_POINT_VERTEX, .element = vertex};
     struct gd__ray ray = gd__turn_ray(mesh, &point, back);
     struct gd__axes axes = gd__axes_of_side(mesh, ray.side);
     struct gd_vec3 v = gd_vec3_along(gd_vec3_scale(axes.along, ray.dx), ray.dy, axes.across);
-    return (struct plane){gd_vec3_cross(v, normal), gd_vec3_sub(gd_vec3_scale(normal, gd_vec3_dot(v, normal)), v)};
+    return (struct plane){gd_vec3_cross(v, normal),
+                          gd_vec3_sub(gd_vec3_scale(normal, gd_vec3_dot(v, normal)), v)};
 }
 
-/* Where the plane meets the edge opposite to the vertex in the face of a fan's entry: the cosine that it makes with `ahead` (-1: it doesn't meet it), and
- * the turn. */
+/* Where the plane meets the edge opposite to the vertex in the face of a fan's entry: the cosine
+ * that it makes with `ahead` (-1: it doesn't meet it), and the turn. */
 static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struct gd_fan *fan,
                         const struct plane *plane, double *turn)
 {
-    struct gd_vec3 origin = mesh->position[vertex], w = gd_vec3_sub(mesh->position[fan->tip], origin),
-                   apex = gd_vec3_sub(mesh->position[gd__side_apex(mesh, fan->side)], origin), u = gd_vec3_sub(apex, w);
+    struct gd_vec3 origin = mesh->position[vertex],
+                   w = gd_vec3_sub(mesh->position[fan->tip], origin),
+                   apex = gd_vec3_sub(mesh->position[gd__side_apex(mesh, fan->side)], origin),
+                   u = gd_vec3_sub(apex, w);
     double s = -gd_vec3_dot(plane->across, w) / gd_vec3_dot(plane->across, u);
     if (!(s >= -GD_TOL_HIT && s <= 1 + GD_TOL_HIT)) return -1;
     struct gd_vec3 x = gd_vec3_along(w, s, u);
@@ -60,7 +66,8 @@ static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struc
 }
 
 /* Of several ways in the plane that go ahead, the one that turns least; false: there is none. */
-static bool by_normal(const struct gd_mesh *mesh, uint32_t vertex, double back, struct gd_vec3 normal, double *out)
+static bool by_normal(const struct gd_mesh *mesh, uint32_t vertex, double back,
+                      struct gd_vec3 normal, double *out)
 {
     struct plane plane = plane_of(mesh, vertex, back, unit(normal));
     double best = 0, turn = 0;
@@ -74,7 +81,7 @@ static bool by_normal(const struct gd_mesh *mesh, uint32_t vertex, double back, 
     return best > 0;
 }
 
-/* --- the rules ----------------------------------------------------------------------------------------------------------- */
+/* --- the rules -------------------------------------------------------------------------------- */
 
 static bool at_boundary(double total, double back, double *out)
 {
@@ -87,20 +94,25 @@ static bool at_boundary(double total, double back, double *out)
     return true;
 }
 
-bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back, const struct gd_trace_options *options,
-                     double *out)
+bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
+                     const struct gd_trace_options *options, double *out)
 {
-    if (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY) return at_boundary(mesh->total_angle[vertex], back, out);
+    if (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY)
+        return at_boundary(mesh->total_angle[vertex], back, out);
     *out = bisect(mesh, vertex, back);
     if (options->vertex_rule == GD_VERTEX_RULE_NORMAL)
         by_normal(mesh, vertex, back,
-                  options->normals ? options->normals[mesh->index_of_vertex[vertex]] : mesh_normal(mesh, vertex), out);
+                  options->normals ? options->normals[mesh->index_of_vertex[vertex]]
+                                   : mesh_normal(mesh, vertex),
+                  out);
     return true;
 }
 
-bool gd__straight_slide(const struct gd_mesh *mesh, uint32_t vertex, double back, uint32_t *side, bool *forward)
+bool gd__straight_slide(const struct gd_mesh *mesh, uint32_t vertex, double back, uint32_t *side,
+                        bool *forward)
 {
-    uint32_t first = mesh->fan[mesh->fan_first[vertex]].side, last = mesh->fan[mesh->fan_first[vertex + 1] - 1].side;
+    uint32_t first = mesh->fan[mesh->fan_first[vertex]].side,
+             last = mesh->fan[mesh->fan_first[vertex + 1] - 1].side;
     double to_first = fabs(back - M_PI), to_last = fabs(back + M_PI - mesh->total_angle[vertex]);
     if (!(fmin(to_first, to_last) < M_PI_2 - GD_TOL_HIT)) return false;
     *forward = to_last < to_first;

@@ -10,8 +10,9 @@
 #include "transport/meetings.h"
 #include "transport/straight.h"
 
-/* A trace is flights from face to face, and halts between them: at vertices, at the boundary, at its end. A flight knows the face that it comes to by its
- * side alone; where the line came from at a halt is kept as a turn. */
+/* A trace is flights from face to face, and halts between them: at vertices, at the boundary, at
+ * its end. A flight knows the face that it comes to by its side alone; where the line came from at
+ * a halt is kept as a turn. */
 
 enum halt {
     HALT_NONE,   /* over an edge, into the face of the flight's side */
@@ -29,12 +30,13 @@ struct tracer {
     struct gd__line line;
     struct gd__flight flight;
     enum halt halt;
-    double back; /* turn at the last point to where the line came from: at halts but NONE and BORDER */
+    /* turn at the last point to where the line came from: at halts but NONE and BORDER */
+    double back;
     struct gd__meetings *meetings; /* NULL: not asked for */
     struct gd_direction ahead;     /* at the start */
 };
 
-/* --- one face ------------------------------------------------------------------------------------------------------------ */
+/* --- one face --------------------------------------------------------------------------------- */
 
 /* How far from where it should be a point may be for rounding. */
 static inline double drift(const struct tracer *tracer)
@@ -55,7 +57,8 @@ static enum halt meet(struct tracer *tracer, uint32_t face, double run, enum hal
     gd__point_weights(mesh, to, face, b);
     for (int k = 0; k < 3; k++) at[k] = fmax(a[k] + part * (b[k] - a[k]), 0);
     uint32_t side = mesh->face_side[face][0];
-    struct gd__local way = gd__face_local(mesh, side, (double[3]){a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+    struct gd__local way =
+        gd__face_local(mesh, side, (double[3]){a[0] - b[0], a[1] - b[1], a[2] - b[2]});
     if (part < 1) *to = gd__point_of_face(mesh, face, at);
     gd__line_go(line, (part - 1) * run);
     tracer->back = gd__turn_in_face(mesh, to, side, way.x, way.y);
@@ -63,14 +66,17 @@ static enum halt meet(struct tracer *tracer, uint32_t face, double run, enum hal
 }
 
 /* Appends a point of a face; the line came to it by a straight segment in that face. */
-static inline enum halt append(struct tracer *tracer, struct gd_point point, uint32_t face, double run, enum halt halt)
+static inline enum halt append(struct tracer *tracer, struct gd_point point, uint32_t face,
+                               double run, enum halt halt)
 {
     if (!gd__line_append(&tracer->line, &point, run)) return HALT_LIMIT;
     return tracer->meetings ? meet(tracer, face, run, halt) : halt;
 }
 
-/* The point of a side's face at a place in its frame; of an edge or a vertex, when it is no farther from it than `snap`. */
-static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struct gd__local at, double snap)
+/* The point of a side's face at a place in its frame; of an edge or a vertex, when it is no farther
+ * from it than `snap`. */
+static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struct gd__local at,
+                                double snap)
 {
     const struct gd_side *s = &mesh->side[side];
     uint32_t face = mesh->side_face[side];
@@ -92,8 +98,8 @@ static enum halt end_in_face(struct tracer *tracer, const struct gd__ray *ray, d
 {
     const struct gd_mesh *mesh = tracer->mesh;
     double run = fmax(gd__line_rest(&tracer->line), 0);
-    struct gd_point end =
-        point_at(mesh, ray->side, (struct gd__local){ray->x + run * ray->dx, ray->y + run * ray->dy}, snap);
+    struct gd_point end = point_at(
+        mesh, ray->side, (struct gd__local){ray->x + run * ray->dx, ray->y + run * ray->dy}, snap);
     tracer->back = gd__turn_in_face(mesh, &end, ray->side, -ray->dx, -ray->dy);
     if (gd_point_equal(&end, gd__line_last(&tracer->line))) {
         gd__line_go(&tracer->line, run);
@@ -118,37 +124,47 @@ static double snap_of_end(const struct tracer *tracer, double edge)
 }
 
 /* The line leaves the ray's face through an end of the edge to which the flight has come. */
-static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, double edge, double snap)
+static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, double edge,
+                             double snap)
 {
     const struct gd_mesh *mesh = tracer->mesh;
     const struct gd__flight *flight = &tracer->flight;
-    struct gd_point vertex = gd__point_of_vertex(mesh->origin[flight->side ^ !(flight->t < 0.5 * edge)]);
+    struct gd_point vertex =
+        gd__point_of_vertex(mesh->origin[flight->side ^ !(flight->t < 0.5 * edge)]);
     struct gd__local corner = corner_of(mesh, ray->side, vertex.element);
     double run = hypot(corner.x - ray->x, corner.y - ray->y);
-    if (gd__line_rest(&tracer->line) < run - snap) return end_in_face(tracer, ray, snap_of_end(tracer, edge));
+    if (gd__line_rest(&tracer->line) < run - snap)
+        return end_in_face(tracer, ray, snap_of_end(tracer, edge));
     tracer->back = gd__turn_in_face(mesh, &vertex, flight->side ^ 1, flight->dx, flight->dy);
     bool is_end = gd__line_rest(&tracer->line) <= run + snap;
-    return append(tracer, vertex, mesh->side_face[ray->side], is_end ? gd__line_rest(&tracer->line) : run,
-                  is_end ? HALT_END : HALT_VERTEX);
+    return append(tracer, vertex, mesh->side_face[ray->side],
+                  is_end ? gd__line_rest(&tracer->line) : run, is_end ? HALT_END : HALT_VERTEX);
 }
 
 /* The flight has left the face that the ray lies in. */
-static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray, const struct gd__passage *passage)
+static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray,
+                             const struct gd__passage *passage)
 {
     const struct gd__flight *flight = &tracer->flight;
-    double gone = tracer->line.gone + passage->run; /* near its start a line tells the sides of a vertex well */
-    double snap = GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
-    if (!(flight->t > snap && flight->t < passage->edge - snap)) return pass_vertex(tracer, ray, passage->edge, snap);
+    /* near its start a line tells the sides of a vertex well */
+    double gone = tracer->line.gone + passage->run;
+    double snap =
+        GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
+    if (!(flight->t > snap && flight->t < passage->edge - snap))
+        return pass_vertex(tracer, ray, passage->edge, snap);
     double end_snap = snap_of_end(tracer, passage->edge);
-    if (gd__line_rest(&tracer->line) <= passage->run + end_snap) return end_in_face(tracer, ray, end_snap);
+    if (gd__line_rest(&tracer->line) <= passage->run + end_snap)
+        return end_in_face(tracer, ray, end_snap);
     struct gd_point point = gd__point_within_side(flight->side, flight->t / passage->edge);
-    return append(tracer, point, tracer->meetings ? tracer->mesh->side_face[flight->side ^ 1] : GD_NONE, passage->run,
-                  HALT_NONE);
+    return append(tracer, point,
+                  tracer->meetings ? tracer->mesh->side_face[flight->side ^ 1] : GD_NONE,
+                  passage->run, HALT_NONE);
 }
 
-/* --- flights ------------------------------------------------------------------------------------------------------------- */
+/* --- flights ---------------------------------------------------------------------------------- */
 
-/* Over one face. It reads one record of the mesh, and asks for both of those that may be next as soon as that is there. */
+/* Over one face. It reads one record of the mesh, and asks for both of those that may be next as
+ * soon as that is there. */
 static inline enum halt hop(struct tracer *tracer)
 {
     const struct gd_mesh *mesh = tracer->mesh;
@@ -161,7 +177,8 @@ static inline enum halt hop(struct tracer *tracer)
     struct gd__passage passage = gd__flight_cross(s, &tracer->flight);
     enum halt halt = pass(tracer, &ray, &passage);
     if (halt == HALT_LIMIT) /* the last point is where the ray begins */
-        tracer->back = gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
+        tracer->back =
+            gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
     return halt;
 }
 
@@ -204,13 +221,14 @@ static enum halt depart(struct tracer *tracer, double turn)
     return pass(tracer, &ray, &passage);
 }
 
-/* --- the boundary -------------------------------------------------------------------------------------------------------- */
+/* --- the boundary ----------------------------------------------------------------------------- */
 
 /* Along a boundary side from `at`, forward or backward, to its end. */
 static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool forward)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    double edge = mesh->side[side].length, run = forward ? edge - at : at, rest = gd__line_rest(&tracer->line);
+    double edge = mesh->side[side].length, run = forward ? edge - at : at,
+           rest = gd__line_rest(&tracer->line);
     uint32_t face = mesh->side_face[side ^ 1];
     double snap = snap_of_end(tracer, edge);
     if (rest < run - snap) {
@@ -225,20 +243,23 @@ static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool for
     return append(tracer, vertex, face, is_end ? rest : run, is_end ? HALT_END : HALT_VERTEX);
 }
 
-/* Does the line reach the boundary at so small an angle that its end, or the vertex ahead, lies on the edge within rounding? Then
- * it goes on along the edge: the angle does not tell where the line crosses it. */
+/* Does the line reach the boundary at so small an angle that its end, or the vertex ahead, lies on
+ * the edge within rounding? Then it goes on along the edge: the angle does not tell where the line
+ * crosses it. */
 static bool grazes(const struct tracer *tracer)
 {
     const struct gd__flight *flight = &tracer->flight;
-    double edge = tracer->mesh->side[flight->side].length, ahead = flight->dx > 0 ? edge - flight->t : flight->t;
-    return fmin(ahead, gd__line_rest(&tracer->line)) * flight->dy <= GD_TOL_HIT * edge + drift(tracer);
+    double edge = tracer->mesh->side[flight->side].length,
+           ahead = flight->dx > 0 ? edge - flight->t : flight->t;
+    return fmin(ahead, gd__line_rest(&tracer->line)) * flight->dy <=
+           GD_TOL_HIT * edge + drift(tracer);
 }
 
 static enum halt at_border(struct tracer *tracer)
 {
     const struct gd__flight *flight = &tracer->flight;
-    tracer->back =
-        gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), flight->side ^ 1, flight->dx, flight->dy);
+    tracer->back = gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), flight->side ^ 1,
+                                    flight->dx, flight->dy);
     bool leans = fabs(flight->dx) > GD_TOL_HIT;
     bool stops = tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP;
     if (!leans || (stops && !grazes(tracer))) return HALT_STOP;
@@ -250,13 +271,14 @@ static enum halt at_vertex(struct tracer *tracer)
     uint32_t vertex = gd__line_last(&tracer->line)->element, side;
     double turn;
     bool forward;
-    if (gd__straight_on(tracer->mesh, vertex, tracer->back, tracer->options, &turn)) return depart(tracer, turn);
+    if (gd__straight_on(tracer->mesh, vertex, tracer->back, tracer->options, &turn))
+        return depart(tracer, turn);
     if (tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP) return HALT_STOP;
     if (!gd__straight_slide(tracer->mesh, vertex, tracer->back, &side, &forward)) return HALT_STOP;
     return slide(tracer, side, forward ? 0 : tracer->mesh->side[side].length, forward);
 }
 
-/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static inline bool is_over(const struct tracer *tracer)
 {
@@ -303,23 +325,26 @@ static void finish(struct tracer *tracer, struct gd_trace *out)
     const struct gd_mesh *mesh = tracer->mesh;
     const struct gd_point *last = gd__line_last(line);
     struct gd_direction back = gd__turn_direction(mesh, last, tracer->back);
-    *out = (struct gd_trace){.path = {(line->gone + line->carry) * mesh->unit, line->count, line->points},
-                             .direction = gd_direction_opposite(mesh, last, &back),
-                             .end = end_of(tracer->halt)};
+    *out = (struct gd_trace){
+        .path = {(line->gone + line->carry) * mesh->unit, line->count, line->points},
+        .direction = gd_direction_opposite(mesh, last, &back),
+        .end = end_of(tracer->halt)};
 }
 
-static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *start, const struct gd_direction *ahead,
-                            double length, struct gd_direction *out, struct gd_detail *detail)
+static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *start,
+                            const struct gd_direction *ahead, double length,
+                            struct gd_direction *out, struct gd_detail *detail)
 {
     if (!(isfinite(length) && length >= 0))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the length is %.17g; it must be a finite number, 0 or more",
-                       length);
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the length is %.17g; it must be a finite number, 0 or more", length);
     return gd_direction_at_angle(mesh, start, ahead->angle, out, detail);
 }
 
 /* At its start, on its way over the first face. */
-static enum gd_status open(struct tracer *tracer, const struct gd_point *start, const struct gd_direction *ahead,
-                           double length, struct gd_detail *detail)
+static enum gd_status open(struct tracer *tracer, const struct gd_point *start,
+                           const struct gd_direction *ahead, double length,
+                           struct gd_detail *detail)
 {
     enum gd_status status = check(tracer->mesh, start, ahead, length, &tracer->ahead, detail);
     if (status) return status;
@@ -331,7 +356,8 @@ static enum gd_status open(struct tracer *tracer, const struct gd_point *start, 
     if (!status && tracer->options->stop_at_self_intersection)
         status = gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
     if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
-    if (length > 0) tracer->halt = depart(tracer, gd__turn_of_angle(tracer->mesh, start, tracer->ahead.angle));
+    if (length > 0)
+        tracer->halt = depart(tracer, gd__turn_of_angle(tracer->mesh, start, tracer->ahead.angle));
     return GD_OK;
 }
 
@@ -345,15 +371,17 @@ static enum gd_status status_of(const struct tracer *tracers, uint32_t count)
 
 enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_point *start,
                                     const struct gd_direction *ahead, uint32_t count, double length,
-                                    const struct gd_trace_options *options, const struct gd_control *control,
-                                    struct gd_trace *out, struct gd_detail *detail)
+                                    const struct gd_trace_options *options,
+                                    const struct gd_control *control, struct gd_trace *out,
+                                    struct gd_detail *detail)
 {
     static const struct gd_trace_options usual = {0};
     struct tracer tracers[GD_TRACE_LANES];
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < count; i++) {
-        tracers[i] = (struct tracer){
-            .mesh = mesh, .options = options ? options : &usual, .line = {.control = control, .others = count - 1}};
+        tracers[i] = (struct tracer){.mesh = mesh,
+                                     .options = options ? options : &usual,
+                                     .line = {.control = control, .others = count - 1}};
         if (!status) status = open(&tracers[i], start, &ahead[i], length, detail);
     }
     if (!status) {
@@ -371,8 +399,10 @@ enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_
 }
 
 enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_point *start,
-                               const struct gd_direction *ahead, double length, const struct gd_trace_options *options,
-                               const struct gd_control *control, struct gd_trace *out, struct gd_detail *detail)
+                               const struct gd_direction *ahead, double length,
+                               const struct gd_trace_options *options,
+                               const struct gd_control *control, struct gd_trace *out,
+                               struct gd_detail *detail)
 {
     return gd_trace_follow_many(mesh, start, ahead, 1, length, options, control, out, detail);
 }
@@ -384,11 +414,14 @@ void gd_trace_free(struct gd_trace *trace)
     *trace = (struct gd_trace){0};
 }
 
-struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t count, uint32_t i)
+struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point,
+                                 uint32_t count, uint32_t i)
 {
     bool is_closed = gd__turn_is_closed(mesh, point), is_vertex = point->kind == GD_POINT_VERTEX;
     double total = is_closed || is_vertex ? gd__turn_total(mesh, point) : M_PI, first = 0;
-    if (is_closed) return gd__turn_direction(mesh, point, gd__turn_of_angle(mesh, point, 2 * M_PI * i / count));
+    if (is_closed)
+        return gd__turn_direction(mesh, point,
+                                  gd__turn_of_angle(mesh, point, 2 * M_PI * i / count));
     if (!is_vertex && gd__side_is_boundary(mesh, 2 * point->element)) first = M_PI;
     return gd__turn_direction(mesh, point, first + (count > 1 ? total * i / (count - 1) : 0));
 }

@@ -9,7 +9,7 @@
 #include "line/route.h"
 #include "line/unfold.h"
 
-/* --- log ----------------------------------------------------------------------------------------------------------------- */
+/* --- log -------------------------------------------------------------------------------------- */
 
 void gd_log_free(struct gd_log *log)
 {
@@ -21,18 +21,22 @@ void gd_log_free(struct gd_log *log)
 static uint32_t count_parts(const struct gd_path *path)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i + 1 < path->count; i = gd__route_bend(path->points, path->count, i)) count++;
+    for (uint32_t i = 0; i + 1 < path->count; i = gd__route_bend(path->points, path->count, i))
+        count++;
     return count;
 }
 
-/* Laid flat, the parts are as long as the path, but for rounding: of lengths, and of places in faces. */
+/* Laid flat, the parts are as long as the path, but for rounding: of lengths, and of places in
+ * faces. */
 static bool agree(const struct gd_mesh *mesh, const struct gd_path *path, double sum)
 {
-    double slack = GD_TOL_CHECK * path->length + GD_TOL_PLACE * mesh->summary.edge_length.max * path->count;
+    double slack =
+        GD_TOL_CHECK * path->length + GD_TOL_PLACE * mesh->summary.edge_length.max * path->count;
     return fabs(sum - path->length) <= slack;
 }
 
-static enum gd_status fill_segments(const struct gd_mesh *mesh, const struct gd_path *path, struct gd_log *log)
+static enum gd_status fill_segments(const struct gd_mesh *mesh, const struct gd_path *path,
+                                    struct gd_log *log)
 {
     double sum = 0;
     for (uint32_t i = 0, end; i + 1 < path->count; i = end) {
@@ -41,15 +45,15 @@ static enum gd_status fill_segments(const struct gd_mesh *mesh, const struct gd_
         enum gd_status status = gd__unfold(mesh, &path->points[i], end - i + 1, &part);
         if (status) return status;
         if (part.length == 0) continue;
-        log->segments[log->count++] =
-            (struct gd_vector){gd__turn_direction(mesh, &path->points[i], part.ahead), part.length * mesh->unit};
+        log->segments[log->count++] = (struct gd_vector){
+            gd__turn_direction(mesh, &path->points[i], part.ahead), part.length * mesh->unit};
         sum += part.length * mesh->unit;
     }
     return agree(mesh, path, sum) ? GD_OK : GD_INTERNAL;
 }
 
-enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *path, struct gd_log *out,
-                             struct gd_detail *detail)
+enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *path,
+                             struct gd_log *out, struct gd_detail *detail)
 {
     struct gd_log log = {0};
     enum gd_status status = GD_OK;
@@ -61,15 +65,17 @@ enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *p
         gd_log_free(&log);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
-    log.vector.direction = log.count ? log.segments[0].direction : gd__turn_direction(mesh, path->points, 0);
+    log.vector.direction =
+        log.count ? log.segments[0].direction : gd__turn_direction(mesh, path->points, 0);
     if (log.count) log.vector.length = path->length; /* has digits that the flat parts have lost */
     *out = log;
     return GD_OK;
 }
 
-/* --- exp ----------------------------------------------------------------------------------------------------------------- */
+/* --- exp -------------------------------------------------------------------------------------- */
 
-/* The vertex that a trace ends so close to that the next segment is meant to begin there, or the end itself. */
+/* The vertex that a trace ends so close to that the next segment is meant to begin there, or the
+ * end itself. */
 static struct gd_point settle(const struct gd_mesh *mesh, const struct gd_point *end, double length)
 {
     uint32_t side = 2 * end->element;
@@ -82,10 +88,12 @@ static struct gd_point settle(const struct gd_mesh *mesh, const struct gd_point 
     for (uint32_t k = 1; k < 3; k++)
         if (weight[k] > weight[nearest]) nearest = k;
     uint32_t corner = mesh->face_side[face][nearest];
-    struct gd__local at =
-        gd__face_local(mesh, corner, (double[3]){0, weight[(nearest + 1) % 3], weight[(nearest + 2) % 3]});
+    struct gd__local at = gd__face_local(
+        mesh, corner, (double[3]){0, weight[(nearest + 1) % 3], weight[(nearest + 2) % 3]});
     double rounding = GD_TOL_PLACE * mesh->side[corner].length;
-    return hypot(at.x, at.y) <= GD_TOL_JOINT * length + rounding ? gd__point_of_vertex(mesh->origin[corner]) : *end;
+    return hypot(at.x, at.y) <= GD_TOL_JOINT * length + rounding
+               ? gd__point_of_vertex(mesh->origin[corner])
+               : *end;
 }
 
 /* The leg, used up, begins where the trace ends. */
@@ -105,11 +113,13 @@ static enum gd_status join(struct gd_trace *trace, struct gd_trace *leg)
 }
 
 static enum gd_status trace_segment(const struct gd_mesh *mesh, const struct gd_point *start,
-                                    const struct gd_vector *segment, const struct gd_trace_options *options,
-                                    const struct gd_control *control, struct gd_trace *out, struct gd_detail *detail)
+                                    const struct gd_vector *segment,
+                                    const struct gd_trace_options *options,
+                                    const struct gd_control *control, struct gd_trace *out,
+                                    struct gd_detail *detail)
 {
-    enum gd_status status =
-        gd_trace_follow(mesh, start, &segment->direction, segment->length, options, control, out, detail);
+    enum gd_status status = gd_trace_follow(mesh, start, &segment->direction, segment->length,
+                                            options, control, out, detail);
     if (status) return status;
     bool is_over = segment->length - out->path.length <= GD_TOL_JOINT * segment->length;
     if (out->end == GD_TRACE_END_BOUNDARY && is_over) out->end = GD_TRACE_END_LENGTH;
@@ -117,8 +127,9 @@ static enum gd_status trace_segment(const struct gd_mesh *mesh, const struct gd_
 }
 
 static enum gd_status go_on(const struct gd_mesh *mesh, const struct gd_vector *segment,
-                            const struct gd_trace_options *options, const struct gd_control *control,
-                            struct gd_trace *trace, struct gd_detail *detail)
+                            const struct gd_trace_options *options,
+                            const struct gd_control *control, struct gd_trace *trace,
+                            struct gd_detail *detail)
 {
     struct gd_trace leg;
     struct gd_point *end = &trace->path.points[trace->path.count - 1];
@@ -127,13 +138,16 @@ static enum gd_status go_on(const struct gd_mesh *mesh, const struct gd_vector *
     return status ? status : join(trace, &leg);
 }
 
-enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_point *start, const struct gd_vector *segments,
-                             uint32_t count, const struct gd_trace_options *options, const struct gd_control *control,
-                             struct gd_trace *out, struct gd_detail *detail)
+enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_point *start,
+                             const struct gd_vector *segments, uint32_t count,
+                             const struct gd_trace_options *options,
+                             const struct gd_control *control, struct gd_trace *out,
+                             struct gd_detail *detail)
 {
     struct gd_trace trace;
     const struct gd_vector none = {.direction = gd__turn_direction(mesh, start, 0)};
-    enum gd_status status = trace_segment(mesh, start, count ? segments : &none, options, control, &trace, detail);
+    enum gd_status status =
+        trace_segment(mesh, start, count ? segments : &none, options, control, &trace, detail);
     if (status) return status;
     for (uint32_t i = 1; i < count && trace.end == GD_TRACE_END_LENGTH && !status; i++)
         status = go_on(mesh, &segments[i], options, control, &trace, detail);
@@ -144,18 +158,22 @@ enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_point *
     return status;
 }
 
-/* --- transport ----------------------------------------------------------------------------------------------------------- */
+/* --- transport -------------------------------------------------------------------------------- */
 
-/* At a boundary vertex angles are no more than the total one, and some that differ by a whole turn are not the same: the nearest one is meant. */
-static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_point *point, double angle, double length)
+/* At a boundary vertex angles are no more than the total one, and some that differ by a whole turn
+ * are not the same: the nearest one is meant. */
+static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_point *point,
+                                  double angle, double length)
 {
     if (point->kind == GD_POINT_VERTEX && !gd__turn_is_closed(mesh, point))
         angle = gd__turn_nearest(angle, gd__turn_total(mesh, point));
-    return (struct gd_vector){gd__turn_direction(mesh, point, gd__turn_of_angle(mesh, point, angle)), length};
+    return (struct gd_vector){
+        gd__turn_direction(mesh, point, gd__turn_of_angle(mesh, point, angle)), length};
 }
 
 /* The angle that a vector's has to grow by on its way along a path of at least two points. */
-static enum gd_status find_rotation(const struct gd_mesh *mesh, const struct gd_path *path, double *out)
+static enum gd_status find_rotation(const struct gd_mesh *mesh, const struct gd_path *path,
+                                    double *out)
 {
     double ahead, back;
     enum gd_status status = gd__route_ahead(mesh, path->points, path->count, &ahead);
@@ -167,8 +185,8 @@ static enum gd_status find_rotation(const struct gd_mesh *mesh, const struct gd_
 }
 
 enum gd_status gd_vector_transport(const struct gd_mesh *mesh, const struct gd_path *path,
-                                   const struct gd_vector *vectors, uint32_t count, struct gd_vector *out,
-                                   struct gd_detail *detail)
+                                   const struct gd_vector *vectors, uint32_t count,
+                                   struct gd_vector *out, struct gd_detail *detail)
 {
     double rotation = 0;
     enum gd_status status = path->count > 1 ? find_rotation(mesh, path, &rotation) : GD_OK;
@@ -179,10 +197,11 @@ enum gd_status gd_vector_transport(const struct gd_mesh *mesh, const struct gd_p
     return GD_OK;
 }
 
-/* --- sums ---------------------------------------------------------------------------------------------------------------- */
+/* --- sums ------------------------------------------------------------------------------------- */
 
 struct gd_vector gd_vector_combine(const struct gd_mesh *mesh, const struct gd_point *point,
-                                   const struct gd_vector *vectors, const double *factors, uint32_t count)
+                                   const struct gd_vector *vectors, const double *factors,
+                                   uint32_t count)
 {
     double x = 0, y = 0;
     for (uint32_t i = 0; i < count; i++) {

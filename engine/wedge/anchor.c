@@ -4,7 +4,8 @@
 
 #include "mesh/local.h"
 
-static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
+static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point,
+                        struct gd__anchor *anchor)
 {
     double length = mesh->side[2 * point->element].length;
     for (uint32_t k = 0; k < 2; k++) {
@@ -13,13 +14,14 @@ static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point
     }
 }
 
-static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
+static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point,
+                        struct gd__anchor *anchor)
 {
     for (int k = 0; k < 3; k++) {
         uint32_t side = mesh->face_side[point->element][k];
         anchor->corner[k] = mesh->origin[side];
-        anchor->leg[k] =
-            gd__local_length(gd__side_local(&mesh->side[side], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]));
+        anchor->leg[k] = gd__local_length(gd__side_local(
+            &mesh->side[side], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]));
     }
 }
 
@@ -42,7 +44,8 @@ static struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_po
         break;
     case GD_POINT_FACE:
         for (int k = 0; k < 3; k++)
-            add(&sum, point->weight[k], mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
+            add(&sum, point->weight[k],
+                mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
         break;
     }
     return sum;
@@ -50,7 +53,8 @@ static struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_po
 
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}, .position = position_of(mesh, point)};
+    struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE},
+                                .position = position_of(mesh, point)};
     switch (point->kind) {
     case GD_POINT_VERTEX:
         anchor.corner[0] = point->element;

@@ -1,5 +1,5 @@
-/* GD__ASKING: a function that does nothing but ask for memory ahead. GCC takes such a function for one without effects and leaves its calls out, unless
- * it is inlined first. */
+/* GD__ASKING: a function that does nothing but ask for memory ahead. GCC takes such a function for
+ * one without effects and leaves its calls out, unless it is inlined first. */
 #ifndef GD_WEDGE_ASKING_H
 #define GD_WEDGE_ASKING_H
 

@@ -7,13 +7,14 @@
 #include "wedge/halves.h"
 #include "wedge/wavefront.h"
 
-#define FACES_LEAST    20000 /* a smaller surface is done before the turns pay */
-#define TURN_BUCKETS   32    /* that one part may be ahead: more of them do more work twice */
-#define TURN_WORK      512   /* sides and vertices of a turn, the same for both parts; a tenth of a millisecond */
+#define FACES_LEAST  20000 /* a smaller surface is done before the turns pay */
+#define TURN_BUCKETS 32    /* that one part may be ahead: more of them do more work twice */
+/* sides and vertices of a turn, the same for both parts; a tenth of a millisecond */
+#define TURN_WORK      512
 #define COPY_BYTES     16384 /* at a time; chunks' heads are not divided by it */
 #define BUDGET_AN_EDGE 1000  /* bytes: with less there may be no room for two of all */
 
-/* --- mail ---------------------------------------------------------------------------------------------------------------- */
+/* --- mail ------------------------------------------------------------------------------------- */
 
 static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity, size_t size)
 {
@@ -26,20 +27,22 @@ static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity
     return GD_OK;
 }
 
-enum gd_status gd__domain_send_vertex(struct gd__domain *domain, const struct gd__vertex_letter *letter)
+enum gd_status gd__domain_send_vertex(struct gd__domain *domain,
+                                      const struct gd__vertex_letter *letter)
 {
     struct gd__mail *mail = &domain->mail;
-    enum gd_status status =
-        make_room((void **)&mail->vertices, mail->vertex_count, &mail->vertex_capacity, sizeof *mail->vertices);
+    enum gd_status status = make_room((void **)&mail->vertices, mail->vertex_count,
+                                      &mail->vertex_capacity, sizeof *mail->vertices);
     if (!status) mail->vertices[mail->vertex_count++] = *letter;
     return status;
 }
 
-enum gd_status gd__domain_send_windows(struct gd__domain *domain, uint32_t side, const struct gd__children *children)
+enum gd_status gd__domain_send_windows(struct gd__domain *domain, uint32_t side,
+                                       const struct gd__children *children)
 {
     struct gd__mail *mail = &domain->mail;
-    enum gd_status status =
-        make_room((void **)&mail->lists, mail->list_count, &mail->list_capacity, sizeof *mail->lists);
+    enum gd_status status = make_room((void **)&mail->lists, mail->list_count, &mail->list_capacity,
+                                      sizeof *mail->lists);
     if (!status) status = gd__stack_reserve(&mail->windows, mail->windows.count + children->count);
     if (status) return status;
     mail->lists[mail->list_count++] = (struct gd__list_letter){side, children->count};
@@ -54,33 +57,42 @@ static void free_mail(struct gd__mail *mail)
     gd__stack_destroy(&mail->windows);
 }
 
-/* What waits of a source whose distance fell is on its way again: gd__propagate_side would drop it, and so would who sent it. */
-static uint32_t put_fresh(const struct gd__wavefront *front, const struct gd__window *windows, uint32_t count)
+/* What waits of a source whose distance fell is on its way again: gd__propagate_side would drop it,
+ * and so would who sent it. */
+static uint32_t put_fresh(const struct gd__wavefront *front, const struct gd__window *windows,
+                          uint32_t count)
 {
     uint32_t fresh = 0;
     for (uint32_t i = 0; i < count; i++)
-        if (windows[i].source >= front->mesh->vertex_count || windows[i].sigma == front->distance[windows[i].source])
+        if (windows[i].source >= front->mesh->vertex_count ||
+            windows[i].sigma == front->distance[windows[i].source])
             gd__windows_put(&front->work->left.at, fresh++, &windows[i]);
     return fresh;
 }
 
-static void receive_list(struct gd__wavefront *front, uint32_t side, const struct gd__window *windows, uint32_t count)
+static void receive_list(struct gd__wavefront *front, uint32_t side,
+                         const struct gd__window *windows, uint32_t count)
 {
     struct gd__children *children = &front->work->left;
     front->status = gd__children_open(children, &front->work->pool, count);
     if (front->status) return;
     children->count = put_fresh(front, windows, count);
     uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
-    struct gd__receiver to = {
-        side,        front->mesh->side[side].length, front->distance[origin], front->distance[destination], 0, 0,
-        front->falls};
+    struct gd__receiver to = {side,
+                              front->mesh->side[side].length,
+                              front->distance[origin],
+                              front->distance[destination],
+                              0,
+                              0,
+                              front->falls};
     gd__wavefront_deliver(front, &to, children);
 }
 
 /* Vertices first: the windows' sources are among them. */
 static void receive(struct gd__wavefront *front, struct gd__mail *mail)
 {
-    for (uint32_t i = 0; i < mail->vertex_count; i++) gd__wavefront_learn(front, &mail->vertices[i]);
+    for (uint32_t i = 0; i < mail->vertex_count; i++)
+        gd__wavefront_learn(front, &mail->vertices[i]);
     const struct gd__window *windows = mail->windows.windows;
     for (uint32_t i = 0; i < mail->list_count && !front->status; i++) {
         receive_list(front, mail->lists[i].side, windows, mail->lists[i].count);
@@ -89,9 +101,10 @@ static void receive(struct gd__wavefront *front, struct gd__mail *mail)
     mail->vertex_count = mail->list_count = mail->windows.count = 0;
 }
 
-/* --- one result ---------------------------------------------------------------------------------------------------------- */
+/* --- one result ------------------------------------------------------------------------------- */
 
-/* Copies the other's chunks behind the own ones; those of one edge still point to each other. A block at a time, which stays in the cache. */
+/* Copies the other's chunks behind the own ones; those of one edge still point to each other. A
+ * block at a time, which stays in the cache. */
 static void append_chunks(struct gd__region *own, const struct gd__region *from, uint32_t shift)
 {
     char *to = own->base + own->used;
@@ -107,8 +120,8 @@ static void append_chunks(struct gd__region *own, const struct gd__region *from,
     own->used += from->used;
 }
 
-/* Puts an edge's chain of the other's before its own, if it has one too: it lies on the cut. All of the own chunks come before all of the other's, as
- * chains want it (wedges.h). */
+/* Puts an edge's chain of the other's before its own, if it has one too: it lies on the cut. All of
+ * the own chunks come before all of the other's, as chains want it (wedges.h). */
 static void join_chains(struct gd__wavefront *front, uint32_t edge, uint32_t newest)
 {
     uint32_t *own = &front->newest[edge];
@@ -146,7 +159,8 @@ static void take_vertices(struct gd__wavefront *front, const struct gd__wavefron
 {
     for (uint32_t v = 0; v < front->mesh->vertex_count; v++) {
         if (other->distance[v] >= front->distance[v]) continue;
-        if (front->distance[v] >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + v, true);
+        if (front->distance[v] >= GD__FAR)
+            gd__workspace_touch(front->work, 2 * front->work->edges + v, true);
         front->distance[v] = other->distance[v];
         front->birth[v] = other->birth[v];
     }
@@ -165,9 +179,10 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
     return take_wedges(front, other);
 }
 
-/* --- turns --------------------------------------------------------------------------------------------------------------- */
+/* --- turns ------------------------------------------------------------------------------------ */
 
-/* What one thread writes all the time shares no cache line, nor a pair of them, with what the other one reads. */
+/* What one thread writes all the time shares no cache line, nor a pair of them, with what the other
+ * one reads. */
 struct part {
     alignas(128) struct gd__wavefront front;
     struct gd__domain domain;
@@ -198,14 +213,16 @@ static void deliver(struct pair *pair)
 
 static bool is_idle(const struct part *part)
 {
-    return !part->inbox.vertex_count && !part->inbox.list_count && gd__queue_first(part->front.queue) == GD_NONE;
+    return !part->inbox.vertex_count && !part->inbox.list_count &&
+           gd__queue_first(part->front.queue) == GD_NONE;
 }
 
-/* Mail that is not read yet may bring something nearer than what waits: it only makes the turn go a little farther. Where nothing waits but mail,
- * TURN_WORK alone ends the turn. */
+/* Mail that is not read yet may bring something nearer than what waits: it only makes the turn go a
+ * little farther. Where nothing waits but mail, TURN_WORK alone ends the turn. */
 static uint32_t find_end(const struct pair *pair)
 {
-    uint32_t a = gd__queue_first(pair->part[0].front.queue), b = gd__queue_first(pair->part[1].front.queue);
+    uint32_t a = gd__queue_first(pair->part[0].front.queue),
+             b = gd__queue_first(pair->part[1].front.queue);
     uint32_t first = a < b ? a : b;
     return first == GD_NONE ? GD_NONE : first + TURN_BUCKETS;
 }
@@ -227,7 +244,8 @@ static enum gd_status status_of(const struct pair *pair)
     return GD_OK;
 }
 
-static enum gd_status propagate(struct pair *pair, const struct gd_control *monitor, const struct gd_executor *executor)
+static enum gd_status propagate(struct pair *pair, const struct gd_control *monitor,
+                                const struct gd_executor *executor)
 {
     for (int i = 0; i < 2; i++) gd__emit_seeds(&pair->part[i].front);
     deliver(pair);
@@ -266,16 +284,20 @@ static enum gd_status open_pair(struct pair *pair, const struct gd__propagation 
     return status;
 }
 
-static enum gd_status propagate_pair(struct gd__wavefront *front, const struct gd__propagation *propagation,
+static enum gd_status propagate_pair(struct gd__wavefront *front,
+                                     const struct gd__propagation *propagation,
                                      const uint8_t *side_part, const uint8_t *vertex_parts,
                                      const struct gd_executor *executor)
 {
     struct gd_workspace *partner = gd__workspace_partner(front->work);
     if (!partner) return GD_NO_MEMORY;
-    struct gd_control share[2] = {share_of(front->monitor, front->work), share_of(front->monitor, partner)};
-    struct gd__domain domain = {.side_part = side_part, .vertex_parts = vertex_parts, .part = 0}, second = domain;
+    struct gd_control share[2] = {share_of(front->monitor, front->work),
+                                  share_of(front->monitor, partner)};
+    struct gd__domain domain = {.side_part = side_part, .vertex_parts = vertex_parts, .part = 0},
+                      second = domain;
     second.part = 1;
-    struct pair pair = {.part = {{.front = *front, .domain = domain}, {.front = *front, .domain = second}}};
+    struct pair pair = {
+        .part = {{.front = *front, .domain = domain}, {.front = *front, .domain = second}}};
     enum gd_status status = open_pair(&pair, propagation, share);
     if (!status) status = propagate(&pair, front->monitor, executor);
     struct part *first = &pair.part[0];
@@ -294,20 +316,24 @@ static enum gd_status propagate_pair(struct gd__wavefront *front, const struct g
 bool gd__domain_is_worth_it(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
                             const struct gd_control *monitor)
 {
-    return mesh->face_count >= FACES_LEAST && propagation->seed_count == 1 && !propagation->seeds[0].is_segment &&
-           !propagation->target && !propagation->guide && !propagation->without_wedges &&
-           propagation->radius >= GD__FAR &&
-           (!monitor || !monitor->budget_bytes || monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
+    return mesh->face_count >= FACES_LEAST && propagation->seed_count == 1 &&
+           !propagation->seeds[0].is_segment && !propagation->target && !propagation->guide &&
+           !propagation->without_wedges && propagation->radius >= GD__FAR &&
+           (!monitor || !monitor->budget_bytes ||
+            monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
 }
 
-enum gd_status gd__domain_propagate(struct gd__wavefront *front, const struct gd__propagation *propagation,
+enum gd_status gd__domain_propagate(struct gd__wavefront *front,
+                                    const struct gd__propagation *propagation,
                                     const struct gd_executor *executor)
 {
     const struct gd_mesh *mesh = front->mesh;
-    uint8_t *side_part = malloc(2 * (size_t)mesh->edge_count), *vertex_parts = malloc(mesh->vertex_count);
+    uint8_t *side_part = malloc(2 * (size_t)mesh->edge_count),
+            *vertex_parts = malloc(mesh->vertex_count);
     enum gd_status status = side_part && vertex_parts ? GD_OK : GD_NO_MEMORY;
     if (!status) {
-        gd__halves_divide(mesh, gd__anchor(mesh, &propagation->seeds[0].point).position, side_part, vertex_parts);
+        gd__halves_divide(mesh, gd__anchor(mesh, &propagation->seeds[0].point).position, side_part,
+                          vertex_parts);
         status = propagate_pair(front, propagation, side_part, vertex_parts, executor);
     }
     free(side_part);

@@ -8,28 +8,32 @@
 #include "wedge/asking.h"
 #include "wedge/workspace.h"
 
-/* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way weighed heavier than the straight line or the landmarks say,
- * A* finds one at a fraction of the cost. */
+/* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way
+ * weighed heavier than the straight line or the landmarks say, A* finds one at a fraction of the
+ * cost. */
 #define GREED           1.1
 #define LANDMARKS_GREED 1.05
 
-#define CHECK_INTERVAL                                                                                                 \
-    1024 /* entries of fans or vertices of rings between two looks at the control: well under a millisecond */
+#define CHECK_INTERVAL                                                                             \
+    1024 /* entries of fans or vertices of rings between two looks at the control: well under a    \
+            millisecond */
 
-/* --- nodes --------------------------------------------------------------------------------------------------------------- */
+/* --- nodes ------------------------------------------------------------------------------------ */
 
 size_t gd__guide_held(const struct gd__guide *guide)
 {
-    return (size_t)guide->mesh->vertex_count * sizeof *guide->node + guide->touched_capacity * sizeof *guide->touched +
+    return (size_t)guide->mesh->vertex_count * sizeof *guide->node +
+           guide->touched_capacity * sizeof *guide->touched +
            guide->heap_capacity * sizeof *guide->heap + gd__rings_held(&guide->rings);
 }
 
-enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count, uint32_t *capacity,
-                                   size_t size)
+enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count,
+                                   uint32_t *capacity, size_t size)
 {
     if (count < *capacity) return GD_OK;
     uint32_t larger = count < 512 ? 1024 : 2 * count;
-    enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide) + larger * size);
+    enum gd_status status =
+        gd_control_afford(guide->control, gd__guide_held(guide) + larger * size);
     if (status) return status;
     void *grown = realloc(*array, larger * size);
     if (!grown) return GD_NO_MEMORY;
@@ -41,15 +45,16 @@ enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, 
 static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
 {
     if (guide->node[vertex].touched) return GD_OK;
-    enum gd_status status = gd__guide_make_room(guide, (void **)&guide->touched, guide->touched_count,
-                                                &guide->touched_capacity, sizeof *guide->touched);
+    enum gd_status status =
+        gd__guide_make_room(guide, (void **)&guide->touched, guide->touched_count,
+                            &guide->touched_capacity, sizeof *guide->touched);
     if (status) return status;
     guide->touched[guide->touched_count++] = vertex;
     guide->node[vertex].touched = true;
     return GD_OK;
 }
 
-/* --- lower bounds -------------------------------------------------------------------------------------------------------- */
+/* --- lower bounds ----------------------------------------------------------------------------- */
 
 static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
 {
@@ -57,9 +62,12 @@ static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Lower bound of the way from a vertex to the point that the bounds are of. The slack is for what the vertex' own distance was rounded by; the two
- * subtractions round what they leave, and only the end makes up for that. Branchless over a fixed number of landmarks, so that compilers use vectors. */
-static double by_landmarks(const struct gd__guide *guide, const struct gd__guide_sight *sight, uint32_t vertex)
+/* Lower bound of the way from a vertex to the point that the bounds are of. The slack is for what
+ * the vertex' own distance was rounded by; the two subtractions round what they leave, and only the
+ * end makes up for that. Branchless over a fixed number of landmarks, so that compilers use
+ * vectors. */
+static double by_landmarks(const struct gd__guide *guide, const struct gd__guide_sight *sight,
+                           uint32_t vertex)
 {
     const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
     float bound[GD__LANDMARKS_MOST];
@@ -69,13 +77,15 @@ static double by_landmarks(const struct gd__guide *guide, const struct gd__guide
         bound[i] = nearer > farther ? nearer : farther;
     }
     for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
-        for (int i = 0; i < half; i++) bound[i] = bound[i] > bound[i + half] ? bound[i] : bound[i + half];
+        for (int i = 0; i < half; i++)
+            bound[i] = bound[i] > bound[i + half] ? bound[i] : bound[i + half];
     return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
 }
 
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
 {
-    return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) - guide->margin;
+    return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) -
+           guide->margin;
 }
 
 /* Lower bound of the way from a vertex to one of the two ends. */
@@ -101,12 +111,14 @@ void gd__guide_ask_again(struct gd__guide *guide)
 }
 
 /* A point's bounds, from those of its corners; landmarks in other components say nothing. */
-static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point, struct gd__guide_sight *out)
+static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point,
+                           struct gd__guide_sight *out)
 {
     for (uint32_t i = 0; i < GD__LANDMARKS_MOST; i++) {
         double low = -HUGE_VAL, high = HUGE_VAL;
         for (int k = 0; k < 4 && guide->landmark && point->corner[k] != GD_NONE; k++) {
-            double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * point->corner[k] + i], slack = GD_TOL_FLOAT * d;
+            double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * point->corner[k] + i],
+                   slack = GD_TOL_FLOAT * d;
             low = fmax(low, d - slack - point->leg[k]);
             high = fmin(high, d + slack + point->leg[k]);
         }
@@ -115,7 +127,7 @@ static void read_landmarks(const struct gd__guide *guide, const struct gd__ancho
     }
 }
 
-/* --- the search for paths ------------------------------------------------------------------------------------------------ */
+/* --- the search for paths --------------------------------------------------------------------- */
 
 static void sift_up(struct gd__guide *guide, uint32_t at)
 {
@@ -130,7 +142,8 @@ static uint32_t pop(struct gd__guide *guide)
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        /* the one behind the last is what was taken off, and may be read: so the lesser child is no branch */
+        /* the one behind the last is what was taken off, and may be read: so the lesser child is no
+         * branch */
         child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
         if (guide->heap[child].key >= entry.key) break;
         guide->heap[at] = guide->heap[child];
@@ -145,43 +158,50 @@ struct offer {
     uint32_t parent, across; /* as a node has them */
 };
 
-/* Offers it; enters the vertex with a key that counts the rest of the way to `from` too. A vertex that has offered its neighbours theirs does not do so
- * again: that would cost more than the longer path does. */
-static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct offer offer, const struct gd_vec3 *from)
+/* Offers it; enters the vertex with a key that counts the rest of the way to `from` too. A vertex
+ * that has offered its neighbours theirs does not do so again: that would cost more than the longer
+ * path does. */
+static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct offer offer,
+                            const struct gd_vec3 *from)
 {
     struct gd__guide_node *node = &guide->node[vertex];
     if (node->closed || offer.upper >= node->upper) return GD_OK;
     enum gd_status status = touch(guide, vertex);
     if (!status)
-        status = gd__guide_make_room(guide, (void **)&guide->heap, guide->heap_count, &guide->heap_capacity,
-                                     sizeof *guide->heap);
+        status = gd__guide_make_room(guide, (void **)&guide->heap, guide->heap_count,
+                                     &guide->heap_capacity, sizeof *guide->heap);
     if (status) return status;
     node->upper = offer.upper;
     node->parent = offer.parent;
     node->across = offer.across;
     double rest = GREED * straight(&guide->mesh->position[vertex], from);
-    if (guide->landmark) rest = fmax(rest, LANDMARKS_GREED * by_landmarks(guide, &guide->from_start, vertex));
+    if (guide->landmark)
+        rest = fmax(rest, LANDMARKS_GREED * by_landmarks(guide, &guide->from_start, vertex));
     guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
     sift_up(guide, guide->heap_count++);
     return GD_OK;
 }
 
-/* The way from a vertex straight across the edge from a to b, opposite to it in a face, to the corner behind; GD__FAR: it misses the edge. From places,
- * which A* looks at anyway: the sides' records would have to be fetched. */
-static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a, const struct gd_vec3 *b,
-                         const struct gd_vec3 *beyond)
+/* The way from a vertex straight across the edge from a to b, opposite to it in a face, to the
+ * corner behind; GD__FAR: it misses the edge. From places, which A* looks at anyway: the sides'
+ * records would have to be fetched. */
+static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
+                         const struct gd_vec3 *b, const struct gd_vec3 *beyond)
 {
-    struct gd_vec3 edge = gd_vec3_sub(*b, *a), near = gd_vec3_sub(*vertex, *a), far = gd_vec3_sub(*beyond, *a);
+    struct gd_vec3 edge = gd_vec3_sub(*b, *a), near = gd_vec3_sub(*vertex, *a),
+                   far = gd_vec3_sub(*beyond, *a);
     double length = gd_vec3_length(edge);
     struct gd_vec3 along = gd_vec3_scale(edge, 1 / length);
     double x = gd_vec3_dot(near, along), dx = gd_vec3_dot(far, along) - x,
-           y = gd_vec3_length(gd_vec3_cross(near, along)), dy = y + gd_vec3_length(gd_vec3_cross(far, along)),
-           t = x + dx * y / dy;
+           y = gd_vec3_length(gd_vec3_cross(near, along)),
+           dy = y + gd_vec3_length(gd_vec3_cross(far, along)), t = x + dx * y / dy;
     return t > 0 && t < length ? sqrt(dx * dx + dy * dy) : GD__FAR;
 }
 
-/* Offers that way in the face of a fan's entry, unless even the straight line in space would be no shorter than what the corner behind has. */
-static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uint32_t entry, const struct gd_vec3 *from)
+/* Offers that way in the face of a fan's entry, unless even the straight line in space would be no
+ * shorter than what the corner behind has. */
+static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uint32_t entry,
+                                   const struct gd_vec3 *from)
 {
     const struct gd_mesh *mesh = guide->mesh;
     const struct gd_vec3 *p = mesh->position;
@@ -190,7 +210,8 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uin
     if (beyond == GD_NONE || guide->node[beyond].closed) return GD_OK;
     if (upper + straight(&p[vertex], &p[beyond]) >= guide->node[beyond].upper) return GD_OK;
     if (next == gd__neighbours_end(mesh, vertex)) next = mesh->fan_first[vertex];
-    double way = way_across(&p[vertex], &p[mesh->fan[entry].tip], &p[gd__neighbour(mesh, vertex, next)], &p[beyond]);
+    double way = way_across(&p[vertex], &p[mesh->fan[entry].tip],
+                            &p[gd__neighbour(mesh, vertex, next)], &p[beyond]);
     return relax(guide, beyond, (struct offer){upper + way, vertex, entry}, from);
 }
 
@@ -199,7 +220,8 @@ enum gd_status gd__guide_step(struct gd__guide *guide)
     return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
 }
 
-/* Asks for what is known of the corners of the faces round a vertex and of those behind them at once: A* waits for little else. */
+/* Asks for what is known of the corners of the faces round a vertex and of those behind them at
+ * once: A* waits for little else. */
 GD__ASKING prefetch(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_mesh *mesh = guide->mesh;
@@ -223,7 +245,8 @@ static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const str
     prefetch(guide, vertex);
     for (uint32_t i = first; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
         uint32_t tip = gd__neighbour(mesh, vertex, i);
-        struct offer along = {upper + straight(&mesh->position[vertex], &mesh->position[tip]), vertex, GD_NONE};
+        struct offer along = {upper + straight(&mesh->position[vertex], &mesh->position[tip]),
+                              vertex, GD_NONE};
         status = gd__guide_step(guide);
         if (!status) status = relax(guide, tip, along, from);
     }
@@ -233,7 +256,8 @@ static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const str
 }
 
 /* The length of the best path from a point so far, and the vertex that it passes first. */
-static double best_way(const struct gd__guide *guide, const struct gd__anchor *from, uint32_t *first)
+static double best_way(const struct gd__guide *guide, const struct gd__anchor *from,
+                       uint32_t *first)
 {
     double best = GD__FAR;
     *first = GD_NONE;
@@ -258,25 +282,27 @@ static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *f
     uint32_t first;
     enum gd_status status = GD_OK;
     for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
-        status = relax(guide, guide->target.corner[k], (struct offer){guide->target.leg[k], GD_NONE, GD_NONE},
-                       &from->position);
+        status = relax(guide, guide->target.corner[k],
+                       (struct offer){guide->target.leg[k], GD_NONE, GD_NONE}, &from->position);
     *upper = best_way(guide, from, &first);
     while (!status && guide->heap_count && guide->heap[0].key < *upper) {
         uint32_t vertex = pop(guide);
         if (guide->node[vertex].closed) continue;
         status = expand(guide, vertex, &from->position);
         for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++)
-            if (from->corner[k] == vertex) *upper = fmin(*upper, guide->node[vertex].upper + from->leg[k]);
+            if (from->corner[k] == vertex)
+                *upper = fmin(*upper, guide->node[vertex].upper + from->leg[k]);
     }
     guide->heap_count = 0;
     return status;
 }
 
-/* --- aiming -------------------------------------------------------------------------------------------------------------- */
+/* --- aiming ----------------------------------------------------------------------------------- */
 
 static void clean_node(struct gd__guide_node *node)
 {
-    *node = (struct gd__guide_node){.upper = GD__FAR, .lower = -1, .parent = GD_NONE, .across = GD_NONE};
+    *node = (struct gd__guide_node){
+        .upper = GD__FAR, .lower = -1, .parent = GD_NONE, .across = GD_NONE};
 }
 
 static void clean_touched(struct gd__guide *guide)
@@ -303,8 +329,9 @@ static double largest_coordinate(struct gd_vec3 v)
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
-enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh, const struct gd_point *from,
-                             const struct gd_point *to, const struct gd_control *control, double *upper)
+enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
+                             const struct gd_point *from, const struct gd_point *to,
+                             const struct gd_control *control, double *upper)
 {
     struct gd__anchor start = gd__anchor(mesh, from);
     guide->mesh = mesh;
@@ -313,7 +340,8 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
     enum gd_status status = open_nodes(guide, mesh);
     if (status) return status;
     guide->target = gd__anchor(mesh, to);
-    guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position), largest_coordinate(start.position));
+    guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position),
+                                        largest_coordinate(start.position));
     read_landmarks(guide, &guide->target, &guide->from_target);
     read_landmarks(guide, &start, &guide->from_start);
     status = search(guide, &start, upper);
@@ -321,10 +349,11 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
     return status;
 }
 
-/* --- the better end ------------------------------------------------------------------------------------------------------ */
+/* --- the better end --------------------------------------------------------------------------- */
 
-/* Where a path runs so much along the surface, and lower bounds miss so much of the rest of the way, a search is about as wide as the square root of that; and
- * it has the more windows, the farther it is from its source. */
+/* Where a path runs so much along the surface, and lower bounds miss so much of the rest of the
+ * way, a search is about as wide as the square root of that; and it has the more windows, the
+ * farther it is from its source. */
 static double work_at(double run, double rest, double lower)
 {
     return sqrt(run * fmax(rest - lower, 0));
@@ -339,7 +368,8 @@ bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point
         const struct gd__guide_node *node = &guide->node[v];
         double step = node->upper - (node->parent == GD_NONE ? 0 : guide->node[node->parent].upper),
                run = whole - node->upper;
-        forth += step * work_at(run, node->upper, rest_to(guide, v, &guide->target, &guide->from_target));
+        forth += step *
+                 work_at(run, node->upper, rest_to(guide, v, &guide->target, &guide->from_target));
         back += step * work_at(node->upper, run, rest_to(guide, v, &start, &guide->from_start));
     }
     return back < forth;

@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHELL       64 /* samples about equally far from the source */
-#define SHELLS      16
-#define SAMPLES     (SHELLS * SHELL)
-#define DIRECTIONS  99
-#define GOLDEN_TURN 2.399963229728653 /* by which the next point of a spiral over a sphere goes round */
+#define SHELL      64 /* samples about equally far from the source */
+#define SHELLS     16
+#define SAMPLES    (SHELLS * SHELL)
+#define DIRECTIONS 99
+/* by which the next point of a spiral over a sphere goes round */
+#define GOLDEN_TURN 2.399963229728653
 
 struct sample {
     double x, y, z, distance; /* from the source, straight */
@@ -60,7 +61,8 @@ static uint32_t wait_of(const struct sample *samples, struct gd_vec3 normal)
     uint32_t sum = 0;
     for (uint32_t shell = 0; shell < SHELLS; shell++) {
         uint32_t above = 0;
-        for (uint32_t i = 0; i < SHELL; i++) above += height_of(&samples[shell * SHELL + i], normal) > 0;
+        for (uint32_t i = 0; i < SHELL; i++)
+            above += height_of(&samples[shell * SHELL + i], normal) > 0;
         sum += above > SHELL / 2 ? above : SHELL - above;
     }
     return sum;
@@ -82,7 +84,8 @@ static struct gd_vec3 find_plane(const struct gd_mesh *mesh, struct gd_vec3 sour
     return best;
 }
 
-void gd__halves_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_half, uint8_t *vertex_halves)
+void gd__halves_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_half,
+                       uint8_t *vertex_halves)
 {
     struct gd_vec3 normal = find_plane(mesh, source);
     memset(vertex_halves, 0, mesh->vertex_count);
@@ -92,8 +95,8 @@ void gd__halves_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_
         for (int k = 0; k < 3; k++) {
             uint32_t side = mesh->face_side[face][k];
             side_half[side] = half;
-            if (mesh->side_face[side ^ 1] == GD_NONE) /* boundary; its record would be a cache line more */
-                side_half[side ^ 1] = half;
+            /* boundary; its record would be a cache line more */
+            if (mesh->side_face[side ^ 1] == GD_NONE) side_half[side ^ 1] = half;
             vertex_halves[mesh->origin[side]] |= (uint8_t)(1 << half);
         }
     }

@@ -1,5 +1,6 @@
-/* Joint: a point of a curve, and the segments that end there. It is nearest only to what lies behind the ends of all of them: in any other direction a place
- * of one of them is nearer (first variation of length). */
+/* Joint: a point of a curve, and the segments that end there. It is nearest only to what lies
+ * behind the ends of all of them: in any other direction a place of one of them is nearer (first
+ * variation of length). */
 #ifndef GD_WEDGE_JOINT_H
 #define GD_WEDGE_JOINT_H
 
@@ -7,8 +8,10 @@
 #include "wedge/wavefront.h"
 
 enum {
-    GD__LAID_AHEAD = 1,                 /* segments are laid before their turn, so that their square roots are there */
-    GD__LAID_LAST = 4 * GD__LAID_AHEAD, /* are kept: a joint's two, and those ahead; a power of two */
+    /* segments are laid before their turn, so that their square roots are there */
+    GD__LAID_AHEAD = 1,
+    /* are kept: a joint's two, and those ahead; a power of two */
+    GD__LAID_LAST = 4 * GD__LAID_AHEAD,
 };
 
 /* A segment as it lies on the surface. */
@@ -20,7 +23,8 @@ struct gd__laid {
     struct gd__chord chord[3]; /* across a face: in the frames of its sides */
 };
 
-/* The segments laid last: one of a curve is asked for three times in a row, by itself and by its ends. */
+/* The segments laid last: one of a curve is asked for three times in a row, by itself and by its
+ * ends. */
 struct gd__laying {
     struct gd__laid last[GD__LAID_LAST];
 };
@@ -34,22 +38,25 @@ static inline void gd__laying_begin(struct gd__laying *laying)
 /* Lays the segment that a seed is. */
 void gd__lay_anew(const struct gd__wavefront *front, struct gd__laid *laid, uint32_t seed);
 
-/* The segment that a seed is. Good until another seed is asked for of which half the number has the same rest by GD__LAID_LAST. */
-static inline const struct gd__laid *gd__lay(const struct gd__wavefront *front, struct gd__laying *laying,
-                                             uint32_t seed)
+/* The segment that a seed is. Good until another seed is asked for of which half the number has the
+ * same rest by GD__LAID_LAST. */
+static inline const struct gd__laid *gd__lay(const struct gd__wavefront *front,
+                                             struct gd__laying *laying, uint32_t seed)
 {
     struct gd__laid *laid = &laying->last[seed / 2 % GD__LAID_LAST];
     if (laid->seed != seed) gd__lay_anew(front, laid, seed);
     return laid;
 }
 
-/* The segments that end at the point that a seed is, and stand before and behind it in the list of seeds (gd_curve_seeds). */
+/* The segments that end at the point that a seed is, and stand before and behind it in the list of
+ * seeds (gd_curve_seeds). */
 struct gd__joint {
     const struct gd__laid *segment[2]; /* NULL: there is none */
     double turned[2];                  /* 1: the segment goes off from here, -1: it comes here */
 };
 
-static inline struct gd__joint gd__joint_of(const struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
+static inline struct gd__joint gd__joint_of(const struct gd__wavefront *front,
+                                            struct gd__laying *laying, uint32_t seed)
 {
     const struct gd__seed *at = &front->seeds[seed];
     struct gd__joint joint = {{NULL, NULL}, {0, 0}};
@@ -66,7 +73,8 @@ static inline struct gd__joint gd__joint_of(const struct gd__wavefront *front, s
     return joint;
 }
 
-/* Where the segments of a joint go off from it, in the frame of a side: unit vectors. Zero where there is none: nothing is ahead along that. */
+/* Where the segments of a joint go off from it, in the frame of a side: unit vectors. Zero where
+ * there is none: nothing is ahead along that. */
 struct gd__spread {
     struct gd__local along[2];
 };
@@ -81,28 +89,32 @@ static inline struct gd__spread gd__spread_in_face(const struct gd__joint *joint
 {
     struct gd__spread spread = {{{0, 0}, {0, 0}}};
     for (int i = 0; i < 2; i++)
-        if (joint->segment[i]) spread.along[i] = gd__turned(joint->segment[i]->chord[k].along, joint->turned[i]);
+        if (joint->segment[i])
+            spread.along[i] = gd__turned(joint->segment[i]->chord[k].along, joint->turned[i]);
     return spread;
 }
 
-/* Where a segment runs, in the frame of one side of an edge that it ends on or runs along: the face across is laid beside the side's own. */
+/* Where a segment runs, in the frame of one side of an edge that it ends on or runs along: the face
+ * across is laid beside the side's own. */
 static inline struct gd__local gd__direction_from_edge(const struct gd_mesh *mesh, uint32_t side,
                                                        const struct gd__laid *laid)
 {
-    if (laid->face == GD_NONE) return (struct gd__local){side & 1 ? -laid->forward : laid->forward, 0};
+    if (laid->face == GD_NONE)
+        return (struct gd__local){side & 1 ? -laid->forward : laid->forward, 0};
     const uint32_t *sides = mesh->face_side[laid->face];
     int k = gd__place_of_edge(sides, side >> 1);
     return gd__turned(laid->chord[k].along, 1 - 2 * (double)(sides[k] != side));
 }
 
 /* The spread in the frame of one side of the edge that the joint lies on. */
-static inline struct gd__spread gd__spread_from_edge(const struct gd_mesh *mesh, const struct gd__joint *joint,
-                                                     uint32_t side)
+static inline struct gd__spread gd__spread_from_edge(const struct gd_mesh *mesh,
+                                                     const struct gd__joint *joint, uint32_t side)
 {
     struct gd__spread spread = {{{0, 0}, {0, 0}}};
     for (int i = 0; i < 2; i++)
         if (joint->segment[i])
-            spread.along[i] = gd__turned(gd__direction_from_edge(mesh, side, joint->segment[i]), joint->turned[i]);
+            spread.along[i] = gd__turned(gd__direction_from_edge(mesh, side, joint->segment[i]),
+                                         joint->turned[i]);
     return spread;
 }
 
@@ -119,7 +131,8 @@ static inline double gd__along(struct gd__local direction, struct gd__local v)
     return direction.x * v.x + direction.y * v.y;
 }
 
-/* Whether one of the segments is nearer to a place, at `v` from the joint, than the joint is, and by more than rounding. */
+/* Whether one of the segments is nearer to a place, at `v` from the joint, than the joint is, and
+ * by more than rounding. */
 static inline bool gd__is_ahead(const struct gd__spread *spread, struct gd__local v)
 {
     double beside = GD_TOL_ONWARD * (fabs(v.x) + fabs(v.y));
@@ -140,7 +153,9 @@ struct gd__part {
     double from, to;
 };
 
-/* What of the side from `origin` to `destination`, as seen from a joint, lies behind all its segments. */
-struct gd__part gd__part_behind(const struct gd__spread *spread, struct gd__local origin, struct gd__local destination);
+/* What of the side from `origin` to `destination`, as seen from a joint, lies behind all its
+ * segments. */
+struct gd__part gd__part_behind(const struct gd__spread *spread, struct gd__local origin,
+                                struct gd__local destination);
 
 #endif

@@ -1,6 +1,7 @@
-/* Part of kernel_lanes.h: lists of children while they are built. Windows that see one source are joined, others that overlap contest each other. */
-/* A list of children while it is built: the last window (as it was before its successor cut it) in all lanes, and where the source of the last
- * one that was offered lies, joined or not. */
+/* Part of kernel_lanes.h: lists of children while they are built. Windows that see one source are
+ * joined, others that overlap contest each other. */
+/* A list of children while it is built: the last window (as it was before its successor cut it) in
+ * all lanes, and where the source of the last one that was offered lies, joined or not. */
 struct chain {
     struct gd__children *list;
     double width;
@@ -24,7 +25,8 @@ static inline void tangle(struct chain *chain, uint32_t first, uint32_t last)
     if (last > chain->list->tangled_last) chain->list->tangled_last = last;
 }
 
-/* A group of children, compressed. own_b1: before others were joined to it, which is what it is contested by: the others may come in the next group. */
+/* A group of children, compressed. own_b1: before others were joined to it, which is what it is
+ * contested by: the others may come in the next group. */
 struct group {
     uint32_t count;
     lanes b0, b1, own_b1, x, y, sigma;
@@ -36,7 +38,8 @@ static inline mask find_joined(const struct chain *chain, const struct group *g,
 {
     lanes x = after(chain->offered_x, g->x), y = after(chain->offered_y, g->y),
           tolerance = all(GD_TOL_SAME_SOURCE) * (y + magnitude(x));
-    mask same = both(active, both(le(magnitude(g->x - x), tolerance), le(magnitude(g->y - y), tolerance)));
+    mask same =
+        both(active, both(le(magnitude(g->x - x), tolerance), le(magnitude(g->y - y), tolerance)));
     if (!any(same)) return same;
     lanes sigma = after(chain->sigma, g->sigma);
     mask as_far = eq(g->sigma, sigma);
@@ -54,7 +57,8 @@ static inline mask find_joined(const struct chain *chain, const struct group *g,
 static void join(struct chain *chain, struct group *g, mask joined)
 {
     const struct gd__windows *out = &chain->list->at;
-    uint32_t active = bits(first_lanes(g->count)), inner = bits(joined), ends = active & ~(inner >> 1);
+    uint32_t active = bits(first_lanes(g->count)), inner = bits(joined),
+             ends = active & ~(inner >> 1);
     if (inner & 1) { /* the first run goes on with the list's last window */
         lanes end = compress(mask_of(ends & -ends), g->b1);
         out->b1[chain->list->count - 1] = first_of(end);
@@ -72,18 +76,22 @@ static void join(struct chain *chain, struct group *g, mask joined)
     g->source = ids_compress(starts, g->source);
 }
 
-/* Contests each window with the one before it where they overlap, and cuts both where the overlap changes hands. */
-static inline __attribute__((always_inline)) void resolve(struct chain *chain, struct group *g, lanes b0_before,
-                                                          lanes b1_before, mask overlap)
+/* Contests each window with the one before it where they overlap, and cuts both where the overlap
+ * changes hands. */
+static inline __attribute__((always_inline)) void
+resolve(struct chain *chain, struct group *g, lanes b0_before, lanes b1_before, mask overlap)
 {
     const struct gd__windows *out = &chain->list->at;
     uint32_t count = chain->list->count;
     struct sources c = {g->x, g->y, g->sigma};
-    struct sources o = {after(chain->x, g->x), after(chain->y, g->y), after(chain->sigma, g->sigma)};
-    lanes lo = greater(g->b0, b0_before), hi = lesser(g->own_b1, b1_before), at_equal = lo, at_unequal = lo;
+    struct sources o = {after(chain->x, g->x), after(chain->y, g->y),
+                        after(chain->sigma, g->sigma)};
+    lanes lo = greater(g->b0, b0_before), hi = lesser(g->own_b1, b1_before), at_equal = lo,
+          at_unequal = lo;
     mask ordered = both(overlap, both(ge(g->b0, b0_before), ge(g->own_b1, b1_before)));
     if (WITH_LINEAR)
-        ordered = except(ordered, either(linear_of(g->source), linear_of(ids_after(chain->source, g->source))));
+        ordered = except(
+            ordered, either(linear_of(g->source), linear_of(ids_after(chain->source, g->source))));
     mask equal = both(ordered, eq(c.sigma, o.sigma)), unequal = except(ordered, equal), cut = equal;
     if (any(equal)) cut = contest_equal(equal, c, o, lo, hi, &at_equal);
     if (any(unequal)) cut = either(cut, contest_unequal(unequal, c, o, lo, hi, &at_unequal));
@@ -92,16 +100,18 @@ static inline __attribute__((always_inline)) void resolve(struct chain *chain, s
     g->b1 = pick(mask_ahead(cut), ahead(at), g->b1);
     if (bits(cut) & 1) {
         out->b1[count - 1] = first_of(at);
-        if (out->b1[count - 1] - out->b0[count - 1] <= chain->width) tangle(chain, count - 1, count - 1);
+        if (out->b1[count - 1] - out->b0[count - 1] <= chain->width)
+            tangle(chain, count - 1, count - 1);
     }
-    mask narrow = both(first_lanes(g->count), le(lesser(g->b1, g->own_b1) - g->b0, all(chain->width)));
+    mask narrow =
+        both(first_lanes(g->count), le(lesser(g->b1, g->own_b1) - g->b0, all(chain->width)));
     mask tangled = either(except(overlap, cut), narrow);
     if (any(tangled)) tangle(chain, count + first_set(tangled), count + last_set(tangled));
 }
 
 /* Appends the windows of `keep`. */
-static inline void append(struct chain *chain, bool more, bool coalesce, mask keep, lanes b0, lanes b1, lanes x,
-                          lanes y, lanes sigma, ids source)
+static inline void append(struct chain *chain, bool more, bool coalesce, mask keep, lanes b0,
+                          lanes b1, lanes x, lanes y, lanes sigma, ids source)
 {
     uint32_t set = bits(keep);
     if (!set) return;
@@ -131,7 +141,8 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     if (any(joined)) join(chain, &g, joined);
     if (!g.count) return;
     const struct gd__windows *out = &chain->list->at;
-    lanes b0_before = after(chain->b0, g.b0), b1_before = after(chain->b1, g.b1), whole_b0 = g.b0, whole_b1 = g.b1;
+    lanes b0_before = after(chain->b0, g.b0), b1_before = after(chain->b1, g.b1), whole_b0 = g.b0,
+          whole_b1 = g.b1;
     mask overlap = both(first_lanes(g.count), gt(b1_before - g.b0, all(chain->width)));
     if (any(overlap)) resolve(chain, &g, b0_before, b1_before, overlap);
     uint32_t count = chain->list->count;
@@ -156,18 +167,21 @@ static inline mask drop_grazing(mask keep, lanes x, lanes y, double length)
 {
     const lanes zero = all(0), whole = all(length);
     mask low = both(keep, le(y, all(GD_TOL_GRAZING * length)));
-    mask beside = either(lt(x, all(-GD_TOL_BESIDE * length)), gt(x, all((1 + GD_TOL_BESIDE) * length)));
+    mask beside =
+        either(lt(x, all(-GD_TOL_BESIDE * length)), gt(x, all((1 + GD_TOL_BESIDE) * length)));
     mask on_line = both(eq(y, zero), either(le(x, zero), ge(x, whole)));
     return except(keep, both(low, either(lt(y, zero), either(beside, on_line))));
 }
 
-static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, double length, mask linear)
+static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, double length,
+                               mask linear)
 {
     mask keep = both(may, gt(t1 - t0, all(GD_TOL_WIDTH * length)));
     if (WITH_LINEAR) { /* their y is of a unit vector */
         keep = except(keep, both(linear, le(y, all(GD_TOL_GRAZING))));
         y = pick(linear, all(length), y);
     }
-    if (any(both(keep, le(y, all(GD_TOL_GRAZING * length))))) keep = drop_grazing(keep, x, y, length);
+    if (any(both(keep, le(y, all(GD_TOL_GRAZING * length)))))
+        keep = drop_grazing(keep, x, y, length);
     return keep;
 }

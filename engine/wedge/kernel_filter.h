@@ -11,9 +11,10 @@ static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t
     return to + (uint32_t)__builtin_popcount(bits(keep));
 }
 
-/* Trims windows at places [i, i + LANES) where the way round an end becomes shorter inside: as far from it as a source right beside it is, so nothing that
- * is squared may cancel. */
-static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length, lanes c0, lanes c1)
+/* Trims windows at places [i, i + LANES) where the way round an end becomes shorter inside: as far
+ * from it as a source right beside it is, so nothing that is squared may cancel. */
+static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length,
+                 lanes c0, lanes c1)
 {
     lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i);
     lanes half = all(0.5), back = all(length) - x, c = c1 + all(length), y2 = y * y;
@@ -27,7 +28,8 @@ static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last,
     store(w->b1 + i, b1);
 }
 
-static uint32_t filter(const struct gd__windows *w, uint32_t count, double length, double d0, double d1)
+static uint32_t filter(const struct gd__windows *w, uint32_t count, double length, double d0,
+                       double d1)
 {
     const lanes zero = all(0), at_origin = all(d0), at_destination = all(d1), whole = all(length);
     uint32_t kept = 0;
@@ -37,9 +39,11 @@ static uint32_t filter(const struct gd__windows *w, uint32_t count, double lengt
               sigma = load(w->sigma + i);
         lanes e0 = b0 - x, e1 = b1 - x, y2 = y * y, r0 = e0 * e0 + y2, r1 = e1 * e1 + y2;
         lanes slack = all(GD_TOL_BETTER) * (sigma + whole + magnitude(x) + y);
-        lanes c0 = at_origin - sigma, c1 = at_destination - sigma, back0 = c0 + slack, back1 = c1 + whole + slack;
+        lanes c0 = at_origin - sigma, c1 = at_destination - sigma, back0 = c0 + slack,
+              back1 = c1 + whole + slack;
         lanes far0 = back0 + b1, far1 = back1 - b0, near0 = back0 + b0, near1 = back1 - b1;
-        mask drop = either(either(lt(far0, zero), gt(r1, far0 * far0)), either(lt(far1, zero), gt(r0, far1 * far1)));
+        mask drop = either(either(lt(far0, zero), gt(r1, far0 * far0)),
+                           either(lt(far1, zero), gt(r0, far1 * far1)));
         mask first = both(active, either(lt(near0, zero), gt(r0, near0 * near0)));
         mask last = both(active, either(lt(near1, zero), gt(r1, near1 * near1)));
         if (WITH_LINEAR) {
@@ -51,7 +55,8 @@ static uint32_t filter(const struct gd__windows *w, uint32_t count, double lengt
             last = either(except(last, linear), both(linear, gt(l1, near1)));
         }
         drop = both(active, drop);
-        if (any(either(first, last))) trim(w, i, except(first, drop), except(last, drop), length, c0, c1);
+        if (any(either(first, last)))
+            trim(w, i, except(first, drop), except(last, drop), length, c0, c1);
         if (any(drop) || kept != i)
             kept = close_ranks(w, i, kept, except(active, drop));
         else
@@ -67,7 +72,9 @@ static uint32_t within(const struct gd__windows *w, uint32_t count, double bound
         lanes x = load(w->x + i), y = load(w->y + i);
         lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), sigma = load(w->sigma + i);
         lanes d = lesser(greater(x, b0), b1) - x, nearest = root(d * d + y * y);
-        if (WITH_LINEAR) nearest = pick(linear_of(ids_load(w->source + i)), all(0) - greater(x * b0, x * b1), nearest);
+        if (WITH_LINEAR)
+            nearest =
+                pick(linear_of(ids_load(w->source + i)), all(0) - greater(x * b0, x * b1), nearest);
         mask near = le(sigma + nearest, all(bound));
         kept = close_ranks(w, i, kept, both(first_lanes(count - i), near));
     }

@@ -1,13 +1,15 @@
-/* The kernel for one set of lanes; included by kernel_plain.c, kernel_avx2.c and kernel_avx512.c behind their lanes_*.h, and once more by
- * kernel_linear_plain.c and so on with WITH_LINEAR 1: what concerns linear windows is left out of the former.
+/* The kernel for one set of lanes; included by kernel_plain.c, kernel_avx2.c and kernel_avx512.c
+ * behind their lanes_*.h, and once more by kernel_linear_plain.c and so on with WITH_LINEAR 1: what
+ * concerns linear windows is left out of the former.
  *
- * LANES doubles make one `lanes`, their 32-bit companions `ids`, a truth value a lane `mask`. Arithmetic is written with C's operators; of the
- * functions, `pick` chooses by lane, `compress` moves the lanes of a mask to the front, `after(carry, a)` moves all lanes one up and takes the
- * carry's last one in, `ahead` moves them one down, `last_of` spreads lane count - 1. bits and mask_of convert a mask to and from an integer.
- * FLOATS floats make one `floats`.
+ * LANES doubles make one `lanes`, their 32-bit companions `ids`, a truth value a lane `mask`.
+ * Arithmetic is written with C's operators; of the functions, `pick` chooses by lane, `compress`
+ * moves the lanes of a mask to the front, `after(carry, a)` moves all lanes one up and takes the
+ * carry's last one in, `ahead` moves them one down, `last_of` spreads lane count - 1. bits and
+ * mask_of convert a mask to and from an integer. FLOATS floats make one `floats`.
  *
- * In a side's frame the apex is p = (px, py), a source (x, -y). For a point (b, 0) of the edge, k(b) = (b - x)(py + y) - y (px - x) is negative
- * when the ray through it passes left of p. */
+ * In a side's frame the apex is p = (px, py), a source (x, -y). For a point (b, 0) of the edge,
+ * k(b) = (b - x)(py + y) - y (px - x) is negative when the ray through it passes left of p. */
 #include "base/tolerance.h"
 #include "wedge/kernel.h"
 
@@ -60,4 +62,9 @@ const struct gd__kernel KERNEL_LINEAR(kernel) = {
 #else
 const struct gd__kernel KERNEL(kernel) = {
 #endif
-    .name = KERNEL_NAME, .filter = filter, .within = within, .store = store_wedges, .cast = cast, .ring = ring};
+    .name = KERNEL_NAME,
+    .filter = filter,
+    .within = within,
+    .store = store_wedges,
+    .cast = cast,
+    .ring = ring};

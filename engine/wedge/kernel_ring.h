@@ -1,8 +1,9 @@
 /* Part of kernel_lanes.h: ways through a ring's points. Single precision is enough for bounds. */
 
-/* How far a distance in space between points of two parts of edges may lie below the bilinear function of those between their ends: of a part of length s and a
- * point d away from one of its ends, the second derivative is at most 1 / d (1 - (s/d)^2), of which the chord misses s^2 / 8; where parts are
- * as long as they are far away, half of their lengths in any case. */
+/* How far a distance in space between points of two parts of edges may lie below the bilinear
+ * function of those between their ends: of a part of length s and a point d away from one of its
+ * ends, the second derivative is at most 1 / d (1 - (s/d)^2), of which the chord misses s^2 / 8;
+ * where parts are as long as they are far away, half of their lengths in any case. */
 static inline floats ring_sag(floats square, floats d, floats part, floats own)
 {
     floats both = part + own, eighth = floats_all(0.125f),
@@ -10,16 +11,19 @@ static inline floats ring_sag(floats square, floats d, floats part, floats own)
     return (part * part + own * own) * eighth * d / clear;
 }
 
-static float ring(const struct gd__ring_group *first, const struct gd__ring_group *end, struct gd__place p, float own)
+static float ring(const struct gd__ring_group *first, const struct gd__ring_group *end,
+                  struct gd__place p, float own)
 {
-    const floats px = floats_all(p.x), py = floats_all(p.y), pz = floats_all(p.z), o = floats_all(own);
+    const floats px = floats_all(p.x), py = floats_all(p.y), pz = floats_all(p.z),
+                 o = floats_all(own);
     floats least = floats_all(GD__RING_NOWHERE);
     for (const struct gd__ring_group *g = first; g < end; g++)
         for (int i = 0; i < GD__RING_LANES; i += FLOATS) {
-            floats x = floats_load(g->x + i) - px, y = floats_load(g->y + i) - py, z = floats_load(g->z + i) - pz,
-                   square = x * x + y * y + z * z, d = floats_greater(floats_root(square), floats_all(1e-9f));
-            least =
-                floats_lesser(least, d + floats_load(g->lower + i) - ring_sag(square, d, floats_load(g->part + i), o));
+            floats x = floats_load(g->x + i) - px, y = floats_load(g->y + i) - py,
+                   z = floats_load(g->z + i) - pz, square = x * x + y * y + z * z,
+                   d = floats_greater(floats_root(square), floats_all(1e-9f));
+            least = floats_lesser(least, d + floats_load(g->lower + i) -
+                                             ring_sag(square, d, floats_load(g->part + i), o));
         }
     return floats_least(least);
 }

@@ -1,4 +1,5 @@
-/* Lanes, AVX2: four at a time. See kernel.h for what each operation means; the three sets of them must agree to the last bit. */
+/* Lanes, AVX2: four at a time. See kernel.h for what each operation means; the three sets of them
+ * must agree to the last bit. */
 #ifndef GD_WEDGE_LANES_H
 #define GD_WEDGE_LANES_H
 
@@ -17,19 +18,20 @@ typedef __m256d mask;
 typedef __m128i ids;
 
 /* Per set of lanes: which halves of lanes (32 bits) come first when the others are left out. */
-#define HALVES(a, b, c, d)                                                                                             \
-    {                                                                                                                  \
-        2 * a, 2 * a + 1, 2 * b, 2 * b + 1, 2 * c, 2 * c + 1, 2 * d, 2 * d + 1                                         \
+#define HALVES(a, b, c, d)                                                                         \
+    {                                                                                              \
+        2 * a, 2 * a + 1, 2 * b, 2 * b + 1, 2 * c, 2 * c + 1, 2 * d, 2 * d + 1                     \
     }
-static const uint32_t chosen_halves[16][8]
-    __attribute__((aligned(32))) = {HALVES(0, 1, 2, 3), HALVES(0, 1, 2, 3), HALVES(1, 0, 2, 3), HALVES(0, 1, 2, 3),
-                                    HALVES(2, 0, 1, 3), HALVES(0, 2, 1, 3), HALVES(1, 2, 0, 3), HALVES(0, 1, 2, 3),
-                                    HALVES(3, 0, 1, 2), HALVES(0, 3, 1, 2), HALVES(1, 3, 0, 2), HALVES(0, 1, 3, 2),
-                                    HALVES(2, 3, 0, 1), HALVES(0, 2, 3, 1), HALVES(1, 2, 3, 0), HALVES(0, 1, 2, 3)};
+static const uint32_t chosen_halves[16][8] __attribute__((aligned(32))) = {
+    HALVES(0, 1, 2, 3), HALVES(0, 1, 2, 3), HALVES(1, 0, 2, 3), HALVES(0, 1, 2, 3),
+    HALVES(2, 0, 1, 3), HALVES(0, 2, 1, 3), HALVES(1, 2, 0, 3), HALVES(0, 1, 2, 3),
+    HALVES(3, 0, 1, 2), HALVES(0, 3, 1, 2), HALVES(1, 3, 0, 2), HALVES(0, 1, 3, 2),
+    HALVES(2, 3, 0, 1), HALVES(0, 2, 3, 1), HALVES(1, 2, 3, 0), HALVES(0, 1, 2, 3)};
 #undef HALVES
 static const uint32_t chosen_ids[16][4] __attribute__((aligned(16))) = {
-    {0, 1, 2, 3}, {0, 1, 2, 3}, {1, 0, 2, 3}, {0, 1, 2, 3}, {2, 0, 1, 3}, {0, 2, 1, 3}, {1, 2, 0, 3}, {0, 1, 2, 3},
-    {3, 0, 1, 2}, {0, 3, 1, 2}, {1, 3, 0, 2}, {0, 1, 3, 2}, {2, 3, 0, 1}, {0, 2, 3, 1}, {1, 2, 3, 0}, {0, 1, 2, 3}};
+    {0, 1, 2, 3}, {0, 1, 2, 3}, {1, 0, 2, 3}, {0, 1, 2, 3}, {2, 0, 1, 3}, {0, 2, 1, 3},
+    {1, 2, 0, 3}, {0, 1, 2, 3}, {3, 0, 1, 2}, {0, 3, 1, 2}, {1, 3, 0, 2}, {0, 1, 3, 2},
+    {2, 3, 0, 1}, {0, 2, 3, 1}, {1, 2, 3, 0}, {0, 1, 2, 3}};
 static const int64_t lane_bit[4] __attribute__((aligned(32))) = {1, 2, 4, 8};
 
 static inline lanes all(double a)
@@ -47,11 +49,13 @@ static inline void store(double *p, lanes a)
 static inline mask mask_of(uint32_t set)
 {
     __m256i bit = _mm256_load_si256((const void *)lane_bit);
-    return _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(set), bit), bit));
+    return _mm256_castsi256_pd(
+        _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(set), bit), bit));
 }
 static inline mask first_lanes(uint32_t count)
 {
-    const __m256i place = _mm256_set_epi64x(3, 2, 1, 0); /* compared: a choice would be a branch as good as random */
+    /* compared: a choice would be a branch as good as random */
+    const __m256i place = _mm256_set_epi64x(3, 2, 1, 0);
     return _mm256_castsi256_pd(_mm256_cmpgt_epi64(_mm256_set1_epi64x(count), place));
 }
 static inline void store_first(double *p, lanes a, uint32_t count)
@@ -144,7 +148,8 @@ static inline lanes reversed(lanes a)
 
 static inline ids ids_permuted(ids a, const uint32_t *order)
 {
-    return _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(a), _mm_load_si128((const void *)order)));
+    return _mm_castps_si128(
+        _mm_permutevar_ps(_mm_castsi128_ps(a), _mm_load_si128((const void *)order)));
 }
 static inline ids ids_all(uint32_t a)
 {
@@ -187,7 +192,9 @@ static inline ids ids_reversed(ids a)
 static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t count)
 {
     const double two52 =
-        4503599627370496.0; /* added to a whole number below 2^32, it leaves that number in the low half of the double */
+        /* added to a whole number below 2^32, it leaves that number in the low half of the double
+         */
+        4503599627370496.0;
     __m256d whole = _mm256_round_pd(start, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
     __m256i low = _mm256_castpd_si256(_mm256_add_pd(whole, _mm256_set1_pd(two52)));
     __m256i high = _mm256_slli_epi64(_mm256_cvtepu32_epi64(source), 32);

@@ -1,4 +1,5 @@
-/* Lanes, AVX-512 (F, VL, DQ): eight at a time. See kernel.h for what each operation means; the three sets of them must agree to the last bit. */
+/* Lanes, AVX-512 (F, VL, DQ): eight at a time. See kernel.h for what each operation means; the
+ * three sets of them must agree to the last bit. */
 #ifndef GD_WEDGE_LANES_H
 #define GD_WEDGE_LANES_H
 
@@ -31,7 +32,8 @@ static inline void store(double *p, lanes a)
 static inline mask first_lanes(uint32_t count)
 {
     const __m256i place =
-        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0); /* compared: a choice would be a branch as good as random */
+        /* compared: a choice would be a branch as good as random */
+        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
     return _mm256_cmpgt_epu32_mask(_mm256_set1_epi32((int)count), place);
 }
 static inline void store_first(double *p, lanes a, uint32_t count)
@@ -98,11 +100,13 @@ static inline lanes compress(mask m, lanes a)
 }
 static inline lanes after(lanes carry, lanes a)
 {
-    return _mm512_castsi512_pd(_mm512_alignr_epi64(_mm512_castpd_si512(a), _mm512_castpd_si512(carry), 7));
+    return _mm512_castsi512_pd(
+        _mm512_alignr_epi64(_mm512_castpd_si512(a), _mm512_castpd_si512(carry), 7));
 }
 static inline lanes ahead(lanes a)
 {
-    return _mm512_castsi512_pd(_mm512_alignr_epi64(_mm512_castpd_si512(a), _mm512_castpd_si512(a), 1));
+    return _mm512_castsi512_pd(
+        _mm512_alignr_epi64(_mm512_castpd_si512(a), _mm512_castpd_si512(a), 1));
 }
 static inline mask mask_ahead(mask m)
 {

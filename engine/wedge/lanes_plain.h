@@ -1,4 +1,5 @@
-/* Lanes, plain C: one at a time. See kernel.h for what each operation means; the three sets of them must agree to the last bit. */
+/* Lanes, plain C: one at a time. See kernel.h for what each operation means; the three sets of them
+ * must agree to the last bit. */
 #ifndef GD_WEDGE_LANES_H
 #define GD_WEDGE_LANES_H
 

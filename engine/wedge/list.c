@@ -2,7 +2,8 @@
 
 #include "wedge/contest.h"
 
-/* Two sorted lists of which one lies before the other but for windows that overlap: window `last` of the one faces window `first` of the other. */
+/* Two sorted lists of which one lies before the other but for windows that overlap: window `last`
+ * of the one faces window `first` of the other. */
 struct seam {
     const struct gd__windows *before, *behind;
     uint32_t last, first;
@@ -15,15 +16,16 @@ enum closing { CLOSING_DONE, CLOSING_NEXT, CLOSING_GENERAL };
 /* The verdict on the windows that face each other, as if the one before were the challenger. */
 static struct gd__verdict contest_facing(const struct seam *s, double lo, double hi)
 {
-    struct gd__window before = gd__windows_get(s->before, s->last), behind = gd__windows_get(s->behind, s->first);
+    struct gd__window before = gd__windows_get(s->before, s->last),
+                      behind = gd__windows_get(s->behind, s->first);
     if (s->newer_is_before) return gd__contest(&before, &behind, lo, hi);
     struct gd__verdict verdict = gd__contest(&behind, &before, lo, hi);
     verdict.challenger_first = !verdict.challenger_first;
     return verdict;
 }
 
-/* Cuts the windows that face each other where they meet; what is beaten all along is dropped. General is what would have to be contested by windows
- * farther away: nothing is cut then. */
+/* Cuts the windows that face each other where they meet; what is beaten all along is dropped.
+ * General is what would have to be contested by windows farther away: nothing is cut then. */
 static enum closing close_facing(struct seam *s, double min_width)
 {
     double *a0 = &s->before->b0[s->last], *a1 = &s->before->b1[s->last];
@@ -35,28 +37,33 @@ static enum closing close_facing(struct seam *s, double min_width)
         return CLOSING_DONE;
     }
     struct gd__verdict verdict = contest_facing(s, lo, hi);
-    bool before_first = verdict.challenger_first, before_last = before_first != (verdict.switches == 1);
+    bool before_first = verdict.challenger_first,
+         before_last = before_first != (verdict.switches == 1);
     if (verdict.switches > 1 || (before_last && !before_first)) return CLOSING_GENERAL;
     if ((before_first && *b0 < lo) || (!before_last && *a1 > hi)) return CLOSING_GENERAL;
     double at = before_last ? hi : before_first ? verdict.at[0] : lo;
     if (before_first) *b0 = at;
     if (!before_last) *a1 = at;
-    bool a_is_gone = *a1 - *a0 <= min_width, b_is_gone = !a_is_gone && *b1 - *b0 <= min_width; /* something is left */
+    /* something is left */
+    bool a_is_gone = *a1 - *a0 <= min_width, b_is_gone = !a_is_gone && *b1 - *b0 <= min_width;
     s->last -= a_is_gone;
     s->before_left -= a_is_gone;
     s->first += b_is_gone;
     s->behind_left -= b_is_gone;
-    return (a_is_gone || b_is_gone) && s->before_left && s->behind_left ? CLOSING_NEXT : CLOSING_DONE;
+    return (a_is_gone || b_is_gone) && s->before_left && s->behind_left ? CLOSING_NEXT
+                                                                        : CLOSING_DONE;
 }
 
-/* Joins the lists where one lies before the other: cuts what overlaps, and lets go of what has been dropped of either. False: part of them still has
- * to be merged. `newer` is a view of *count windows. */
-static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count, double min_width,
-                       bool *newer_is_before)
+/* Joins the lists where one lies before the other: cuts what overlaps, and lets go of what has been
+ * dropped of either. False: part of them still has to be merged. `newer` is a view of *count
+ * windows. */
+static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count,
+                       double min_width, bool *newer_is_before)
 {
     struct gd__windows windows = gd__list_windows(list);
     uint32_t n = list->count, m = *count;
-    bool starts_later = newer->b0[0] >= windows.b0[0], ends_later = newer->b1[m - 1] >= windows.b1[n - 1];
+    bool starts_later = newer->b0[0] >= windows.b0[0],
+         ends_later = newer->b1[m - 1] >= windows.b1[n - 1];
     if (starts_later != ends_later) return false;
     *newer_is_before = !starts_later;
     struct seam s = starts_later ? (struct seam){&windows, newer, n - 1, 0, n, m, false}
@@ -76,16 +83,18 @@ static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_
     return closing == CLOSING_DONE;
 }
 
-static bool joins_at(const struct gd__windows *a, uint32_t i, const struct gd__windows *b, uint32_t j, double min_width)
+static bool joins_at(const struct gd__windows *a, uint32_t i, const struct gd__windows *b,
+                     uint32_t j, double min_width)
 {
     if (a->source[i] != b->source[j]) return false;
     struct gd__window before = gd__windows_get(a, i), behind = gd__windows_get(b, j);
     return gd__window_joins(&before, &behind, min_width);
 }
 
-/* Puts `count` windows behind those of the list; the first one may lengthen the list's last one instead (`join`). */
-static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struct gd__windows newer, uint32_t count,
-                             double min_width, bool join)
+/* Puts `count` windows behind those of the list; the first one may lengthen the list's last one
+ * instead (`join`). */
+static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struct gd__windows newer,
+                             uint32_t count, double min_width, bool join)
 {
     struct gd__windows windows = gd__list_windows(list);
     if (join && list->count && joins_at(&windows, list->count - 1, &newer, 0, min_width)) {
@@ -94,8 +103,9 @@ static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struc
         count--;
     }
     if (list->count + count + GD__WINDOWS_GROUP > gd__list_capacity(list)) {
-        enum gd_status status = gd__block_enlarge(&list->block, &list->size_class, pool,
-                                                  list->count + count + GD__WINDOWS_GROUP, list->count);
+        enum gd_status status =
+            gd__block_enlarge(&list->block, &list->size_class, pool,
+                              list->count + count + GD__WINDOWS_GROUP, list->count);
         if (status) return status;
         windows = gd__list_windows(list);
     }
@@ -104,9 +114,11 @@ static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struc
     return GD_OK;
 }
 
-/* Puts the first `count` of the newer windows before those of the list, which go over into their block; the list's becomes the newer ones'. */
-static enum gd_status prepend(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer, uint32_t count,
-                              double min_width, bool join)
+/* Puts the first `count` of the newer windows before those of the list, which go over into their
+ * block; the list's becomes the newer ones'. */
+static enum gd_status prepend(struct gd__list *list, struct gd__pool *pool,
+                              struct gd__children *newer, uint32_t count, double min_width,
+                              bool join)
 {
     struct gd__windows windows = gd__list_windows(list);
     if (join && list->count && joins_at(&newer->at, count - 1, &windows, 0, min_width))
@@ -124,14 +136,14 @@ static enum gd_status prepend(struct gd__list *list, struct gd__pool *pool, stru
     return GD_OK;
 }
 
-/* Part [from, to) of the list and part [first, last) of the newer windows: those that overlap. Where there are none, all the newer ones go to
- * `from` and first = last = their count. */
+/* Part [from, to) of the list and part [first, last) of the newer windows: those that overlap.
+ * Where there are none, all the newer ones go to `from` and first = last = their count. */
 struct overlap {
     uint32_t from, to, first, last;
 };
 
-static struct overlap find_overlap(const struct gd__windows *list, uint32_t count, const struct gd__windows *newer,
-                                   uint32_t newer_count)
+static struct overlap find_overlap(const struct gd__windows *list, uint32_t count,
+                                   const struct gd__windows *newer, uint32_t newer_count)
 {
     double begin = newer->b0[0], end = newer->b1[newer_count - 1];
     struct overlap o = {0, count, 0, newer_count};
@@ -143,7 +155,8 @@ static struct overlap find_overlap(const struct gd__windows *list, uint32_t coun
     return o;
 }
 
-/* The windows that take the place of list [from, to): newer [0, first), merged ones, newer [last, count). */
+/* The windows that take the place of list [from, to): newer [0, first), merged ones, newer [last,
+ * count). */
 struct insertion {
     const struct gd__windows *newer;
     const struct gd__stack *merged;
@@ -152,8 +165,10 @@ struct insertion {
     uint32_t skip, end; /* newer [skip, first) and [last, end): what is not joined to a neighbour */
 };
 
-/* Lengthens the neighbours of an insertion instead of inserting windows that see the same source. */
-static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in, double min_width)
+/* Lengthens the neighbours of an insertion instead of inserting windows that see the same source.
+ */
+static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in,
+                            double min_width)
 {
     if (in->at.from > 0 && (in->at.first > 0 || !in->merged) &&
         joins_at(list, in->at.from - 1, in->newer, 0, min_width)) {
@@ -168,18 +183,22 @@ static void join_neighbours(const struct gd__windows *list, uint32_t count, stru
     if (in->at.first > in->end) in->at.first = in->end;
 }
 
-/* Rebuilds the list around an insertion. Copies write whole groups, so each part is written after what is before it. */
-static enum gd_status splice(struct gd__list *list, struct gd__pool *pool, const struct insertion *in,
-                             struct gd__window_builder *scratch)
+/* Rebuilds the list around an insertion. Copies write whole groups, so each part is written after
+ * what is before it. */
+static enum gd_status splice(struct gd__list *list, struct gd__pool *pool,
+                             const struct insertion *in, struct gd__window_builder *scratch)
 {
-    uint32_t tail = list->count - in->at.to, before = in->at.first > in->skip ? in->at.first - in->skip : 0,
-             behind = in->end > in->at.last ? in->end - in->at.last : 0, merged = in->merged ? in->merged->count : 0;
+    uint32_t tail = list->count - in->at.to,
+             before = in->at.first > in->skip ? in->at.first - in->skip : 0,
+             behind = in->end > in->at.last ? in->end - in->at.last : 0,
+             merged = in->merged ? in->merged->count : 0;
     uint32_t count = in->at.from + before + merged + behind + tail, at = in->at.from;
     enum gd_status status = tail ? gd__window_builder_reserve(scratch, tail) : GD_OK;
     struct gd__windows windows = gd__list_windows(list);
     if (!status && tail) gd__windows_copy(&scratch->at, 0, &windows, in->at.to, tail);
     if (!status && count + GD__WINDOWS_GROUP > gd__list_capacity(list))
-        status = gd__block_enlarge(&list->block, &list->size_class, pool, count + GD__WINDOWS_GROUP, in->at.from);
+        status = gd__block_enlarge(&list->block, &list->size_class, pool, count + GD__WINDOWS_GROUP,
+                                   in->at.from);
     if (status) return status;
     windows = gd__list_windows(list);
     gd__windows_copy(&windows, at, in->newer, in->skip, before);
@@ -193,24 +212,28 @@ static enum gd_status splice(struct gd__list *list, struct gd__pool *pool, const
 }
 
 /* Merges what overlaps, into scratch->stack[2]. */
-static enum gd_status merge_overlap(const struct gd__windows *list, const struct gd__windows *newer, struct overlap o,
-                                    double min_width, struct gd__scratch *scratch)
+static enum gd_status merge_overlap(const struct gd__windows *list, const struct gd__windows *newer,
+                                    struct overlap o, double min_width, struct gd__scratch *scratch)
 {
-    struct gd__stack *existing = &scratch->stack[0], *challengers = &scratch->stack[1], *merged = &scratch->stack[2];
+    struct gd__stack *existing = &scratch->stack[0], *challengers = &scratch->stack[1],
+                     *merged = &scratch->stack[2];
     enum gd_status status = gd__stack_reserve(existing, o.to - o.from + 1);
     if (!status) status = gd__stack_reserve(challengers, o.last - o.first + 1);
-    if (!status) status = gd__stack_reserve(merged, gd__merged_bound(o.to - o.from, o.last - o.first));
+    if (!status)
+        status = gd__stack_reserve(merged, gd__merged_bound(o.to - o.from, o.last - o.first));
     if (status) return status;
     existing->count = challengers->count = merged->count = 0;
     gd__stack_load(existing, list, o.from, o.to);
     gd__stack_load(challengers, newer, o.first, o.last);
-    gd__merge(existing->windows, existing->count, challengers->windows, challengers->count, min_width, merged);
+    gd__merge(existing->windows, existing->count, challengers->windows, challengers->count,
+              min_width, merged);
     return GD_OK;
 }
 
 /* The general case of an insertion: what overlaps is merged. */
-static enum gd_status merge(struct gd__list *list, struct gd__pool *pool, const struct gd__windows *newer,
-                            uint32_t count, double min_width, struct gd__scratch *scratch)
+static enum gd_status merge(struct gd__list *list, struct gd__pool *pool,
+                            const struct gd__windows *newer, uint32_t count, double min_width,
+                            struct gd__scratch *scratch)
 {
     struct insertion in = {.newer = newer, .count = count, .end = count};
     struct gd__windows windows = gd__list_windows(list);
@@ -224,8 +247,8 @@ static enum gd_status merge(struct gd__list *list, struct gd__pool *pool, const 
     return splice(list, pool, &in, &scratch->tail);
 }
 
-static enum gd_status add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer, double min_width,
-                          struct gd__scratch *scratch)
+static enum gd_status add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
+                          double min_width, struct gd__scratch *scratch)
 {
     struct gd__windows view = newer->at;
     uint32_t count = newer->count;
@@ -237,7 +260,8 @@ static enum gd_status add(struct gd__list *list, struct gd__pool *pool, struct g
     return append(list, pool, view, count, min_width, !scratch->apart);
 }
 
-enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer, double min_width,
+enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
+                            struct gd__children *newer, double min_width,
                             struct gd__scratch *scratch)
 {
     enum gd_status status = add(list, pool, newer, min_width, scratch);
@@ -245,11 +269,13 @@ enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct
     return status;
 }
 
-/* --- one window ---------------------------------------------------------------------------------------------------------- */
+/* --- one window ------------------------------------------------------------------------------- */
 
-#define FEW        3             /* windows that another one is put among in their own block */
-#define MOST_PARTS (4 * FEW + 1) /* each is cut in three, with the new one between them and at both ends */
-_Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP, "the smallest block of a list has room for them");
+#define FEW 3 /* windows that another one is put among in their own block */
+/* each is cut in three, with the new one between them and at both ends */
+#define MOST_PARTS (4 * FEW + 1)
+_Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP,
+               "the smallest block of a list has room for them");
 
 /* Parts of windows, in order, as they are written to a list. */
 struct parts {
@@ -274,8 +300,8 @@ static void put_part(struct parts *parts, const struct gd__window *w, double fro
 }
 
 /* The overlap of the new window with one of the list, which wins ties. */
-static void put_overlap(struct parts *parts, const struct gd__window *w, const struct gd__window *o, double lo,
-                        double hi)
+static void put_overlap(struct parts *parts, const struct gd__window *w, const struct gd__window *o,
+                        double lo, double hi)
 {
     struct gd__verdict verdict = {0};
     if (hi - lo > parts->min_width) verdict = gd__contest(w, o, lo, hi);
@@ -288,7 +314,8 @@ static void put_overlap(struct parts *parts, const struct gd__window *w, const s
 }
 
 /* What is left of windows of a list and a new one. */
-static void put_among(struct parts *parts, const struct gd__window *windows, uint32_t count, const struct gd__window *w)
+static void put_among(struct parts *parts, const struct gd__window *windows, uint32_t count,
+                      const struct gd__window *w)
 {
     double from = w->b0; /* of the new one what lies before is put */
     for (const struct gd__window *o = windows; o < windows + count; o++) {
@@ -309,8 +336,9 @@ static bool has_source(const struct gd__windows *windows, uint32_t count, uint32
     return false;
 }
 
-enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool, const struct gd__window *window,
-                                double min_width, struct gd__scratch *scratch)
+enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
+                                const struct gd__window *window, double min_width,
+                                struct gd__scratch *scratch)
 {
     struct parts parts = {.at = gd__list_windows(list), .min_width = min_width};
     if (list->count > FEW || has_source(&parts.at, list->count, window->source)) {
@@ -323,7 +351,9 @@ enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool, co
     struct gd__window there[FEW];
     for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&parts.at, i);
     put_among(&parts, there, list->count, window);
-    if (parts.count) list->count = parts.count; /* where nothing is wide enough, all stays as it was */
+    /* where nothing is wide enough, all stays as it was */
+    if (parts.count) list->count = parts.count;
     if (parts.count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
-    return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP, list->count);
+    return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP,
+                             list->count);
 }

@@ -24,15 +24,17 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
     return gd__windows_at(list->block, gd__list_capacity(list));
 }
 
-/* Puts sorted windows, at least one, into a list that is not empty. Their block is used up: it becomes the list's or goes back to the pool. Ties stay with
- * what is there. GD_NO_MEMORY, GD_BUDGET. Contests only what overlaps. */
-GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
-                                        double min_width, struct gd__scratch *scratch);
+/* Puts sorted windows, at least one, into a list that is not empty. Their block is used up: it
+ * becomes the list's or goes back to the pool. Ties stay with what is there. GD_NO_MEMORY,
+ * GD_BUDGET. Contests only what overlaps. */
+GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
+                                        struct gd__children *newer, double min_width,
+                                        struct gd__scratch *scratch);
 
 /* The same of any list: an empty one takes the block of the windows. */
-GD_MUST_USE static inline enum gd_status gd__list_insert(struct gd__list *list, struct gd__pool *pool,
-                                                         struct gd__children *newer, double min_width,
-                                                         struct gd__scratch *scratch)
+GD_MUST_USE static inline enum gd_status
+gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
+                double min_width, struct gd__scratch *scratch)
 {
     if (list->count) return gd__list_add(list, pool, newer, min_width, scratch);
     list->block = newer->block; /* such a list has none */
@@ -48,8 +50,8 @@ GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__po
                                             struct gd__scratch *scratch);
 
 /* Puts a window into an empty list. GD_NO_MEMORY, GD_BUDGET. */
-GD_MUST_USE static inline enum gd_status gd__list_begin(struct gd__list *list, struct gd__pool *pool,
-                                                        const struct gd__window *window)
+GD_MUST_USE static inline enum gd_status
+gd__list_begin(struct gd__list *list, struct gd__pool *pool, const struct gd__window *window)
 {
     enum { GROUPS = 2, SIZE_CLASS = GROUPS - 1 }; /* there is a group behind the last window */
     void *block = gd__pool_take(pool, SIZE_CLASS);

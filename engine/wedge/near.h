@@ -1,7 +1,9 @@
-/* Near: what a propagation that keeps distances only knows of sides and vertices, by pages (wedge/pages.h): instead of the workspace's arrays
- * some bytes a face for the whole mesh, and records where the front is.
+/* Near: what a propagation that keeps distances only knows of sides and vertices, by pages
+ * (wedge/pages.h): instead of the workspace's arrays some bytes a face for the whole mesh, and
+ * records where the front is.
  *
- * A vertex whose record is not there has emitted if it is reached and paths may bend there: else it would wait. */
+ * A vertex whose record is not there has emitted if it is reached and paths may bend there: else it
+ * would wait. */
 #ifndef GD_WEDGE_NEAR_H
 #define GD_WEDGE_NEAR_H
 
@@ -33,7 +35,8 @@ struct gd__near {
 };
 
 /* All zero before. GD_NO_MEMORY, GD_BUDGET. */
-GD_MUST_USE enum gd_status gd__near_open(struct gd__near *near, const struct gd_mesh *mesh, struct gd__purse *purse);
+GD_MUST_USE enum gd_status gd__near_open(struct gd__near *near, const struct gd_mesh *mesh,
+                                         struct gd__purse *purse);
 
 /* Frees all; all zero then. */
 void gd__near_close(struct gd__near *near);
@@ -51,7 +54,7 @@ static inline struct gd__vertex_page *gd__near_vertex(const struct gd__near *nea
 
 /* Makes sure that there is one, at bucket `now` of the queue. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__near_need_side(struct gd__near *near, uint32_t side, uint32_t now);
-GD_MUST_USE enum gd_status gd__near_need_vertex(struct gd__near *near, const struct gd_mesh *mesh, uint32_t vertex,
-                                                uint32_t now);
+GD_MUST_USE enum gd_status gd__near_need_vertex(struct gd__near *near, const struct gd_mesh *mesh,
+                                                uint32_t vertex, uint32_t now);
 
 #endif

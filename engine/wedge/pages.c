@@ -2,7 +2,8 @@
 
 #include <stdlib.h>
 
-#define REST       4 /* buckets: some edges. Much shorter, and pages come back at once; longer, and more of them wait */
+/* buckets: some edges. Much shorter, and pages come back at once; longer, and more of them wait */
+#define REST       4
 #define SLAB_PAGES 32
 
 struct gd__page_slab {
@@ -10,12 +11,14 @@ struct gd__page_slab {
     char pages[]; /* SLAB_PAGES of them */
 };
 
-enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size, uint32_t made_most,
-                              struct gd__purse *purse)
+enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
+                              uint32_t made_most, struct gd__purse *purse)
 {
-    enum gd_status status = gd__purse_take(purse, count * (sizeof *pages->page + sizeof *pages->made));
+    enum gd_status status =
+        gd__purse_take(purse, count * (sizeof *pages->page + sizeof *pages->made));
     if (status) return status;
-    *pages = (struct gd__pages){.count = count, .size = size, .made_most = made_most, .purse = purse};
+    *pages =
+        (struct gd__pages){.count = count, .size = size, .made_most = made_most, .purse = purse};
     pages->page = calloc(count, sizeof *pages->page);
     pages->made = calloc(count, sizeof *pages->made);
     if (pages->page && pages->made) return GD_OK;
@@ -53,7 +56,8 @@ void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now
     if (!page->in_line) enter(pages, page, now);
 }
 
-/* A page that has rested long enough, taken from its place; NULL: there is none. Those that woke up in the line leave it, or begin anew. */
+/* A page that has rested long enough, taken from its place; NULL: there is none. Those that woke up
+ * in the line leave it, or begin anew. */
 static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
 {
     while (pages->first && pages->first->entered + REST < now) {
@@ -95,7 +99,8 @@ enum gd_status gd__pages_make(struct gd__pages *pages, uint32_t number, uint32_t
     if (!page) page = take_new(pages, &status);
     if (!page) return status;
     if (pages->made[number] < UINT8_MAX) pages->made[number]++;
-    *page = (struct gd__page){.number = number, .rested = now, .stays = pages->made[number] > pages->made_most};
+    *page = (struct gd__page){
+        .number = number, .rested = now, .stays = pages->made[number] > pages->made_most};
     pages->page[number] = page;
     return GD_OK;
 }

@@ -24,7 +24,8 @@ void gd__queue_destroy(struct gd__queue *queue)
 static void retire(struct gd__queue *queue, struct gd__bucket *bucket)
 {
     if (bucket->capacity)
-        queue->spare[queue->spare_count++] = (struct gd__bucket){.nodes = bucket->nodes, .capacity = bucket->capacity};
+        queue->spare[queue->spare_count++] =
+            (struct gd__bucket){.nodes = bucket->nodes, .capacity = bucket->capacity};
     *bucket = (struct gd__bucket){0};
 }
 
@@ -55,7 +56,8 @@ static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
         return true;
     }
     if (bucket->head > bucket->capacity / 2) { /* a bucket that is filled while it is emptied */
-        memmove(bucket->nodes, bucket->nodes + bucket->head, sizeof *bucket->nodes * (bucket->count - bucket->head));
+        memmove(bucket->nodes, bucket->nodes + bucket->head,
+                sizeof *bucket->nodes * (bucket->count - bucket->head));
         bucket->count -= bucket->head;
         bucket->head = 0;
         return true;
@@ -68,8 +70,8 @@ static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
     return true;
 }
 
-void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node, uint32_t number,
-                          uint32_t *waiting)
+void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node,
+                          uint32_t number, uint32_t *waiting)
 {
     if (make_room(queue, bucket))
         gd__queue_enter(queue, bucket, node, number, waiting);

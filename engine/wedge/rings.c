@@ -8,13 +8,17 @@
 #include "wedge/guide.h"
 #include "wedge/kernel.h"
 
-#define SPACING 6    /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
-#define LEAST   3    /* hops from a vertex to the ring that it is measured by */
-#define GAP     0.02 /* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
-#define AHEAD   8    /* vertices: whose records are asked for before they are looked at */
-#define COARSE  1e3  /* edges so many times longer than the bound: floats would tell nothing */
+/* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
+#define SPACING 6
+#define LEAST   3 /* hops from a vertex to the ring that it is measured by */
+/* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
+#define GAP    0.02
+#define AHEAD  8   /* vertices: whose records are asked for before they are looked at */
+#define COARSE 1e3 /* edges so many times longer than the bound: floats would tell nothing */
 
-#define OUT_OF_THE_WAY GD_NONE /* in place of hops: no way within the bound passes the vertex by */
+#define OUT_OF_THE_WAY                                                                             \
+    GD_NONE /* in place of hops: no way within the bound passes the vertex by                      \
+             */
 
 size_t gd__rings_held(const struct gd__rings *rings)
 {
@@ -37,22 +41,24 @@ void gd__rings_destroy(struct gd__rings *rings)
     *rings = (struct gd__rings){0};
 }
 
-/* --- bounds by a ring ---------------------------------------------------------------------------------------------------- */
+/* --- bounds by a ring ------------------------------------------------------------------------- */
 
 static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_vec3 *p = &guide->mesh->position[vertex], *target = &guide->target.position;
     double scale = 1 / guide->rings.bound;
-    return (struct gd__place){(float)((p->x - target->x) * scale), (float)((p->y - target->y) * scale),
+    return (struct gd__place){(float)((p->x - target->x) * scale),
+                              (float)((p->y - target->y) * scale),
                               (float)((p->z - target->z) * scale)};
 }
 
-/* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear function, from parts of edges between such places, none longer
- * than `own`. */
+/* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear
+ * function, from parts of edges between such places, none longer than `own`. */
 static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
 {
     const struct gd__ring_group *group = rings->group;
-    return gd__kernel_in_use()->ring(group + rings->ring[number], group + rings->ring[number + 1], p, own) -
+    return gd__kernel_in_use()->ring(group + rings->ring[number], group + rings->ring[number + 1],
+                                     p, own) -
            rings->slack;
 }
 
@@ -74,7 +80,7 @@ double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex)
     return measured(guide, by_ring(&guide->rings, ring_for(hops - 1), place_of(guide, vertex), 0));
 }
 
-/* --- which vertices ways may pass by ------------------------------------------------------------------------------------- */
+/* --- which vertices ways may pass by ---------------------------------------------------------- */
 
 /* Rings on their way outwards. */
 struct growth {
@@ -95,19 +101,21 @@ static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
 {
     double longest = 0;
     for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex); i++) {
-        double edge = square(&mesh->position[vertex], &mesh->position[gd__neighbour(mesh, vertex, i)]);
+        double edge =
+            square(&mesh->position[vertex], &mesh->position[gd__neighbour(mesh, vertex, i)]);
         longest = edge > longest ? edge : longest;
     }
     return sqrt(longest);
 }
 
-/* Whether no way within the bound passes through a face of the vertex, from which the rest is no shorter than `rest`: within a face it is an edge's length away
- * at the most. */
+/* Whether no way within the bound passes through a face of the vertex, from which the rest is no
+ * shorter than `rest`: within a face it is an edge's length away at the most. */
 static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, double rest)
 {
     const struct gd__guide *guide = growth->guide;
     double whole = gd__guide_line(guide, vertex, &growth->from) + rest;
-    return whole > guide->rings.bound && whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
+    return whole > guide->rings.bound &&
+           whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
 }
 
 /* Whether straight lines to both ends are within the bound: without a root. */
@@ -123,11 +131,12 @@ static bool is_between(const struct growth *growth, uint32_t vertex)
 static enum gd_status make_room_to_mark(struct gd__guide *guide, uint32_t vertices)
 {
     struct gd__rings *rings = &guide->rings;
-    return gd__guide_make_room(guide, (void **)&rings->marked, rings->marked_count + vertices, &rings->marked_capacity,
-                               sizeof *rings->marked);
+    return gd__guide_make_room(guide, (void **)&rings->marked, rings->marked_count + vertices,
+                               &rings->marked_capacity, sizeof *rings->marked);
 }
 
-/* Marks a vertex that is not yet; there is room. Without a branch, which would be as good as random. */
+/* Marks a vertex that is not yet; there is room. Without a branch, which would be as good as
+ * random. */
 static inline void mark(const struct growth *growth, uint32_t vertex)
 {
     struct gd__rings *rings = &growth->guide->rings;
@@ -157,7 +166,8 @@ static enum gd_status leave_out_of_the_way(const struct growth *growth)
     for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
         uint32_t vertex = rings->marked[i];
         status = gd__guide_step(guide);
-        if (i + AHEAD < rings->marked_count) __builtin_prefetch(&guide->mesh->position[rings->marked[i + AHEAD]]);
+        if (i + AHEAD < rings->marked_count)
+            __builtin_prefetch(&guide->mesh->position[rings->marked[i + AHEAD]]);
         if (!is_between(growth, vertex) &&
             is_out_of_the_way(growth, vertex, gd__guide_line(guide, vertex, &guide->target)))
             rings->hops[vertex] = OUT_OF_THE_WAY;
@@ -181,13 +191,16 @@ static enum gd_status grow(struct growth *growth)
     growth->first = end;
     growth->hops++;
     for (uint32_t i = first; i < end && !status; i++) {
-        if (i + AHEAD < end) prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2], rings->marked[i + AHEAD]);
-        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY) status = mark_neighbours(growth, rings->marked[i]);
+        if (i + AHEAD < end)
+            prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2],
+                         rings->marked[i + AHEAD]);
+        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY)
+            status = mark_neighbours(growth, rings->marked[i]);
     }
     return status ? status : leave_out_of_the_way(growth);
 }
 
-/* --- drawing ------------------------------------------------------------------------------------------------------------- */
+/* --- drawing ---------------------------------------------------------------------------------- */
 
 /* A group of which no lane is taken. */
 static enum gd_status add_group(struct gd__guide *guide)
@@ -205,7 +218,8 @@ static enum gd_status add_group(struct gd__guide *guide)
 }
 
 /* One more point of a ring that has so many. */
-static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__place p, float lower, float part)
+static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__place p,
+                          float lower, float part)
 {
     uint32_t lane = (*points)++ % GD__RING_LANES;
     enum gd_status status = lane == 0 ? add_group(guide) : GD_OK;
@@ -223,8 +237,8 @@ static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__
 static enum gd_status close_ring(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
-    enum gd_status status =
-        gd__guide_make_room(guide, (void **)&rings->ring, rings->count + 1, &rings->capacity, sizeof *rings->ring);
+    enum gd_status status = gd__guide_make_room(guide, (void **)&rings->ring, rings->count + 1,
+                                                &rings->capacity, sizeof *rings->ring);
     if (!status) rings->ring[++rings->count] = rings->group_count;
     return status;
 }
@@ -234,7 +248,8 @@ static enum gd_status open_hops(struct gd__guide *guide)
     struct gd__rings *rings = &guide->rings;
     uint32_t vertices = guide->mesh->vertex_count;
     if (vertices <= rings->vertices) return GD_OK;
-    enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide) + vertices * sizeof *rings->hops);
+    enum gd_status status =
+        gd_control_afford(guide->control, gd__guide_held(guide) + vertices * sizeof *rings->hops);
     if (status) return status;
     uint32_t *hops = calloc(vertices, sizeof *hops);
     if (!hops) return GD_NO_MEMORY;
@@ -249,19 +264,23 @@ static enum gd_status begin(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
     enum gd_status status = open_hops(guide);
-    if (!status) status = gd__guide_make_room(guide, (void **)&rings->ring, 0, &rings->capacity, sizeof *rings->ring);
+    if (!status)
+        status = gd__guide_make_room(guide, (void **)&rings->ring, 0, &rings->capacity,
+                                     sizeof *rings->ring);
     if (status) return status;
     rings->ring[0] = 0;
     status = put(guide, &(uint32_t){0}, (struct gd__place){0, 0, 0}, 0, 0);
     return status ? status : close_ring(guide);
 }
 
-/* Half of the edge from an outermost vertex to another vertex; 0 if that is no outermost one that ways may pass by. */
+/* Half of the edge from an outermost vertex to another vertex; 0 if that is no outermost one that
+ * ways may pass by. */
 static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t other)
 {
     const struct gd_mesh *mesh = growth->guide->mesh;
     if (growth->guide->rings.hops[other] != 1 + growth->hops) return 0;
-    return (float)(0.5 * sqrt(square(&mesh->position[vertex], &mesh->position[other])) / growth->guide->rings.bound);
+    return (float)(0.5 * sqrt(square(&mesh->position[vertex], &mesh->position[other])) /
+                   growth->guide->rings.bound);
 }
 
 static float longest_half_edge(const struct growth *growth, uint32_t vertex)
@@ -274,29 +293,34 @@ static float longest_half_edge(const struct growth *growth, uint32_t vertex)
 }
 
 /* The middles of the edges from an outermost vertex to others of higher numbers. */
-static enum gd_status put_middles(const struct growth *growth, uint32_t *points, uint32_t vertex, struct gd__place p)
+static enum gd_status put_middles(const struct growth *growth, uint32_t *points, uint32_t vertex,
+                                  struct gd__place p)
 {
     struct gd__guide *guide = growth->guide;
     const struct gd_mesh *mesh = guide->mesh;
     enum gd_status status = GD_OK;
-    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex) && !status;
+         i++) {
         uint32_t other = gd__neighbour(mesh, vertex, i);
         float half = other > vertex ? half_edge(growth, vertex, other) : 0;
         if (half == 0) continue;
         struct gd__place q = place_of(guide, other),
                          middle = {0.5f * (p.x + q.x), 0.5f * (p.y + q.y), 0.5f * (p.z + q.z)};
-        status = put(guide, points, middle, by_ring(&guide->rings, guide->rings.count - 1, middle, half), half);
+        status = put(guide, points, middle,
+                     by_ring(&guide->rings, guide->rings.count - 1, middle, half), half);
     }
     return status;
 }
 
-/* A vertex and its edges become points of the ring, unless the ring before shows it to be out of the way. */
+/* A vertex and its edges become points of the ring, unless the ring before shows it to be out of
+ * the way. */
 static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32_t vertex)
 {
     struct gd__guide *guide = growth->guide;
     struct gd__rings *rings = &guide->rings;
     struct gd__place p = place_of(guide, vertex);
-    float half = longest_half_edge(growth, vertex), lower = by_ring(rings, rings->count - 1, p, half);
+    float half = longest_half_edge(growth, vertex),
+          lower = by_ring(rings, rings->count - 1, p, half);
     if (is_out_of_the_way(growth, vertex, measured(guide, lower))) {
         rings->hops[vertex] = OUT_OF_THE_WAY;
         return GD_OK;
@@ -313,7 +337,8 @@ static enum gd_status add_ring(struct growth *growth)
     uint32_t points = 0;
     enum gd_status status = GD_OK;
     for (uint32_t i = growth->first; i < rings->marked_count && !status; i++)
-        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY) status = put_vertex(growth, &points, rings->marked[i]);
+        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY)
+            status = put_vertex(growth, &points, rings->marked[i]);
     return status ? status : close_ring(growth->guide);
 }
 
@@ -323,7 +348,8 @@ static enum gd_status draw(struct growth *growth)
     struct gd__rings *rings = &guide->rings;
     enum gd_status status = begin(guide);
     if (!status) status = make_room_to_mark(guide, 4);
-    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++) mark(growth, guide->target.corner[k]);
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
+        mark(growth, guide->target.corner[k]);
     if (!status) status = leave_out_of_the_way(growth);
     while (growth->first < rings->marked_count && !status) {
         if (growth->hops && growth->hops % SPACING == 0) status = add_ring(growth);
@@ -336,7 +362,8 @@ enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *fr
 {
     struct growth growth = {.guide = guide, .from = gd__anchor(guide->mesh, from)};
     struct gd__rings *rings = &guide->rings;
-    double coarseness = 1 + 2 * guide->mesh->summary.edge_length.max / guide->mesh->unit / bound, sure = GD__FAR;
+    double coarseness = 1 + 2 * guide->mesh->summary.edge_length.max / guide->mesh->unit / bound,
+           sure = GD__FAR;
     gd__rings_clean(rings);
     gd__guide_ask_again(guide);
     for (int k = 0; k < 4 && growth.from.corner[k] != GD_NONE; k++)

@@ -1,10 +1,14 @@
-/* Rings: sets of vertices round the target of a guide, so many edges apart, through all of which any way to it passes in turn, and what they tell of the
- * length of such a way: a straight line in space from ring to ring comes nearer to the surface than one to the target itself.
+/* Rings: sets of vertices round the target of a guide, so many edges apart, through all of which
+ * any way to it passes in turn, and what they tell of the length of such a way: a straight line in
+ * space from ring to ring comes nearer to the surface than one to the target itself.
  *
- * A vertex' hops are counted from the target's corners, along edges between vertices that a way within the bound may pass by. Along such a way they change by
- * one from vertex to vertex, so that it meets, wherever it has k of them, a vertex that has k or the edge between two: those vertices are the ring at k.
- * A ring's points are those vertices and the middles of those edges. What is stored for them bounds the ways from all points of the edges too, by a linear function
- * between two points that are s apart: the least of linear functions is concave, and a distance in space lies below its chord, see ring_sag in wedge/kernel_ring.h. */
+ * A vertex' hops are counted from the target's corners, along edges between vertices that a way
+ * within the bound may pass by. Along such a way they change by one from vertex to vertex, so that
+ * it meets, wherever it has k of them, a vertex that has k or the edge between two: those vertices
+ * are the ring at k. A ring's points are those vertices and the middles of those edges. What is
+ * stored for them bounds the ways from all points of the edges too, by a linear function between
+ * two points that are s apart: the least of linear functions is concave, and a distance in space
+ * lies below its chord, see ring_sag in wedge/kernel_ring.h. */
 #ifndef GD_WEDGE_RINGS_H
 #define GD_WEDGE_RINGS_H
 
@@ -20,15 +24,19 @@ struct gd__place {
     float x, y, z;
 };
 
-/* Points of a ring: places from the target, lower bounds of the ways to it, and lengths that no part of an edge between the point and the next one of the ring exceeds,
- * all over the search's bound. Empty lanes are far off. */
+/* Points of a ring: places from the target, lower bounds of the ways to it, and lengths that no
+ * part of an edge between the point and the next one of the ring exceeds, all over the search's
+ * bound. Empty lanes are far off. */
 struct gd__ring_group {
-    float x[GD__RING_LANES], y[GD__RING_LANES], z[GD__RING_LANES], lower[GD__RING_LANES], part[GD__RING_LANES];
+    float x[GD__RING_LANES], y[GD__RING_LANES], z[GD__RING_LANES], lower[GD__RING_LANES],
+        part[GD__RING_LANES];
 };
 
 /* Those of one search; all zero: none. Of one thread. */
 struct gd__rings {
-    uint32_t *ring; /* the first group of each; the first ring is the target itself; one more, which ends the last */
+    /* the first group of each; the first ring is the target itself; one more, which ends the last
+     */
+    uint32_t *ring;
     uint32_t count, capacity;
     struct gd__ring_group *group;
     uint32_t group_count, group_capacity;
@@ -40,12 +48,15 @@ struct gd__rings {
     float slack;  /* of a step from ring to ring, for rounding */
 };
 
-/* Draws rings round the guide's target out to `from`, for a search for ways that are no longer than `bound`, where the bounds that there are leave too much to do;
- * lower bounds that the guide told already may rise. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: some 100 ns for each vertex from which the straight lines to both
- * ends are within the bound. */
-GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from, double bound);
+/* Draws rings round the guide's target out to `from`, for a search for ways that are no longer than
+ * `bound`, where the bounds that there are leave too much to do; lower bounds that the guide told
+ * already may rise. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: some 100 ns for each
+ * vertex from which the straight lines to both ends are within the bound. */
+GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from,
+                                          double bound);
 
-/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell; GD__FAR: none within the bound passes it by. O(points of a ring). */
+/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell;
+ * GD__FAR: none within the bound passes it by. O(points of a ring). */
 double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
 
 /* Forgets them. */

@@ -5,25 +5,29 @@
 
 #include "wedge/asking.h"
 
-#define BUCKET_WIDTH                                                                                                   \
-    0.3 /* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on needles */
-#define KEY_WEIGHT    0.25 /* a side's key between the nearer and the farther end's distance */
-#define CHECK_WINDOWS 4096 /* propagated between two looks at the monitor, where an item counts as */
-#define ITEM_WINDOWS  16   /* so many besides: well under a millisecond */
-#define RECORDS_AHEAD 9    /* places in the queue: see prefetch_records */
+#define BUCKET_WIDTH                                                                               \
+    0.3 /* of the grain: narrower costs rounds, wider sends windows on in pieces, which is         \
+           quadratic on needles */
+#define KEY_WEIGHT 0.25 /* a side's key between the nearer and the farther end's distance */
+/* propagated between two looks at the monitor, where an item counts as */
+#define CHECK_WINDOWS 4096
+#define ITEM_WINDOWS  16 /* so many besides: well under a millisecond */
+#define RECORDS_AHEAD 9  /* places in the queue: see prefetch_records */
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
-#define SIDES_IN_CACHE                                                                                                 \
-    20000 /* of a mesh that a second-level cache all but holds: asking for more than records costs 3 % there */
+#define SIDES_IN_CACHE                                                                             \
+    20000 /* of a mesh that a second-level cache all but holds: asking for more than records costs \
+             3 % there */
 #define WORK_LEAST  (UINT64_C(1) << 25) /* windows: a second's work */
 #define WORK_FACTOR 64
 
-/* --- distances, windows, order ------------------------------------------------------------------------------------------- */
+/* --- distances, windows, order ---------------------------------------------------------------- */
 
 static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
 {
     if (front->guide) {
-        double through = (front->distance[vertex] + front->guide->node[vertex].upper) * (1 + GD_TOL_BOUND);
+        double through =
+            (front->distance[vertex] + front->guide->node[vertex].upper) * (1 + GD_TOL_BOUND);
         if (through < front->bound) front->bound = through;
         return;
     }
@@ -54,9 +58,10 @@ static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distanc
     if (front->near && before == GD_NONE) gd__near_vertex(front->near, vertex)->page.waiting++;
 }
 
-/* A distance that is shorter. Vertices that windows are on their way from already are noted: see remind.c. */
-static void settle(struct gd__wavefront *front, uint32_t vertex, double distance, const struct gd__birth *birth,
-                   bool has_emitted)
+/* A distance that is shorter. Vertices that windows are on their way from already are noted: see
+ * remind.c. */
+static void settle(struct gd__wavefront *front, uint32_t vertex, double distance,
+                   const struct gd__birth *birth, bool has_emitted)
 {
     if (!front->near && front->distance[vertex] >= GD__FAR)
         gd__workspace_touch(front->work, 2 * front->work->edges + vertex, true);
@@ -72,13 +77,15 @@ static void settle(struct gd__wavefront *front, uint32_t vertex, double distance
         wait_at(front, vertex, distance);
 }
 
-void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth)
+void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance,
+                         struct gd__birth birth)
 {
     if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
     struct gd__domain *domain = front->domain;
     if (domain && !gd__domain_has_vertex(domain, vertex)) return;
     if (front->near && !front->status)
-        front->status = gd__near_need_vertex(front->near, front->mesh, vertex, front->queue->current);
+        front->status =
+            gd__near_need_vertex(front->near, front->mesh, vertex, front->queue->current);
     if (front->status) return;
     settle(front, vertex, distance, &birth, *gd__wavefront_emitted(front, vertex) < GD__FAR);
     if (domain && gd__domain_shares_vertex(domain, vertex)) gd__wavefront_tell(front, vertex);
@@ -100,7 +107,8 @@ void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_le
                letter->has_emitted || front->emitted[letter->vertex] < GD__FAR);
 }
 
-/* An end that is not reached yet counts as a length farther than the other. Without branches, which would be as good as random. */
+/* An end that is not reached yet counts as a length farther than the other. Without branches, which
+ * would be as good as random. */
 static double key_of(const struct gd__receiver *to)
 {
     double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1);
@@ -140,15 +148,16 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
                                struct gd__children *children)
 {
     if (front->guide)
-        children->count = front->kernel->filter(&children->at, children->count, to->length, front->bound - to->l0,
-                                                front->bound - to->l1);
+        children->count = front->kernel->filter(&children->at, children->count, to->length,
+                                                front->bound - to->l0, front->bound - to->l1);
     else if (front->bound < GD__FAR)
         children->count = front->kernel->within(&children->at, children->count, front->bound);
     if (front->inner > 0) gd__keep_beyond(front, to->side, children);
     return children->count && !front->status;
 }
 
-void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
+                           struct gd__children *children)
 {
     bool is_ours = !front->domain || gd__domain_has_side(front->domain, to->side);
     if (!is_ours) send(front, to->side, children);
@@ -160,9 +169,10 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
     if (!list) return; /* what is in the pool is let go all at once */
     gd__wavefront_note_windows(front, list, to->side, children->count);
     if (!list->count || to->falls < list->falls) list->falls = to->falls;
-    front->status =
-        gd__list_insert(list, &front->work->pool, children, front->narrowest * to->length, &front->work->scratch);
-    if (!front->status) gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
+    front->status = gd__list_insert(list, &front->work->pool, children,
+                                    front->narrowest * to->length, &front->work->scratch);
+    if (!front->status)
+        gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
 }
 
 static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
@@ -176,7 +186,8 @@ static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct
     gd__wavefront_deliver(front, &to, one);
 }
 
-void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
+                                   const struct gd__window *window)
 {
     if (front->status) return;
     if (!front->takes_all) {
@@ -185,14 +196,17 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, c
     }
     struct gd__list *list = &front->lists[side];
     gd__wavefront_note_windows(front, list, side, 1); /* list->falls is of the oldest: it stays */
-    front->status = gd__list_add_one(list, &front->work->pool, window,
-                                     front->narrowest * front->mesh->side[side].length, &front->work->scratch);
-    if (!front->status) gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
+    front->status =
+        gd__list_add_one(list, &front->work->pool, window,
+                         front->narrowest * front->mesh->side[side].length, &front->work->scratch);
+    if (!front->status)
+        gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }
 
-/* --- set-up -------------------------------------------------------------------------------------------------------------- */
+/* --- set-up ----------------------------------------------------------------------------------- */
 
-/* The corners of the target's faces and the straight ways to them: an upper bound of its distance at any time. */
+/* The corners of the target's faces and the straight ways to them: an upper bound of its distance
+ * at any time. */
 static void aim(struct gd__wavefront *front, const struct gd_point *target)
 {
     struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}};
@@ -203,7 +217,8 @@ static void aim(struct gd__wavefront *front, const struct gd_point *target)
     }
 }
 
-/* Buckets fit the smallest component that holds a seed: one that is a million times smaller than another must not fall into one bucket. */
+/* Buckets fit the smallest component that holds a seed: one that is a million times smaller than
+ * another must not fall into one bucket. */
 static double bucket_width(const struct gd__wavefront *front)
 {
     double least = GD__FAR;
@@ -230,12 +245,14 @@ static bool has_segments(const struct gd__wavefront *front)
     return false;
 }
 
-enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__propagation *propagation)
+enum gd_status gd__wavefront_open(struct gd__wavefront *front,
+                                  const struct gd__propagation *propagation)
 {
     struct gd_workspace *work = front->work;
-    enum gd_status status = propagation->without_wedges
-                                ? gd__workspace_open_near(work, front->mesh, bucket_width(front), front->monitor)
-                                : gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
+    enum gd_status status =
+        propagation->without_wedges
+            ? gd__workspace_open_near(work, front->mesh, bucket_width(front), front->monitor)
+            : gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
     front->near = propagation->without_wedges ? &work->near : NULL;
     front->lists = work->lists;
     front->distance = front->near ? work->near.distance : work->distance;
@@ -249,13 +266,13 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
-    front->takes_all = !front->domain && !front->guide && !front->near && !propagation->begun && !propagation->target &&
-                       propagation->radius >= GD__FAR;
+    front->takes_all = !front->domain && !front->guide && !front->near && !propagation->begun &&
+                       !propagation->target && propagation->radius >= GD__FAR;
     aim(front, propagation->target);
     return status;
 }
 
-/* --- the loop ------------------------------------------------------------------------------------------------------------ */
+/* --- the loop --------------------------------------------------------------------------------- */
 
 /* One record of a near page has been worked on. */
 static void leave(const struct gd__wavefront *front, struct gd__pages *pages, struct gd__page *page)
@@ -283,7 +300,8 @@ static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
     if (distance != *gd__wavefront_emitted(front, vertex) &&
         distance + gd__wavefront_rest(front, vertex) <= front->bound)
         gd__emit_vertex(front, vertex);
-    if (front->near) leave(front, &front->near->vertices, &gd__near_vertex(front->near, vertex)->page);
+    if (front->near)
+        leave(front, &front->near->vertices, &gd__near_vertex(front->near, vertex)->page);
 }
 
 /* Asks, in three steps, for what a node in the queue will need: its records, */
@@ -316,7 +334,8 @@ GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
         __builtin_prefetch(&mesh->origin[s->right]);
     } else if (node != GD_NONE) {
         if (front->near && !gd__near_vertex(front->near, node - sides)) return;
-        uint32_t first = mesh->fan_first[node - sides], side = gd__wavefront_birth(front, node - sides)->side;
+        uint32_t first = mesh->fan_first[node - sides],
+                 side = gd__wavefront_birth(front, node - sides)->side;
         for (uint32_t i = first; i < first + 8; i += 4) __builtin_prefetch(&mesh->fan[i]);
         if (side != GD_NONE) __builtin_prefetch(&mesh->side[side]);
     }
@@ -340,7 +359,8 @@ GD__ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
         if (mesh->side[node].left != GD_NONE)
             __builtin_prefetch(&front->distance[mesh->origin[mesh->side[node].right]]);
     } else if (node != GD_NONE) {
-        for (uint32_t i = mesh->fan_first[node - sides]; i < mesh->fan_first[node - sides + 1]; i++) {
+        for (uint32_t i = mesh->fan_first[node - sides]; i < mesh->fan_first[node - sides + 1];
+             i++) {
             __builtin_prefetch(&mesh->side[mesh->fan[i].side]);
             __builtin_prefetch(&front->distance[mesh->fan[i].tip]);
         }
@@ -351,7 +371,8 @@ static void check(struct gd__wavefront *front)
 {
     double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
     if (!front->status) front->status = gd_control_check(front->monitor, part);
-    if (!front->status && front->effort.windows_propagated + front->effort.wedges_recalled > front->work_limit)
+    if (!front->status &&
+        front->effort.windows_propagated + front->effort.wedges_recalled > front->work_limit)
         front->status = GD_RUNAWAY;
 }
 
@@ -363,7 +384,8 @@ void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t m
     for (uint64_t work = 0; work < most && !front->status; work++) {
         node = gd__queue_pop(front->queue, end);
         if (node == GD_NONE) break;
-        prefetch_records(front, gd__queue_peek(front->queue, is_large ? RECORDS_AHEAD : WORK_AHEAD));
+        prefetch_records(front,
+                         gd__queue_peek(front->queue, is_large ? RECORDS_AHEAD : WORK_AHEAD));
         if (is_large) {
             prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
             prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
@@ -380,7 +402,8 @@ void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t m
     if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;
 }
 
-static enum gd_status propagate_alone(struct gd__wavefront *front, const struct gd__propagation *propagation)
+static enum gd_status propagate_alone(struct gd__wavefront *front,
+                                      const struct gd__propagation *propagation)
 {
     enum gd_status status = gd__wavefront_open(front, propagation);
     if (status) return status;
@@ -393,7 +416,8 @@ static enum gd_status propagate_alone(struct gd__wavefront *front, const struct 
 }
 
 /* Two wavefronts need more memory than one. */
-static enum gd_status propagate_together(struct gd__wavefront *front, const struct gd__propagation *propagation,
+static enum gd_status propagate_together(struct gd__wavefront *front,
+                                         const struct gd__propagation *propagation,
                                          const struct gd_executor *executor)
 {
     struct gd__wavefront fresh = *front;
@@ -415,19 +439,21 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
                                   .methods = propagation->methods,
                                   .guide = propagation->guide,
                                   .monitor = monitor};
-    bool together =
-        executor && executor->width > 1 && !propagation->begun && gd__domain_is_worth_it(mesh, propagation, monitor);
-    enum gd_status status =
-        together ? propagate_together(&front, propagation, executor) : propagate_alone(&front, propagation);
+    bool together = executor && executor->width > 1 && !propagation->begun &&
+                    gd__domain_is_worth_it(mesh, propagation, monitor);
+    enum gd_status status = together ? propagate_together(&front, propagation, executor)
+                                     : propagate_alone(&front, propagation);
     if (!status) status = sink->take(sink->user, &front, executor);
     return status;
 }
 
-enum gd_status gd__wavefront_run(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
+enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,
+                                 const struct gd__propagation *propagation,
                                  const struct gd__sink *sink, const struct gd_control *monitor,
                                  const struct gd_executor *executor)
 {
-    struct gd_workspace own = {0}, *work = monitor && monitor->workspace ? monitor->workspace : &own;
+    struct gd_workspace own = {0},
+                        *work = monitor && monitor->workspace ? monitor->workspace : &own;
     enum gd_status status = run_in(work, mesh, propagation, sink, monitor, executor);
     if (work == &own)
         gd_workspace_trim(work);

@@ -2,11 +2,13 @@
 
 #include "gd/polygons.h"
 
-struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i, double length)
+struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i,
+                                   double length)
 {
     double unit = length * GD__WEDGE_UNIT, y = wedges.y[i];
     struct gd__window w = {.b0 = gd__wedge_start(wedges.start[i]) * unit,
-                           .b1 = i + 1 < count ? gd__wedge_start(wedges.start[i + 1]) * unit : length,
+                           .b1 =
+                               i + 1 < count ? gd__wedge_start(wedges.start[i + 1]) * unit : length,
                            .x = wedges.x[i],
                            .y = fabs(y),
                            .source = gd__wedge_source(wedges.start[i]),
@@ -53,7 +55,8 @@ static void put(struct writer *writer, double b0, double x, double y, uint32_t s
     writer->count++;
 }
 
-/* A window reaches over what is hardly a gap, but not a linear one: between two such there is the unit in which they meet. */
+/* A window reaches over what is hardly a gap, but not a linear one: between two such there is the
+ * unit in which they meet. */
 static void put_gap(struct writer *writer, double until, bool linear)
 {
     bool both = linear && writer->linear;
@@ -74,7 +77,8 @@ static bool has_inside(const struct writer *writer, const struct gd__window *w)
     return up(w->b0 * writer->units) < down(w->b1 * writer->units);
 }
 
-static void put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count, bool mirrored)
+static void put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count,
+                    bool mirrored)
 {
     double length = writer->length;
     for (uint32_t i = 0; i < count; i++) {
@@ -90,7 +94,8 @@ static void put_all(struct writer *writer, const struct gd__windows *windows, ui
     put_gap(writer, length, false);
 }
 
-uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length, bool mirrored, double *data)
+uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length,
+                          bool mirrored, double *data)
 {
     const double units = GD__WEDGE_UNITS / length;
     struct writer counter = {.length = length, .units = units};

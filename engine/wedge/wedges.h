@@ -1,9 +1,12 @@
-/* Wedges: the final form of windows, 24 bytes each, in chunks: the windows of one side that were propagated together.
+/* Wedges: the final form of windows, 24 bytes each, in chunks: the windows of one side that were
+ * propagated together.
  *
- * In the frame of side 0 of the edge, sorted by start. A wedge reaches to where the next one of its chunk begins, the last one to the edge's
- * end; a wedge without a source is a gap. Of a linear wedge `x` is the distance at the edge's origin and `y` the
- * tangent of half the angle under which its line is seen along the edge; its ends are rounded inwards, since beyond them its line is no segment. An edge has a chain of chunks, newest first; mostly one. Chunks of a chain may overlap: each
- * wedge is a path that exists, so the least over all of them is the distance. */
+ * In the frame of side 0 of the edge, sorted by start. A wedge reaches to where the next one of its
+ * chunk begins, the last one to the edge's end; a wedge without a source is a gap. Of a linear
+ * wedge `x` is the distance at the edge's origin and `y` the tangent of half the angle under which
+ * its line is seen along the edge; its ends are rounded inwards, since beyond them its line is no
+ * segment. An edge has a chain of chunks, newest first; mostly one. Chunks of a chain may overlap:
+ * each wedge is a path that exists, so the least over all of them is the distance. */
 #ifndef GD_WEDGE_WEDGES_H
 #define GD_WEDGE_WEDGES_H
 
@@ -12,8 +15,11 @@
 /* The wedges of a chunk as a structure of arrays. */
 struct gd__wedges {
     double *x,
-        *y; /* pseudo-source; the sign of y tells on which side of the edge it lies: negative, of side 0's windows */
-    uint64_t *start; /* low half: b0 / length in units of 2^-32; high half: the pseudo-source, GD_NONE for a gap */
+        /* pseudo-source; the sign of y tells on which side of the edge it lies: negative, of side
+           0's windows */
+        *y;
+    /* low half: b0 / length in units of 2^-32; high half: the pseudo-source, GD_NONE for a gap */
+    uint64_t *start;
 };
 
 struct gd__chunk {
@@ -49,19 +55,23 @@ static inline uint32_t gd__wedge_source(uint64_t start)
     return (uint32_t)(start >> 32);
 }
 
-/* The window that wedge `i` of a chunk was, in the frame of side 0, y >= 0, without sigma but for a linear one; tags are GD__WINDOW_FAR_SIDE where its source lies across
- * side 1. A gap has source GD_NONE. */
-struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i, double length);
+/* The window that wedge `i` of a chunk was, in the frame of side 0, y >= 0, without sigma but for a
+ * linear one; tags are GD__WINDOW_FAR_SIDE where its source lies across side 1. A gap has source
+ * GD_NONE. */
+struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i,
+                                   double length);
 
-/* Most wedges that so many windows of a list can give: each may have a gap before it, and the last one behind it. */
+/* Most wedges that so many windows of a list can give: each may have a gap before it, and the last
+ * one behind it. */
 static inline uint32_t gd__wedges_bound(uint32_t count)
 {
     return 2 * count + 1;
 }
 
-/* Writes sorted windows of a side as wedges with the gaps between them to arrays behind each other at `data`; returns how many. `mirrored`:
- * windows of side 1. The slow but general form of gd__kernel.store. */
-uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length, bool mirrored,
-                          double *data);
+/* Writes sorted windows of a side as wedges with the gaps between them to arrays behind each other
+ * at `data`; returns how many. `mirrored`: windows of side 1. The slow but general form of
+ * gd__kernel.store. */
+uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length,
+                          bool mirrored, double *data);
 
 #endif

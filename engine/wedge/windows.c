@@ -2,7 +2,8 @@
 
 #include <stdlib.h>
 
-#define BEFORE ((size_t)GD__WINDOWS_GROUP * sizeof(double)) /* a group before the first window may be read */
+/* a group before the first window may be read */
+#define BEFORE ((size_t)GD__WINDOWS_GROUP * sizeof(double))
 
 enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder, uint32_t count)
 {
@@ -14,7 +15,8 @@ enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder, ui
     struct gd__windows at = gd__windows_at(block + BEFORE, capacity);
     if (builder->block) gd__windows_copy(&at, 0, &builder->at, 0, builder->capacity);
     free(builder->block);
-    *builder = (struct gd__window_builder){.at = at, .capacity = capacity - GD__WINDOWS_GROUP, .block = block};
+    *builder = (struct gd__window_builder){
+        .at = at, .capacity = capacity - GD__WINDOWS_GROUP, .block = block};
     return GD_OK;
 }
 

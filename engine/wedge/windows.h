@@ -1,7 +1,9 @@
-/* Windows of one list as a structure of arrays: what the kernels read and write, several lanes at a time.
+/* Windows of one list as a structure of arrays: what the kernels read and write, several lanes at a
+ * time.
  *
- * Arrays have room for whole groups of GD__WINDOWS_GROUP windows: kernels read and write whole groups, so that what lies behind the last
- * window, up to one group, is undefined and free to be overwritten; up to one group before the first may be read. */
+ * Arrays have room for whole groups of GD__WINDOWS_GROUP windows: kernels read and write whole
+ * groups, so that what lies behind the last window, up to one group, is undefined and free to be
+ * overwritten; up to one group before the first may be read. */
 #ifndef GD_WEDGE_WINDOWS_H
 #define GD_WEDGE_WINDOWS_H
 
@@ -12,15 +14,17 @@
 #include "wedge/window.h"
 
 #define GD__WINDOWS_GROUP 8 /* the most lanes of a kernel */
-#define GD__WINDOWS_BYTES                                                                                              \
-    48 /* of one window: five doubles and the source, rounded up so that groups fill cache lines */
+#define GD__WINDOWS_BYTES                                                                          \
+    48 /* of one window: five doubles and the source, rounded up so that groups fill cache lines   \
+        */
 
 struct gd__windows {
     double *b0, *b1, *x, *y, *sigma;
     uint32_t *source;
 };
 
-/* The arrays in a block of capacity * GD__WINDOWS_BYTES bytes, 64-byte aligned; capacity is a multiple of the group. */
+/* The arrays in a block of capacity * GD__WINDOWS_BYTES bytes, 64-byte aligned; capacity is a
+ * multiple of the group. */
 static inline struct gd__windows gd__windows_at(void *block, uint32_t capacity)
 {
     double *first = block;
@@ -37,7 +41,8 @@ static inline struct gd__window gd__windows_get(const struct gd__windows *w, uin
     return (struct gd__window){w->b0[i], w->b1[i], w->x[i], w->y[i], w->sigma[i], w->source[i], 0};
 }
 
-static inline void gd__windows_put(const struct gd__windows *w, uint32_t i, const struct gd__window *window)
+static inline void gd__windows_put(const struct gd__windows *w, uint32_t i,
+                                   const struct gd__window *window)
 {
     w->b0[i] = window->b0;
     w->b1[i] = window->b1;
@@ -54,22 +59,26 @@ static inline struct gd__windows gd__windows_from(const struct gd__windows *w, u
                                 w->y + first,  w->sigma + first, w->source + first};
 }
 
-/* Copies `count` windows in whole groups: up to a group more is overwritten behind them. The places must not overlap. */
-static inline void gd__windows_copy(const struct gd__windows *to, uint32_t at, const struct gd__windows *from,
-                                    uint32_t first, uint32_t count)
+/* Copies `count` windows in whole groups: up to a group more is overwritten behind them. The places
+ * must not overlap. */
+static inline void gd__windows_copy(const struct gd__windows *to, uint32_t at,
+                                    const struct gd__windows *from, uint32_t first, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i += GD__WINDOWS_GROUP) {
         __builtin_memcpy(to->b0 + at + i, from->b0 + first + i, GD__WINDOWS_GROUP * sizeof(double));
         __builtin_memcpy(to->b1 + at + i, from->b1 + first + i, GD__WINDOWS_GROUP * sizeof(double));
         __builtin_memcpy(to->x + at + i, from->x + first + i, GD__WINDOWS_GROUP * sizeof(double));
         __builtin_memcpy(to->y + at + i, from->y + first + i, GD__WINDOWS_GROUP * sizeof(double));
-        __builtin_memcpy(to->sigma + at + i, from->sigma + first + i, GD__WINDOWS_GROUP * sizeof(double));
-        __builtin_memcpy(to->source + at + i, from->source + first + i, GD__WINDOWS_GROUP * sizeof(uint32_t));
+        __builtin_memcpy(to->sigma + at + i, from->sigma + first + i,
+                         GD__WINDOWS_GROUP * sizeof(double));
+        __builtin_memcpy(to->source + at + i, from->source + first + i,
+                         GD__WINDOWS_GROUP * sizeof(uint32_t));
     }
 }
 
 /* Moves `count` windows within their list. */
-static inline void gd__windows_move(const struct gd__windows *w, uint32_t to, uint32_t from, uint32_t count)
+static inline void gd__windows_move(const struct gd__windows *w, uint32_t to, uint32_t from,
+                                    uint32_t count)
 {
     __builtin_memmove(w->b0 + to, w->b0 + from, count * sizeof(double));
     __builtin_memmove(w->b1 + to, w->b1 + from, count * sizeof(double));
@@ -87,7 +96,8 @@ struct gd__window_builder {
 };
 
 /* Room for that many windows; what was in it is kept. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder, uint32_t count);
+GD_MUST_USE enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder,
+                                                      uint32_t count);
 void gd__window_builder_destroy(struct gd__window_builder *builder);
 
 #endif

@@ -5,15 +5,18 @@
 
 #include "base/large.h"
 
-#define WEDGES_AN_EDGE                                                                                                 \
-    ((size_t)2 << 10)  /* bytes of address space, not of memory: more than most fields have, see gd__region_open */
-#define TOUCHED_PART 4 /* of all nodes: beyond it cleaning everything in order is cheaper than by list */
+#define WEDGES_AN_EDGE                                                                             \
+    ((size_t)2 << 10) /* bytes of address space, not of memory: more than most fields have, see    \
+                         gd__region_open */
+/* of all nodes: beyond it cleaning everything in order is cheaper than by list */
+#define TOUCHED_PART 4
 
-/* --- clean arrays -------------------------------------------------------------------------------------------------------- */
+/* --- clean arrays ----------------------------------------------------------------------------- */
 
 static void clean_lists(struct gd_workspace *w, uint32_t first, uint32_t end)
 {
-    for (uint32_t side = first; side < end; side++) w->lists[side] = (struct gd__list){.bucket = GD_NONE};
+    for (uint32_t side = first; side < end; side++)
+        w->lists[side] = (struct gd__list){.bucket = GD_NONE};
 }
 
 static void clean_vertices(struct gd_workspace *w, uint32_t first, uint32_t end)
@@ -67,7 +70,7 @@ void gd__workspace_clean(struct gd_workspace *w)
     if (w->queue) gd__queue_clear(w->queue);
 }
 
-/* --- room ---------------------------------------------------------------------------------------------------------------- */
+/* --- room ------------------------------------------------------------------------------------- */
 
 static void free_results(struct gd_workspace *w)
 {
@@ -132,13 +135,16 @@ static bool take_results(struct gd_workspace *w, uint32_t edges, uint32_t vertic
 size_t gd__workspace_need(const struct gd_mesh *mesh)
 {
     size_t sides = 2 * (size_t)mesh->edge_count, vertices = mesh->vertex_count;
-    return sides * sizeof(struct gd__list) + mesh->edge_count * sizeof(uint32_t) + sizeof(struct gd__queue) +
-           vertices * (2 * sizeof(double) + sizeof(uint32_t) + sizeof(struct gd__birth) + sizeof(uint32_t)) +
+    return sides * sizeof(struct gd__list) + mesh->edge_count * sizeof(uint32_t) +
+           sizeof(struct gd__queue) +
+           vertices * (2 * sizeof(double) + sizeof(uint32_t) + sizeof(struct gd__birth) +
+                       sizeof(uint32_t)) +
            (sides + vertices) / TOUCHED_PART * sizeof(uint32_t);
 }
 
 /* Queue, pool and region; the purse is open. */
-static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width)
+static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                double bucket_width)
 {
     if (!w->queue) w->queue = gd__queue_create();
     if (!w->queue) return GD_NO_MEMORY;
@@ -148,8 +154,8 @@ static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *me
     return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->purse);
 }
 
-enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width,
-                                  const struct gd_control *control)
+enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                  double bucket_width, const struct gd_control *control)
 {
     size_t need = gd__workspace_need(mesh);
     enum gd_status status = gd_control_afford(control, need);
@@ -166,8 +172,8 @@ enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *
     return open_rest(w, mesh, bucket_width);
 }
 
-enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width,
-                                       const struct gd_control *control)
+enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                       double bucket_width, const struct gd_control *control)
 {
     w->purse = (struct gd__purse){.control = control};
     enum gd_status status = gd__purse_take(&w->purse, sizeof *w->queue);
@@ -175,7 +181,7 @@ enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_m
     return status ? status : open_rest(w, mesh, bucket_width);
 }
 
-/* --- life ---------------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 struct gd_workspace *gd_workspace_create(void)
 {
@@ -215,12 +221,16 @@ void gd_spare_memory(size_t bytes)
 
 size_t gd_workspace_bytes(const struct gd_workspace *w)
 {
-    size_t sides = 2 * (size_t)w->edges, vertices = w->vertices, bytes = sizeof *w + w->pool.bytes + w->wedges.touched;
-    bytes += sides * sizeof *w->lists + vertices * (sizeof *w->emitted + sizeof *w->since + sizeof *w->waiting) +
+    size_t sides = 2 * (size_t)w->edges, vertices = w->vertices,
+           bytes = sizeof *w + w->pool.bytes + w->wedges.touched;
+    bytes += sides * sizeof *w->lists +
+             vertices * (sizeof *w->emitted + sizeof *w->since + sizeof *w->waiting) +
              w->touched_capacity * sizeof *w->touched;
     if (w->newest)
-        bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->birth) + w->result_edges * sizeof *w->newest;
-    bytes += w->guide.capacity * sizeof *w->guide.node + w->guide.touched_capacity * sizeof *w->guide.touched +
+        bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->birth) +
+                 w->result_edges * sizeof *w->newest;
+    bytes += w->guide.capacity * sizeof *w->guide.node +
+             w->guide.touched_capacity * sizeof *w->guide.touched +
              w->guide.heap_capacity * sizeof *w->guide.heap + gd__rings_held(&w->guide.rings);
     if (w->partner) bytes += gd_workspace_bytes(w->partner);
     return bytes + (w->queue ? sizeof *w->queue : 0);

@@ -1,4 +1,5 @@
-/* Access: who sends a request, and whether he may. Without --keys everybody may (guard.h sees to who that is). */
+/* Access: who sends a request, and whether he may. Without --keys everybody may (guard.h sees to
+ * who that is). */
 #ifndef SERVER_ACCESS_ACCESS_H
 #define SERVER_ACCESS_ACCESS_H
 
@@ -24,7 +25,8 @@ struct server_grant {
 struct server_access *server_access_create(const char *path, char *error, size_t error_size);
 void server_access_destroy(struct server_access *access); /* NULL is harmless */
 
-/* Reads the file again. False with a sentence in `error`: the keys of before stay in force. Thread-safe. */
+/* Reads the file again. False with a sentence in `error`: the keys of before stay in force.
+ * Thread-safe. */
 bool server_access_reload(struct server_access *access, char *error, size_t error_size);
 
 /* The headers that tell. */
@@ -34,8 +36,9 @@ struct server_access_request {
     enum proto_access needed;
 };
 
-/* True with `*grant` filled in, for the caller to end; or false with unauthorized, forbidden or rate_limited, and with who was
- * refused in `*grant`, to be ended too. `access` NULL, and what is public: true, and nothing granted. Thread-safe. */
+/* True with `*grant` filled in, for the caller to end; or false with unauthorized, forbidden or
+ * rate_limited, and with who was refused in `*grant`, to be ended too. `access` NULL, and what is
+ * public: true, and nothing granted. Thread-safe. */
 bool server_access_admit(struct server_access *access, const struct server_access_request *request,
                          struct server_grant *grant, struct proto_problem *problem);
 
@@ -47,17 +50,20 @@ const char *server_grant_tenant(const struct server_grant *grant);
 
 /* May the grant change what that key of its tenant has made? A key of the role write may change
  * whatever its tenant has, another one what it has made itself. False with forbidden. */
-bool server_grant_may_change(const struct server_grant *grant, const char *key, struct proto_problem *problem);
+bool server_grant_may_change(const struct server_grant *grant, const char *key,
+                             struct proto_problem *problem);
 
 /* May it see what is of all tenants? Without keys everybody may. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
-/* Another exchange goes on with the request, and is one of the concurrent ones in the other's stead. */
+/* Another exchange goes on with the request, and is one of the concurrent ones in the other's
+ * stead. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
 /* Requests and refusals by key, for Prometheus: of the keys of a tenant (NULL: of all). `access`
  * NULL is harmless. */
-void server_access_write(struct server_access *access, const char *tenant, struct proto_writer *writer);
+void server_access_write(struct server_access *access, const char *tenant,
+                         struct proto_writer *writer);
 
 #endif

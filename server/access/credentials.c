@@ -22,7 +22,7 @@ struct server_credentials {
     struct server_credential *keys;
 };
 
-/* --- the form of values ------------------------------------------------------------------------------------------- */
+/* --- the form of values ----------------------------------------------------------------------- */
 
 bool server_credentials_is_name(const char *text)
 {
@@ -50,7 +50,8 @@ static bool parse_digest(const char *text, char out[SERVER_SHA256_HEX])
     static const char prefix[] = "sha256:";
     if (strncmp(text, prefix, strlen(prefix)) != 0) return false;
     text += strlen(prefix);
-    if (strlen(text) != SERVER_SHA256_HEX - 1 || strspn(text, "0123456789abcdef") != SERVER_SHA256_HEX - 1)
+    if (strlen(text) != SERVER_SHA256_HEX - 1 ||
+        strspn(text, "0123456789abcdef") != SERVER_SHA256_HEX - 1)
         return false;
     memcpy(out, text, SERVER_SHA256_HEX);
     return true;
@@ -87,7 +88,7 @@ static bool parse_tenant(const char *text, struct server_credential *key)
     return true;
 }
 
-/* --- the file ----------------------------------------------------------------------------------------------------- */
+/* --- the file --------------------------------------------------------------------------------- */
 
 /* One reading of a file: where sentences go, and the line at hand. */
 struct reader {
@@ -97,7 +98,8 @@ struct reader {
     size_t error_size;
 };
 
-__attribute__((format(printf, 2, 3))) static bool complain(const struct reader *reader, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static bool complain(const struct reader *reader,
+                                                           const char *format, ...)
 {
     int size = snprintf(reader->error, reader->error_size, "%s:%u: ", reader->path, reader->line);
     va_list arguments;
@@ -113,7 +115,9 @@ static bool read_setting(const struct reader *reader, char *word, struct server_
 {
     char *value = strchr(word, '=');
     if (!value)
-        return complain(reader, "'%s' is no setting; write role=, tenant=, expires=, rate= or concurrent=", word);
+        return complain(
+            reader,
+            "'%s' is no setting; write role=, tenant=, expires=, rate= or concurrent=", word);
     *value++ = '\0';
     if (strcmp(word, "role") == 0)
         return server_credentials_parse_role(value, &key->role) ||
@@ -125,11 +129,14 @@ static bool read_setting(const struct reader *reader, char *word, struct server_
                complain(reader, "'%s' is no time; write 2027-01-31 or 2027-01-31T12:00:00Z", value);
     if (strcmp(word, "rate") == 0)
         return parse_count(value, SERVER_LIMITS_RATE_MOST, &key->limits.rate) ||
-               complain(reader, "rate is a number of requests a second, 1 to %u", SERVER_LIMITS_RATE_MOST);
+               complain(reader, "rate is a number of requests a second, 1 to %u",
+                        SERVER_LIMITS_RATE_MOST);
     if (strcmp(word, "concurrent") == 0)
         return parse_count(value, SERVER_LIMITS_CONCURRENT_MOST, &key->limits.concurrent) ||
-               complain(reader, "concurrent is a number of requests at once, 1 to %u", SERVER_LIMITS_CONCURRENT_MOST);
-    return complain(reader, "there is no setting '%s'; write role, tenant, expires, rate or concurrent", word);
+               complain(reader, "concurrent is a number of requests at once, 1 to %u",
+                        SERVER_LIMITS_CONCURRENT_MOST);
+    return complain(
+        reader, "there is no setting '%s'; write role, tenant, expires, rate or concurrent", word);
 }
 
 /* Never shows a word of the line that might be a key itself. */
@@ -137,18 +144,22 @@ static bool read_key(const struct reader *reader, char *line, struct server_cred
 {
     char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
     if (!server_credentials_is_name(name))
-        return complain(reader, "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
+        return complain(reader,
+                        "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
                         SERVER_CREDENTIAL_NAME - 1);
     strcpy(out->name, name);
     strcpy(out->tenant, name);
     if (!digest || !parse_digest(digest, out->sha256))
-        return complain(reader, "after the name stands sha256: with 64 hexadecimal digits, as geodesicd keygen prints");
+        return complain(
+            reader,
+            "after the name stands sha256: with 64 hexadecimal digits, as geodesicd keygen prints");
     for (char *word; (word = strtok_r(NULL, BLANKS, &rest));)
         if (!read_setting(reader, word, out)) return false;
     return true;
 }
 
-static const struct server_credential *find_name(const struct server_credentials *keys, const char *name)
+static const struct server_credential *find_name(const struct server_credentials *keys,
+                                                 const char *name)
 {
     for (uint32_t i = 0; keys && i < keys->count; i++)
         if (strcmp(keys->keys[i].name, name) == 0) return &keys->keys[i];
@@ -162,7 +173,8 @@ static bool is_new(const struct reader *reader, const struct server_credentials 
         if (strcmp(keys->keys[i].name, key->name) == 0)
             return complain(reader, "the name '%s' stands twice", key->name);
         if (strcmp(keys->keys[i].sha256, key->sha256) == 0)
-            return complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name, key->name);
+            return complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name,
+                            key->name);
     }
     return true;
 }
@@ -178,8 +190,8 @@ static bool grow(struct server_credentials *keys)
     return true;
 }
 
-static bool add(const struct reader *reader, struct server_credentials *keys, const struct server_credential *key,
-                const struct server_credentials *before)
+static bool add(const struct reader *reader, struct server_credentials *keys,
+                const struct server_credential *key, const struct server_credentials *before)
 {
     const struct server_credential *known = find_name(before, key->name);
     if (!is_new(reader, keys, key)) return false;
@@ -211,7 +223,8 @@ static bool read_lines(struct reader *reader, FILE *file, struct server_credenti
     return keys->count > 0 || complain(reader, "the file holds no key; geodesicd keygen makes one");
 }
 
-struct server_credentials *server_credentials_load(const char *path, const struct server_credentials *before,
+struct server_credentials *server_credentials_load(const char *path,
+                                                   const struct server_credentials *before,
                                                    char *error, size_t error_size)
 {
     struct reader reader = {.path = path, .error = error, .error_size = error_size};
@@ -232,7 +245,7 @@ struct server_credentials *server_credentials_load(const char *path, const struc
     return NULL;
 }
 
-/* --- the set ------------------------------------------------------------------------------------------------------ */
+/* --- the set ---------------------------------------------------------------------------------- */
 
 struct server_credentials *server_credentials_retain(struct server_credentials *keys)
 {
@@ -253,7 +266,8 @@ uint32_t server_credentials_count(const struct server_credentials *keys)
     return keys->count;
 }
 
-const struct server_credential *server_credentials_at(const struct server_credentials *keys, uint32_t index)
+const struct server_credential *server_credentials_at(const struct server_credentials *keys,
+                                                      uint32_t index)
 {
     return &keys->keys[index];
 }
@@ -266,8 +280,8 @@ static bool is_same_digest(const char a[SERVER_SHA256_HEX], const char b[SERVER_
     return difference == 0;
 }
 
-const struct server_credential *server_credentials_find(const struct server_credentials *keys, const char *text,
-                                                        size_t size)
+const struct server_credential *server_credentials_find(const struct server_credentials *keys,
+                                                        const char *text, size_t size)
 {
     char sha256[SERVER_SHA256_HEX];
     const struct server_credential *found = NULL;

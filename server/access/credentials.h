@@ -1,15 +1,17 @@
-/* Credentials: the keys by which the daemon knows its users. Read from a file with a line for each key, which `geodesicd keygen` prints:
+/* Credentials: the keys by which the daemon knows its users. Read from a file with a line for each
+ * key, which `geodesicd keygen` prints:
  *
  *     # name  SHA-256 of the key  what it may do
  *     ci      sha256:9f86d0…      role=write expires=2027-01-31 rate=50 concurrent=8
  *     viewer  sha256:60303a…      role=read tenant=ci
  *     watch   sha256:cd42404d…    role=operator
  *
- * Each key has names of its own for what is uploaded with it, unless tenant= says whose it shares; "tenant=" alone: those of a
- * daemon without keys.
+ * Each key has names of its own for what is uploaded with it, unless tenant= says whose it shares;
+ * "tenant=" alone: those of a daemon without keys.
  *
- * A key is 256 random bits, shown once to who makes it; the file holds its SHA-256 only. A set of keys is immutable and
- * counted: a new file makes a new set, in which a name keeps what it has used of its limits. */
+ * A key is 256 random bits, shown once to who makes it; the file holds its SHA-256 only. A set of
+ * keys is immutable and counted: a new file makes a new set, in which a name keeps what it has used
+ * of its limits. */
 #ifndef SERVER_ACCESS_CREDENTIALS_H
 #define SERVER_ACCESS_CREDENTIALS_H
 
@@ -21,7 +23,7 @@
 #include "server/base/sha256.h"
 
 #define SERVER_CREDENTIAL_NAME 65 /* with the NUL */
-#define SERVER_CREDENTIAL_PREFIX                                                                                       \
+#define SERVER_CREDENTIAL_PREFIX                                                                   \
     "gdk_" /* so that people, and programs that look for secrets, know one when they see it */
 #define SERVER_CREDENTIALS_MOST 10000
 
@@ -36,7 +38,8 @@ enum server_role {
 };
 
 struct server_credential {
-    char name[SERVER_CREDENTIAL_NAME];   /* [A-Za-z0-9_-][A-Za-z0-9._-]*: as names of surfaces are */
+    /* [A-Za-z0-9_-][A-Za-z0-9._-]*: as names of surfaces are */
+    char name[SERVER_CREDENTIAL_NAME];
     char tenant[SERVER_CREDENTIAL_NAME]; /* whose names it sees (key.h) */
     char sha256[SERVER_SHA256_HEX];
     enum server_role role;
@@ -47,19 +50,23 @@ struct server_credential {
 
 struct server_credentials;
 
-/* Reads the file. `before` (may be NULL) is the set that it replaces. One reference, or NULL with a sentence in `error` that
- * names the line: unreadable, no key, a line of another form, a name or key that stands twice. */
-struct server_credentials *server_credentials_load(const char *path, const struct server_credentials *before,
+/* Reads the file. `before` (may be NULL) is the set that it replaces. One reference, or NULL with a
+ * sentence in `error` that names the line: unreadable, no key, a line of another form, a name or
+ * key that stands twice. */
+struct server_credentials *server_credentials_load(const char *path,
+                                                   const struct server_credentials *before,
                                                    char *error, size_t error_size);
 struct server_credentials *server_credentials_retain(struct server_credentials *keys);
 void server_credentials_release(struct server_credentials *keys); /* NULL is harmless */
 
 uint32_t server_credentials_count(const struct server_credentials *keys);
-const struct server_credential *server_credentials_at(const struct server_credentials *keys, uint32_t index);
+const struct server_credential *server_credentials_at(const struct server_credentials *keys,
+                                                      uint32_t index);
 
-/* The key with that text (`size` bytes), or NULL; as the set, to which it belongs. It takes as long for any text. */
-const struct server_credential *server_credentials_find(const struct server_credentials *keys, const char *text,
-                                                        size_t size);
+/* The key with that text (`size` bytes), or NULL; as the set, to which it belongs. It takes as long
+ * for any text. */
+const struct server_credential *server_credentials_find(const struct server_credentials *keys,
+                                                        const char *text, size_t size);
 
 /* Parses "2027-01-31" (its first second) or "2027-01-31T12:00:00Z". */
 bool server_credentials_parse_time(const char *text, int64_t *out);

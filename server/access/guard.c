@@ -6,8 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Copies the host of "host", "host:port", "[v6]" or "[v6]:port" without brackets and port. False when it is none
- * of these. */
+/* Copies the host of "host", "host:port", "[v6]" or "[v6]:port" without brackets and port. False
+ * when it is none of these. */
 static bool read_host(const char *text, char host[SERVER_CONFIG_NAME])
 {
     const char *start = text, *end, *rest;
@@ -68,19 +68,23 @@ static bool is_own_origin(const char *origin, const char *host)
     return authority && host && strcasecmp(authority + 3, host) == 0;
 }
 
-bool server_guard_admit(const struct server_guard *guard, const struct server_guard_request *request,
-                        struct proto_problem *problem)
+bool server_guard_admit(const struct server_guard *guard,
+                        const struct server_guard_request *request, struct proto_problem *problem)
 {
     if (!request->host && !request->is_http10)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "send a Host header");
     if (request->host && !is_allowed(guard->config, request->host))
-        return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
-                                 "the Host header names neither this machine nor a host that --allowed-host lists");
+        return proto_problem_set(
+            problem, PROTO_PROBLEM_FORBIDDEN,
+            "the Host header names neither this machine nor a host that --allowed-host lists");
     if (server_guard_lists(guard, request->origin)) return true;
     if (request->origin && !is_own_origin(request->origin, request->host))
+        return proto_problem_set(
+            problem, PROTO_PROBLEM_FORBIDDEN,
+            "pages of another origin can't use this service unless --cors-origin lists it");
+    if (!has_keys(guard->config) && request->fetch_site &&
+        strcasecmp(request->fetch_site, "cross-site") == 0)
         return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
-                                 "pages of another origin can't use this service unless --cors-origin lists it");
-    if (!has_keys(guard->config) && request->fetch_site && strcasecmp(request->fetch_site, "cross-site") == 0)
-        return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN, "pages of another site can't use this service");
+                                 "pages of another site can't use this service");
     return true;
 }

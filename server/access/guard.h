@@ -1,7 +1,9 @@
-/* Guard: from where one may speak to the daemon. A web page that its user visits can make the browser send requests to
- * loopback, also under a name of the page's own that it points there (DNS rebinding): so, without keys, the name must be
- * one of ours and the page must not be foreign. With keys, which no browser sends by itself, the daemon may have any name
- * unless some are listed. Pages of the origins that --cors-origin lists may use it either way (CORS, Fetch standard, 3.2). */
+/* Guard: from where one may speak to the daemon. A web page that its user visits can make the
+ * browser send requests to loopback, also under a name of the page's own that it points there (DNS
+ * rebinding): so, without keys, the name must be one of ours and the page must not be foreign. With
+ * keys, which no browser sends by itself, the daemon may have any name unless some are listed.
+ * Pages of the origins that --cors-origin lists may use it either way (CORS, Fetch standard, 3.2).
+ */
 #ifndef SERVER_ACCESS_GUARD_H
 #define SERVER_ACCESS_GUARD_H
 
@@ -24,7 +26,7 @@ struct server_guard_request {
 bool server_guard_lists(const struct server_guard *guard, const char *origin);
 
 /* True, or false with forbidden (invalid_request when HTTP/1.1 names no host). Thread-safe. */
-bool server_guard_admit(const struct server_guard *guard, const struct server_guard_request *request,
-                        struct proto_problem *problem);
+bool server_guard_admit(const struct server_guard *guard,
+                        const struct server_guard_request *request, struct proto_problem *problem);
 
 #endif

@@ -19,8 +19,9 @@ struct order {
     char expires[64]; /* empty: never */
 };
 
-static const char usage[] = "usage: geodesicd keygen NAME [--role read|write|operator] [--tenant NAME] "
-                            "[--expires 2027-01-31|90d] [--rate N] [--concurrent N]\n";
+static const char usage[] =
+    "usage: geodesicd keygen NAME [--role read|write|operator] [--tenant NAME] "
+    "[--expires 2027-01-31|90d] [--rate N] [--concurrent N]\n";
 
 static bool complain(FILE *error, const char *sentence)
 {
@@ -54,15 +55,18 @@ static bool read_flag(const char *flag, const char *value, struct order *order, 
         enum server_role role;
         order->role = value;
         return server_credentials_parse_role(value, &role) ||
-               complain(error, "a role is read, write or operator, which sees the metrics of all tenants");
+               complain(error,
+                        "a role is read, write or operator, which sees the metrics of all tenants");
     }
     if (strcmp(flag, "--tenant") == 0) {
         order->tenant = value;
-        return !*value || server_credentials_is_name(value) || complain(error, "a tenant has the form of a name");
+        return !*value || server_credentials_is_name(value) ||
+               complain(error, "a tenant has the form of a name");
     }
     if (strcmp(flag, "--expires") == 0)
         return read_expiry(value, order->expires) ||
-               complain(error, "--expires takes a time, as 2027-01-31 or 2027-01-31T12:00:00Z, or days, as 90d");
+               complain(error, "--expires takes a time, as 2027-01-31 or 2027-01-31T12:00:00Z, or "
+                               "days, as 90d");
     if (strcmp(flag, "--rate") != 0 && strcmp(flag, "--concurrent") != 0)
         return complain(error, "flags are --role, --tenant, --expires, --rate and --concurrent");
     *(strcmp(flag, "--rate") == 0 ? &order->rate : &order->concurrent) = value;
@@ -73,7 +77,9 @@ static bool read_order(int argc, char *const argv[], struct order *order, FILE *
 {
     *order = (struct order){.role = "read"};
     if (argc < 1 || !server_credentials_is_name(argv[0]))
-        return complain(error, "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
+        return complain(
+            error,
+            "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
     order->name = argv[0];
     for (int at = 1; at < argc; at += 2)
         if (!read_flag(argv[at], at + 1 < argc ? argv[at + 1] : NULL, order, error)) return false;
@@ -86,7 +92,8 @@ static void encode(const unsigned char bytes[RANDOM_BYTES], char text[TEXT_BYTES
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
     for (int i = 0; i < TEXT_BYTES - 1; i++) {
         int bit = 6 * i, byte = bit / 8;
-        unsigned pair = (unsigned)bytes[byte] << 8 | (byte + 1 < RANDOM_BYTES ? bytes[byte + 1] : 0);
+        unsigned pair =
+            (unsigned)bytes[byte] << 8 | (byte + 1 < RANDOM_BYTES ? bytes[byte + 1] : 0);
         text[i] = digits[pair >> (10 - bit % 8) & 63];
     }
     text[TEXT_BYTES - 1] = '\0';
@@ -111,9 +118,11 @@ bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error)
     char key[sizeof SERVER_CREDENTIAL_PREFIX + TEXT_BYTES] = SERVER_CREDENTIAL_PREFIX;
     if (argc == 1 && strcmp(argv[0], "--help") == 0) return fputs(usage, out) >= 0;
     if (!read_order(argc, argv, &order, error)) return false;
-    if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes) return complain(error, "the system gives no random numbers");
+    if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes)
+        return complain(error, "the system gives no random numbers");
     encode(bytes, key + strlen(SERVER_CREDENTIAL_PREFIX));
-    fputs("The key, which is shown only now, and the line for the file that --keys names:\n", error);
+    fputs("The key, which is shown only now, and the line for the file that --keys names:\n",
+          error);
     fprintf(out, "%s\n", key);
     print_line(out, &order, key);
     return fflush(out) == 0;

@@ -34,7 +34,8 @@ static bool take_place(struct server_quota *quota, uint32_t most)
 }
 
 /* Takes a token, which the bucket has again an interval later. */
-static bool take_token(struct server_quota *quota, uint32_t rate, uint64_t now_ns, uint64_t *wait_ns)
+static bool take_token(struct server_quota *quota, uint32_t rate, uint64_t now_ns,
+                       uint64_t *wait_ns)
 {
     const uint64_t interval = SECOND_NS / rate, depth = interval * rate;
     uint64_t full = atomic_load(&quota->full_ns), next;
@@ -55,13 +56,15 @@ static enum server_quota_outcome refuse(struct server_quota *quota, enum server_
 }
 
 /* The place first: a request that finds none uses no token. */
-enum server_quota_outcome server_quota_enter(struct server_quota *quota, const struct server_limits *limits,
-                                             uint64_t now_ns, uint64_t *wait_ns)
+enum server_quota_outcome server_quota_enter(struct server_quota *quota,
+                                             const struct server_limits *limits, uint64_t now_ns,
+                                             uint64_t *wait_ns)
 {
     *wait_ns = 0;
     atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
     if (!take_place(quota, limits->concurrent)) return refuse(quota, SERVER_QUOTA_CONCURRENT);
-    if (!limits->rate || take_token(quota, limits->rate, now_ns, wait_ns)) return SERVER_QUOTA_ENTERED;
+    if (!limits->rate || take_token(quota, limits->rate, now_ns, wait_ns))
+        return SERVER_QUOTA_ENTERED;
     server_quota_leave(quota);
     return refuse(quota, SERVER_QUOTA_RATE);
 }

@@ -1,7 +1,8 @@
 /* Limits: how often, and how many at once. A quota counts what one key has used of its limits.
  *
- * A rate of r a second is a bucket of r tokens, or of one, that fills at that rate: GCRA, kept as the time at which the bucket
- * is full again, so that a request is one compare-and-swap. (ATM Forum, Traffic Management 4.0, 4.4.2.) */
+ * A rate of r a second is a bucket of r tokens, or of one, that fills at that rate: GCRA, kept as
+ * the time at which the bucket is full again, so that a request is one compare-and-swap. (ATM
+ * Forum, Traffic Management 4.0, 4.4.2.) */
 #ifndef SERVER_ACCESS_LIMITS_H
 #define SERVER_ACCESS_LIMITS_H
 
@@ -18,7 +19,8 @@ struct server_limits { /* 0: no limit */
 
 enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
 
-/* What has been used; all zero: nothing. Counted: it outlives the key whose it is, by the requests under way. */
+/* What has been used; all zero: nothing. Counted: it outlives the key whose it is, by the requests
+ * under way. */
 struct server_quota {
     atomic_uint references;
     atomic_uint entered;               /* requests under way */
@@ -33,9 +35,11 @@ struct server_quota *server_quota_create(void);
 struct server_quota *server_quota_retain(struct server_quota *quota);
 void server_quota_release(struct server_quota *quota); /* NULL is harmless */
 
-/* Counts a request at `now_ns`. Once entered, it is to leave; else `*wait_ns` is how long to wait, 0: nobody knows. Thread-safe. */
-enum server_quota_outcome server_quota_enter(struct server_quota *quota, const struct server_limits *limits,
-                                             uint64_t now_ns, uint64_t *wait_ns);
+/* Counts a request at `now_ns`. Once entered, it is to leave; else `*wait_ns` is how long to wait,
+ * 0: nobody knows. Thread-safe. */
+enum server_quota_outcome server_quota_enter(struct server_quota *quota,
+                                             const struct server_limits *limits, uint64_t now_ns,
+                                             uint64_t *wait_ns);
 void server_quota_leave(struct server_quota *quota);
 
 #endif

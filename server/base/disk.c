@@ -47,8 +47,8 @@ static void unlink_quietly(const char *path)
     errno = kept;
 }
 
-/* A folder in which something is about to change: opened before, so that nothing has changed when there is no descriptor
- * left to sync it by. */
+/* A folder in which something is about to change: opened before, so that nothing has changed when
+ * there is no descriptor left to sync it by. */
 static int open_folder(const char *folder)
 {
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -94,7 +94,7 @@ enum server_disk_result server_disk_make_folder(const char *path)
     return result;
 }
 
-/* --- writing ------------------------------------------------------------------------------------------------------ */
+/* --- writing ---------------------------------------------------------------------------------- */
 
 static enum server_disk_result write_all(int file, const char *bytes, size_t size)
 {
@@ -118,8 +118,8 @@ static enum server_disk_result write_new(const char *path, const void *bytes, si
     return result;
 }
 
-enum server_disk_result server_disk_write(const char *folder, const char *path, const char *temporary,
-                                          const void *bytes, size_t size)
+enum server_disk_result server_disk_write(const char *folder, const char *path,
+                                          const char *temporary, const void *bytes, size_t size)
 {
     int parent = open_folder(folder);
     if (parent < 0) return refusal();
@@ -133,7 +133,7 @@ enum server_disk_result server_disk_write(const char *folder, const char *path, 
     return result;
 }
 
-/* --- reading ------------------------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 #define IRREGULAR ENOTSUP /* in errno, of a file that is not a regular one */
 
@@ -192,15 +192,16 @@ enum server_disk_result server_disk_read(const char *path, void **bytes, size_t 
 
 #define PIECE ((size_t)256 << 10)
 
-/* What is in the page cache hides what has become of the disk; and what is only looked over has no place there. The
- * file's first bytes; 0: all of them. */
+/* What is in the page cache hides what has become of the disk; and what is only looked over has no
+ * place there. The file's first bytes; 0: all of them. */
 static void forget_pages(int file, off_t bytes)
 {
     (void)posix_fadvise(file, 0, bytes, POSIX_FADV_DONTNEED);
 }
 
 static enum server_disk_result scan_file(int file, char *piece,
-                                         bool (*visit)(void *user, const void *bytes, size_t size), void *user)
+                                         bool (*visit)(void *user, const void *bytes, size_t size),
+                                         void *user)
 {
     for (off_t at = 0;;) {
         ssize_t got = read(file, piece, PIECE);
@@ -212,14 +213,16 @@ static enum server_disk_result scan_file(int file, char *piece,
     }
 }
 
-enum server_disk_result server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
+enum server_disk_result server_disk_scan(const char *path,
+                                         bool (*visit)(void *user, const void *bytes, size_t size),
                                          void *user)
 {
     int file = server_disk_open(path);
     if (file < 0) return refusal();
     forget_pages(file, 0);
     char *piece = malloc(PIECE);
-    enum server_disk_result result = piece ? scan_file(file, piece, visit, user) : SERVER_DISK_NO_MEMORY;
+    enum server_disk_result result =
+        piece ? scan_file(file, piece, visit, user) : SERVER_DISK_NO_MEMORY;
     free(piece);
     close_quietly(file);
     return result;
@@ -233,20 +236,23 @@ enum server_disk_result server_disk_size(const char *path, size_t *size)
     return SERVER_DISK_DONE;
 }
 
-bool server_disk_each(const char *folder, void (*visit)(void *user, const char *path, const char *name), void *user)
+bool server_disk_each(const char *folder,
+                      void (*visit)(void *user, const char *path, const char *name), void *user)
 {
     char path[SERVER_DISK_PATH];
     DIR *directory = opendir(folder);
     if (!directory) return false;
     for (struct dirent *entry; (entry = readdir(directory));) {
-        int size = entry->d_name[0] == '.' ? 0 : snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        int size = entry->d_name[0] == '.'
+                       ? 0
+                       : snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
         if (size > 0 && size < (int)sizeof path) visit(user, path, entry->d_name);
     }
     closedir(directory);
     return true;
 }
 
-/* --- names -------------------------------------------------------------------------------------------------------- */
+/* --- names ------------------------------------------------------------------------------------ */
 
 enum server_disk_result server_disk_remove(const char *folder, const char *path)
 {
@@ -272,15 +278,17 @@ enum server_disk_result server_disk_copy(const char *path, const char *copy)
 enum server_disk_result server_disk_link(const char *path, const char *second)
 {
     if (link(path, second) == 0) return SERVER_DISK_DONE;
-    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP) return refusal();
+    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP)
+        return refusal();
     return server_disk_copy(path, second);
 }
 
-/* --- damaged files ------------------------------------------------------------------------------------------------ */
+/* --- damaged files ---------------------------------------------------------------------------- */
 
 const char *const server_disk_database_parts[] = {"", "-wal", "-shm", NULL};
 
-static bool join(char path[SERVER_DISK_PATH], const char *file, const char *part, const char *suffix)
+static bool join(char path[SERVER_DISK_PATH], const char *file, const char *part,
+                 const char *suffix)
 {
     int size = snprintf(path, SERVER_DISK_PATH, "%s%s%s", file, part, suffix);
     return size > 0 && size < SERVER_DISK_PATH;
@@ -294,14 +302,18 @@ static bool is_suffix_taken(const char *path, const char *const *parts, const ch
     return false;
 }
 
-void server_disk_set_aside(const char *path, const char *const *parts, char suffix[SERVER_DISK_ASIDE_SUFFIX])
+void server_disk_set_aside(const char *path, const char *const *parts,
+                           char suffix[SERVER_DISK_ASIDE_SUFFIX])
 {
     char from[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
     unsigned number = 1;
-    do snprintf(suffix, SERVER_DISK_ASIDE_SUFFIX, SERVER_DISK_ASIDE "-%lld-%u", (long long)time(NULL), number++);
+    do
+        snprintf(suffix, SERVER_DISK_ASIDE_SUFFIX, SERVER_DISK_ASIDE "-%lld-%u",
+                 (long long)time(NULL), number++);
     while (is_suffix_taken(path, parts, suffix));
     for (; *parts; parts++)
-        if (join(from, path, *parts, "") && join(aside, path, *parts, suffix)) (void)rename(from, aside);
+        if (join(from, path, *parts, "") && join(aside, path, *parts, suffix))
+            (void)rename(from, aside);
     snprintf(aside, sizeof aside, "%s", path);
     (void)server_disk_sync_folder(dirname(aside));
 }

@@ -11,7 +11,8 @@
 static bool begin(z_stream *stream)
 {
     *stream = (z_stream){0};
-    return deflateInit2(stream, Z_BEST_SPEED, Z_DEFLATED, GZIP_WINDOW, GZIP_MEMORY, Z_DEFAULT_STRATEGY) == Z_OK;
+    return deflateInit2(stream, Z_BEST_SPEED, Z_DEFLATED, GZIP_WINDOW, GZIP_MEMORY,
+                        Z_DEFAULT_STRATEGY) == Z_OK;
 }
 
 struct server_packer {
@@ -40,7 +41,8 @@ static void pack(z_stream *stream, int flush, struct proto_writer *out)
     do {
         stream->next_out = block;
         stream->avail_out = sizeof block;
-        (void)deflate(stream, flush); /* fails only at wrong arguments, or if there is nothing to do */
+        /* fails only at wrong arguments, or if there is nothing to do */
+        (void)deflate(stream, flush);
         proto_append(out, (const char *)block, sizeof block - stream->avail_out);
     } while (stream->avail_out == 0 && !out->failure);
 }

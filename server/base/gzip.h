@@ -16,7 +16,8 @@ struct server_packer;
 struct server_packer *server_packer_create(void);
 void server_packer_destroy(struct server_packer *packer); /* NULL is harmless */
 
-/* Appends what makes all of the text so far readable; `is_last`: and the end. A failure is the writer's. */
+/* Appends what makes all of the text so far readable; `is_last`: and the end. A failure is the
+ * writer's. */
 void server_packer_write(struct server_packer *packer, const char *text, size_t size, bool is_last,
                          struct proto_writer *out);
 

@@ -26,7 +26,8 @@ static void sink(struct server_heap *heap, struct server_heap_node *node)
     for (;;) {
         size_t child = 2 * index + 1;
         if (child >= heap->size) break;
-        if (child + 1 < heap->size && heap->nodes[child + 1]->key < heap->nodes[child]->key) child++;
+        if (child + 1 < heap->size && heap->nodes[child + 1]->key < heap->nodes[child]->key)
+            child++;
         if (heap->nodes[child]->key >= node->key) break;
         place(heap, index, heap->nodes[child]);
         index = child;

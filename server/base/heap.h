@@ -1,5 +1,5 @@
-/* Heap: nodes by key, the lowest first. A node stands inside what it orders; the heap holds pointers only. Not
- * thread-safe. */
+/* Heap: nodes by key, the lowest first. A node stands inside what it orders; the heap holds
+ * pointers only. Not thread-safe. */
 #ifndef SERVER_BASE_HEAP_H
 #define SERVER_BASE_HEAP_H
 

@@ -8,7 +8,8 @@
 
 #define GZIP_WINDOW 31 /* the largest window, with a gzip header */
 #define PIECE       16384
-#define FREE_BYTES  (UINT64_C(1) << 20) /* whose ratio does not count: text of a few numbers packs well */
+/* whose ratio does not count: text of a few numbers packs well */
+#define FREE_BYTES (UINT64_C(1) << 20)
 
 struct server_inflater {
     z_stream stream;
@@ -32,7 +33,8 @@ void server_inflater_destroy(struct server_inflater *inflater)
 }
 
 /* One step of zlib, whose output goes into `piece`. */
-static enum server_inflate_outcome step(struct server_inflater *inflater, unsigned char piece[PIECE], size_t *size)
+static enum server_inflate_outcome step(struct server_inflater *inflater,
+                                        unsigned char piece[PIECE], size_t *size)
 {
     z_stream *stream = &inflater->stream;
     if (inflater->is_whole && inflateReset(stream) != Z_OK) return SERVER_INFLATE_DAMAGED;
@@ -45,13 +47,17 @@ static enum server_inflate_outcome step(struct server_inflater *inflater, unsign
     inflater->in += before - stream->avail_in;
     *size = PIECE - stream->avail_out;
     inflater->out += *size;
-    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) return SERVER_INFLATE_DAMAGED;
-    bool is_bomb = inflater->out > FREE_BYTES && inflater->out / SERVER_INFLATE_RATIO > inflater->in;
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
+        return SERVER_INFLATE_DAMAGED;
+    bool is_bomb =
+        inflater->out > FREE_BYTES && inflater->out / SERVER_INFLATE_RATIO > inflater->in;
     return is_bomb ? SERVER_INFLATE_RATIO_PASSED : SERVER_INFLATE_OK;
 }
 
-enum server_inflate_outcome server_inflate(struct server_inflater *inflater, const void *bytes, size_t size,
-                                           bool (*take)(void *user, const void *bytes, size_t size), void *user)
+enum server_inflate_outcome server_inflate(struct server_inflater *inflater, const void *bytes,
+                                           size_t size,
+                                           bool (*take)(void *user, const void *bytes, size_t size),
+                                           void *user)
 {
     unsigned char piece[PIECE];
     size_t unpacked = PIECE;

@@ -1,5 +1,5 @@
-/* See log.h. A text is cut at TEXT_LIMIT inside its quotes, and a key whose value does not fit any more is left
- * out: so that every line is valid JSON whatever a client put into it. */
+/* See log.h. A text is cut at TEXT_LIMIT inside its quotes, and a key whose value does not fit any
+ * more is left out: so that every line is valid JSON whatever a client put into it. */
 #include "server/base/log.h"
 
 #include <errno.h>
@@ -21,13 +21,14 @@
 #define TEXT_LIMIT   512
 
 #define SECOND_NS     1000000000
-#define GATHER_NS     10000000   /* a line waits so long for others */
-#define GATHERED_MOST (1 << 20)  /* bytes of lines that wait; as many are being written */
-#define ENOUGH        (32 << 10) /* bytes that are written at once: they are in a processor's cache */
-#define NOTE_SIZE     256        /* of the line that tells of dropped ones */
-#define DIRECT_MS     100        /* without the writer's thread: how long a line waits for room */
-#define LAST_LINES_S  1          /* at the stop: how long the writer may take for what is left */
-#define CRASH_MS      200
+#define GATHER_NS     10000000  /* a line waits so long for others */
+#define GATHERED_MOST (1 << 20) /* bytes of lines that wait; as many are being written */
+/* bytes that are written at once: they are in a processor's cache */
+#define ENOUGH       (32 << 10)
+#define NOTE_SIZE    256 /* of the line that tells of dropped ones */
+#define DIRECT_MS    100 /* without the writer's thread: how long a line waits for room */
+#define LAST_LINES_S 1   /* at the stop: how long the writer may take for what is left */
+#define CRASH_MS     200
 
 const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT] = {
 #define SERVER_LOG_NAME(NAME, name) #name,
@@ -70,7 +71,10 @@ static bool append_key(struct server_log_line *line, const char *key)
 }
 
 static const bool is_plain[256] = {
-    [' ' ... '!'] = true, ['#' ... '['] = true, [']' ... '~'] = true}; /* neither quote nor backslash */
+    /* neither quote nor backslash */
+    [' ' ... '!'] = true,
+    ['#' ... '['] = true,
+    [']' ... '~'] = true};
 
 /* Bytes from the start of the text, at most `most`, that can be written as they are. */
 static size_t plain_run(const char *text, size_t most)
@@ -94,7 +98,8 @@ static bool append_escaped(struct server_log_line *line, const char *value)
     size_t end = line->size + TEXT_LIMIT;
     while (*value && line->size < end) {
         size_t run = plain_run(value, end - line->size);
-        if (run ? !append(line, value, run) : !append_escape(line, (unsigned char)*value)) return false;
+        if (run ? !append(line, value, run) : !append_escape(line, (unsigned char)*value))
+            return false;
         value += run ? run : 1;
     }
     return true;
@@ -138,11 +143,13 @@ bool server_log_begin(struct server_log_line *line, enum server_log_level level,
     return true;
 }
 
-/* Appends ,"KEY":"VALUE" where all of the value can be written as it is, and has room; else nothing. */
+/* Appends ,"KEY":"VALUE" where all of the value can be written as it is, and has room; else
+ * nothing. */
 static bool append_plain(struct server_log_line *line, const char *key, const char *value)
 {
     size_t key_size = strlen(key), size = plain_run(value, TEXT_LIMIT);
-    if (value[size] || line->size + key_size + size + 6 > sizeof line->text - LINE_RESERVE) return false;
+    if (value[size] || line->size + key_size + size + 6 > sizeof line->text - LINE_RESERVE)
+        return false;
     char *at = line->text + line->size;
     memcpy(at, ",\"", 2);
     memcpy(at + 2, key, key_size);
@@ -157,12 +164,14 @@ void server_log_text(struct server_log_line *line, const char *key, const char *
 {
     size_t start = line->size;
     if (!value || append_plain(line, key, value)) return;
-    if (!append_key(line, key) || !append(line, "\"", 1) || !append_escaped(line, value) || !append(line, "\"", 1))
+    if (!append_key(line, key) || !append(line, "\"", 1) || !append_escaped(line, value) ||
+        !append(line, "\"", 1))
         line->size = start;
 }
 
 /* A key and its number's text. */
-static void append_number(struct server_log_line *line, const char *key, const char *text, size_t size)
+static void append_number(struct server_log_line *line, const char *key, const char *text,
+                          size_t size)
 {
     size_t start = line->size;
     if (!append_key(line, key) || !append(line, text, size)) line->size = start;
@@ -172,7 +181,8 @@ void server_log_integer(struct server_log_line *line, const char *key, int64_t v
 {
     char text[PROTO_INTEGER_SIZE + 1] = "-";
     bool negative = value < 0;
-    size_t size = proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
+    size_t size =
+        proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
     append_number(line, key, text, size + negative);
 }
 
@@ -185,11 +195,13 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
     append_number(line, key, text, size + 4);
 }
 
-/* --- to standard error --------------------------------------------------------------------------------------------
+/* --- to standard error
+ * --------------------------------------------------------------------------------------------
  *
- * Lines gather in one text while the writer's thread writes the other one. Only that thread ever waits for the reader of
- * standard error: it may be a pipe that nobody reads. Without the thread (the tools, the first lines, the last ones) a line
- * is written by its caller, who waits DIRECT_MS at most. */
+ * Lines gather in one text while the writer's thread writes the other one. Only that thread ever
+ * waits for the reader of standard error: it may be a pipe that nobody reads. Without the thread
+ * (the tools, the first lines, the last ones) a line is written by its caller, who waits DIRECT_MS
+ * at most. */
 
 struct text {
     size_t size;
@@ -202,13 +214,15 @@ static struct {
     pthread_t writer;
     bool has_writer, is_stopping, has_ended; /* has_ended: the writer has nothing left to do */
     bool is_urgent;                          /* the text is to be written at once */
-    bool is_full; /* the text takes no more lines: those that follow are dropped, so that one note tells of all */
+    /* the text takes no more lines: those that follow are dropped, so that one note tells of all */
+    bool is_full;
     struct text *gathering, *other;
     atomic_bool is_behind; /* a line is not written yet */
     atomic_uint_least64_t dropped;
     uint64_t noted; /* lines of `dropped` that a note has told of */
     struct text texts[2];
-} output = {.lock = PTHREAD_MUTEX_INITIALIZER, .gathering = &output.texts[0], .other = &output.texts[1]};
+} output = {
+    .lock = PTHREAD_MUTEX_INITIALIZER, .gathering = &output.texts[0], .other = &output.texts[1]};
 
 uint64_t server_log_dropped(void)
 {
@@ -302,7 +316,8 @@ static struct text *swap_texts(void)
 static void wait_for_lines(void)
 {
     struct timespec until;
-    while (!output.gathering->size && !output.is_stopping) pthread_cond_wait(&output.change, &output.lock);
+    while (!output.gathering->size && !output.is_stopping)
+        pthread_cond_wait(&output.change, &output.lock);
     clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += GATHER_NS;
     until.tv_sec += until.tv_nsec / SECOND_NS;
@@ -336,7 +351,8 @@ static void gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;
     size_t before = text->size;
-    output.is_full = output.is_full || !add_bytes(text, line->text, line->size, GATHERED_MOST - NOTE_SIZE);
+    output.is_full =
+        output.is_full || !add_bytes(text, line->text, line->size, GATHERED_MOST - NOTE_SIZE);
     if (output.is_full) {
         atomic_fetch_add_explicit(&output.dropped, 1, memory_order_relaxed);
         return;
@@ -369,7 +385,7 @@ void server_log_end_soon(struct server_log_line *line)
     end_line(line, false);
 }
 
-/* --- the writer's life -------------------------------------------------------------------------------------------- */
+/* --- the writer's life ------------------------------------------------------------------------ */
 
 bool server_log_start(void)
 {
@@ -391,7 +407,9 @@ static bool wait_for_writer(void)
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_sec += LAST_LINES_S;
-    while (!output.has_ended && pthread_cond_timedwait(&output.change, &output.lock, &until) != ETIMEDOUT) continue;
+    while (!output.has_ended &&
+           pthread_cond_timedwait(&output.change, &output.lock, &until) != ETIMEDOUT)
+        continue;
     return output.has_ended;
 }
 
@@ -403,7 +421,8 @@ static bool end_writer(void)
     pthread_cond_signal(&output.change);
     bool has_ended = wait_for_writer();
     output.has_writer = !has_ended;
-    if (has_ended && output.gathering->size) write_text(swap_texts(), PIPE_BUF, DIRECT_MS); /* that came meanwhile */
+    /* that came meanwhile */
+    if (has_ended && output.gathering->size) write_text(swap_texts(), PIPE_BUF, DIRECT_MS);
     return has_ended;
 }
 
@@ -419,7 +438,7 @@ void server_log_stop(void)
         pthread_detach(output.writer);
 }
 
-/* --- crashes ------------------------------------------------------------------------------------------------------ */
+/* --- crashes ---------------------------------------------------------------------------------- */
 
 static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static struct sigaction before_us[sizeof crashes / sizeof *crashes];
@@ -434,14 +453,16 @@ static void on_crash(int number, siginfo_t *info, void *context)
         if (crashes[i] == number) sigaction(number, &before_us[i], NULL);
     for (int i = 0; i < CRASH_MS && atomic_load(&output.is_behind); i++) poll(NULL, 0, 1);
     errno = saved;
-    if (info->si_code <= 0) raise(number); /* sent: else the instruction is run again, and fails again */
+    /* sent: else the instruction is run again, and fails again */
+    if (info->si_code <= 0) raise(number);
 }
 
 void server_log_flush_at_crash(void)
 {
     struct sigaction action = {.sa_sigaction = on_crash, .sa_flags = SA_SIGINFO};
     sigemptyset(&action.sa_mask);
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++) sigaction(crashes[i], &action, &before_us[i]);
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        sigaction(crashes[i], &action, &before_us[i]);
 }
 
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)

@@ -43,15 +43,17 @@ extern const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT];
 /* Lines below `level` are dropped. Set once, before any thread starts. */
 void server_log_set_level(enum server_log_level level);
 
-/* Begins a line with time, level and event; false when the level is not logged, and then nothing else is to be
- * called. */
+/* Begins a line with time, level and event; false when the level is not logged, and then nothing
+ * else is to be called. */
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event);
 void server_log_text(struct server_log_line *line, const char *key,
                      const char *value); /* value NULL: the key is left out */
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value);
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds);
-void server_log_end(struct server_log_line *line);      /* has it written at once, after all those before it */
-void server_log_end_soon(struct server_log_line *line); /* has it written within hundredths of a second */
+/* has it written at once, after all those before it */
+void server_log_end(struct server_log_line *line);
+/* has it written within hundredths of a second */
+void server_log_end_soon(struct server_log_line *line);
 
 /* Starts the writer's thread; false: there is none. Before the start and after the stop a caller
  * writes its lines itself, and waits a tenth of a second at most. The stop waits a second at

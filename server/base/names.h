@@ -1,5 +1,5 @@
-/* Names: a set of short names, of files or folders: first all are added, then it is sorted, then it is asked. Not
- * thread-safe. */
+/* Names: a set of short names, of files or folders: first all are added, then it is sorted, then it
+ * is asked. Not thread-safe. */
 #ifndef SERVER_BASE_NAMES_H
 #define SERVER_BASE_NAMES_H
 
@@ -11,7 +11,8 @@
 struct server_names { /* all zero is an empty set */
     char (*names)[SERVER_NAME_MOST + 1];
     size_t count, capacity;
-    bool is_incomplete; /* there was no memory for one, or it was too long: what the set lacks may be in it */
+    /* there was no memory for one, or it was too long: what the set lacks may be in it */
+    bool is_incomplete;
 };
 
 void server_names_add(struct server_names *names, const char *name);

@@ -22,9 +22,11 @@ static inline bool server_eight_are_visible(const char *text, unsigned char but,
     uint64_t bytes;
     memcpy(&bytes, text, sizeof bytes);
     if (bytes & SERVER_EIGHT(0x80)) return false;
-    bool are_least = ((bytes + SERVER_EIGHT(0x80 - '!')) & SERVER_EIGHT(0x80)) == SERVER_EIGHT(0x80);
+    bool are_least =
+        ((bytes + SERVER_EIGHT(0x80 - '!')) & SERVER_EIGHT(0x80)) == SERVER_EIGHT(0x80);
     bool are_most = !((bytes + SERVER_EIGHT(0x7f - '~')) & SERVER_EIGHT(0x80));
-    return are_least && are_most && !server_eight_have(bytes, but) && !server_eight_have(bytes, nor);
+    return are_least && are_most && !server_eight_have(bytes, but) &&
+           !server_eight_have(bytes, nor);
 }
 
 #endif

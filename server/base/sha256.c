@@ -54,8 +54,8 @@ void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX])
     print(digest, hex);
 }
 
-enum gd_status server_sha256_within(const void *bytes, size_t size, const struct gd_control *control,
-                                    char hex[SERVER_SHA256_HEX])
+enum gd_status server_sha256_within(const void *bytes, size_t size,
+                                    const struct gd_control *control, char hex[SERVER_SHA256_HEX])
 {
     if (size <= PIECE_BYTES) { /* takes no memory */
         server_sha256(bytes, size, hex);
@@ -66,7 +66,8 @@ enum gd_status server_sha256_within(const void *bytes, size_t size, const struct
     for (size_t at = 0; !status && at < size; at += PIECE_BYTES) {
         status = gd_control_check(control, 0);
         if (!status)
-            server_sha256_add(sum, (const char *)bytes + at, size - at < PIECE_BYTES ? size - at : PIECE_BYTES);
+            server_sha256_add(sum, (const char *)bytes + at,
+                              size - at < PIECE_BYTES ? size - at : PIECE_BYTES);
     }
     if (sum) server_sha256_end(sum, hex);
     return status;

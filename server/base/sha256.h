@@ -12,7 +12,8 @@
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
 
 /* The same, until a deadline or a cancel. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size, const struct gd_control *control,
+GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size,
+                                                const struct gd_control *control,
                                                 char hex[SERVER_SHA256_HEX]);
 
 /* The same of pieces, one after the other. NULL without memory. */

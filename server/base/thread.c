@@ -33,7 +33,8 @@ static void destroy(struct server_thread *thread)
     free(thread);
 }
 
-struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread), void *user)
+struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
+                                          void *user)
 {
     struct server_thread *thread = calloc(1, sizeof *thread);
     pthread_condattr_t attributes;
@@ -53,15 +54,18 @@ struct server_thread *server_thread_start(void (*run)(void *user, struct server_
 /* Under the lock, which is given up meanwhile: until a change, or that time; false: it has come. */
 static bool wait_until(struct server_thread *thread, uint64_t until_ns)
 {
-    const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS), .tv_nsec = (long)(until_ns % SECOND_NS)};
-    if (until_ns == SERVER_THREAD_FOREVER) return pthread_cond_wait(&thread->change, &thread->lock) == 0;
+    const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
+                                   .tv_nsec = (long)(until_ns % SECOND_NS)};
+    if (until_ns == SERVER_THREAD_FOREVER)
+        return pthread_cond_wait(&thread->change, &thread->lock) == 0;
     return pthread_cond_timedwait(&thread->change, &thread->lock, &until) != ETIMEDOUT;
 }
 
 /* False: it is to end. */
 static bool rest(struct server_thread *thread, uint64_t ns, bool ends_by_wake)
 {
-    uint64_t now = gd_now_ns(), until_ns = ns < SERVER_THREAD_FOREVER - now ? now + ns : SERVER_THREAD_FOREVER;
+    uint64_t now = gd_now_ns(),
+             until_ns = ns < SERVER_THREAD_FOREVER - now ? now + ns : SERVER_THREAD_FOREVER;
     bool has_time = true;
     pthread_mutex_lock(&thread->lock);
     while (has_time && !thread->is_stopping && !(ends_by_wake && thread->is_woken))

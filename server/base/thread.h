@@ -17,10 +17,11 @@
 struct server_thread;
 
 /* Starts a thread that calls `run` once. NULL without memory or thread. */
-struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread), void *user);
+struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
+                                          void *user);
 
-/* For `run`: waits until the thread is woken, or so many nanoseconds have passed on the monotonic clock. False, at
- * once, when `run` is to return. */
+/* For `run`: waits until the thread is woken, or so many nanoseconds have passed on the monotonic
+ * clock. False, at once, when `run` is to return. */
 bool server_thread_pause(struct server_thread *thread, uint64_t ns);
 
 /* The same, but a wake doesn't end it: it ends the next pause. */

@@ -58,17 +58,22 @@ static bool is_port(const char *text)
     return digits > 0 && digits <= 5 && !text[digits] && atoi(text) <= 65535;
 }
 
-bool server_address_parse(const char *text, struct server_address *out, char *error, size_t error_size)
+bool server_address_parse(const char *text, struct server_address *out, char *error,
+                          size_t error_size)
 {
-    if (strncmp(text, UNIX_PREFIX, strlen(UNIX_PREFIX)) == 0) return parse_unix(text, out, error, error_size);
+    if (strncmp(text, UNIX_PREFIX, strlen(UNIX_PREFIX)) == 0)
+        return parse_unix(text, out, error, error_size);
     char host[64];
     const char *port;
     if (!split_host_port(text, host, &port))
-        return refuse(error, error_size, text, "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
-    if (!is_port(port)) return refuse(error, error_size, text, "the port is a number from 0 to 65535");
+        return refuse(error, error_size, text,
+                      "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
+    if (!is_port(port))
+        return refuse(error, error_size, text, "the port is a number from 0 to 65535");
 
-    struct addrinfo hints = {
-        .ai_family = AF_UNSPEC, .ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICHOST | AI_NUMERICSERV};
+    struct addrinfo hints = {.ai_family = AF_UNSPEC,
+                             .ai_socktype = SOCK_STREAM,
+                             .ai_flags = AI_NUMERICHOST | AI_NUMERICSERV};
     struct addrinfo *found = NULL;
     if (getaddrinfo(strcmp(host, "localhost") == 0 ? "127.0.0.1" : host, port, &hints, &found) != 0)
         return refuse(error, error_size, text, "the address is a numeric one or 'localhost'");
@@ -95,17 +100,18 @@ bool server_address_is_local(const struct server_address *address)
 void server_address_format(const struct server_address *address, char text[SERVER_ADDRESS_TEXT])
 {
     if (address->socket.ss_family == AF_UNIX) {
-        snprintf(text, SERVER_ADDRESS_TEXT, UNIX_PREFIX "%s", ((const struct sockaddr_un *)&address->socket)->sun_path);
+        snprintf(text, SERVER_ADDRESS_TEXT, UNIX_PREFIX "%s",
+                 ((const struct sockaddr_un *)&address->socket)->sun_path);
         return;
     }
     char host[64] = "?", port[8] = "?";
-    getnameinfo((const struct sockaddr *)&address->socket, address->size, host, sizeof host, port, sizeof port,
-                NI_NUMERICHOST | NI_NUMERICSERV);
+    getnameinfo((const struct sockaddr *)&address->socket, address->size, host, sizeof host, port,
+                sizeof port, NI_NUMERICHOST | NI_NUMERICSERV);
     snprintf(text, SERVER_ADDRESS_TEXT, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-/* Removes a unix socket that a dead process left behind; a live one or any other kind of file stays and makes bind
- * fail. */
+/* Removes a unix socket that a dead process left behind; a live one or any other kind of file stays
+ * and makes bind fail. */
 static void remove_stale_socket(const struct server_address *address)
 {
     const char *path = ((const struct sockaddr_un *)&address->socket)->sun_path;
@@ -113,7 +119,8 @@ static void remove_stale_socket(const struct server_address *address)
     if (stat(path, &found) != 0 || !S_ISSOCK(found.st_mode)) return;
     int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (probe < 0) return;
-    if (connect(probe, (const struct sockaddr *)&address->socket, address->size) != 0 && errno == ECONNREFUSED)
+    if (connect(probe, (const struct sockaddr *)&address->socket, address->size) != 0 &&
+        errno == ECONNREFUSED)
         unlink(path);
     close(probe);
 }
@@ -136,14 +143,16 @@ static bool bind_tcp(int descriptor, struct server_address *address)
 {
     int on = 1;
     setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0) return false;
+    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0)
+        return false;
     address->size = sizeof address->socket;
     return getsockname(descriptor, (struct sockaddr *)&address->socket, &address->size) == 0;
 }
 
 int server_address_bind(struct server_address *address, char *error, size_t error_size)
 {
-    int descriptor = socket(address->socket.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    int descriptor =
+        socket(address->socket.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (descriptor >= 0 && (is_unix(address) || bind_tcp(descriptor, address))) return descriptor;
     (void)complain(address, error, error_size);
     if (descriptor >= 0) close(descriptor);
@@ -154,12 +163,16 @@ int server_address_bind(struct server_address *address, char *error, size_t erro
 static bool bind_unix(int descriptor, const struct server_address *address)
 {
     remove_stale_socket(address);
-    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0) return false;
-    return !address->mode || chmod(((const struct sockaddr_un *)&address->socket)->sun_path, address->mode) == 0;
+    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0)
+        return false;
+    return !address->mode ||
+           chmod(((const struct sockaddr_un *)&address->socket)->sun_path, address->mode) == 0;
 }
 
-bool server_address_listen(int descriptor, const struct server_address *address, char *error, size_t error_size)
+bool server_address_listen(int descriptor, const struct server_address *address, char *error,
+                           size_t error_size)
 {
     bool is_bound = !is_unix(address) || bind_unix(descriptor, address);
-    return (is_bound && listen(descriptor, LISTEN_BACKLOG) == 0) || complain(address, error, error_size);
+    return (is_bound && listen(descriptor, LISTEN_BACKLOG) == 0) ||
+           complain(address, error, error_size);
 }

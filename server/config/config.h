@@ -1,4 +1,5 @@
-/* Config: what the operator decides. One table drives flags, environment, file, --help and validation. */
+/* Config: what the operator decides. One table drives flags, environment, file, --help and
+ * validation. */
 #ifndef SERVER_CONFIG_CONFIG_H
 #define SERVER_CONFIG_CONFIG_H
 
@@ -20,7 +21,11 @@
 /* What --cpu may name, NULL-terminated: see gd/cpu.h. */
 extern const char *const server_config_cpus[];
 
-enum server_store_kind { SERVER_STORE_KIND_LOCAL, SERVER_STORE_KIND_MEMORY, SERVER_STORE_KIND_POSTGRES };
+enum server_store_kind {
+    SERVER_STORE_KIND_LOCAL,
+    SERVER_STORE_KIND_MEMORY,
+    SERVER_STORE_KIND_POSTGRES
+};
 
 struct server_config_list {
     char name[SERVER_CONFIG_NAMES][SERVER_CONFIG_NAME];
@@ -30,36 +35,46 @@ struct server_config_list {
 struct server_config {
     struct server_address listen;
     struct server_config_list allowed_hosts; /* besides localhost and loopback addresses */
-    struct server_config_list cors_origins;  /* whose pages may use the daemon: "https://maps.example" */
-    char keys[SERVER_CONFIG_PATH];           /* see credentials.h; empty: there are none */
+    /* whose pages may use the daemon: "https://maps.example" */
+    struct server_config_list cors_origins;
+    char keys[SERVER_CONFIG_PATH]; /* see credentials.h; empty: there are none */
     char tls_cert[SERVER_CONFIG_PATH], tls_key[SERVER_CONFIG_PATH]; /* empty, both: no TLS */
     uint64_t max_connections;                                       /* open at once */
-    uint64_t max_address_connections;                               /* of one address; 0: no limit */
-    uint64_t workers;                                               /* threads that parse, build and propagate */
-    uint64_t http_threads;                                          /* threads that speak HTTP */
-    uint64_t queue_length;                                          /* requests that may wait for a worker */
-    unsigned cpu;                                                   /* index of server_config_cpus */
-    uint64_t memory_budget;                                         /* bytes */
-    uint64_t landmarks;                                             /* of a mesh; 0: none */
-    uint64_t max_body;                                              /* bytes */
-    uint64_t max_answer;                                            /* bytes */
-    uint64_t max_faces;                                             /* triangles */
-    uint64_t timeout_ms;                                            /* most time that a request may take */
-    uint64_t drain_ms;                                              /* most time that a shutdown waits for requests */
-    uint64_t drain_delay_ms; /* how long a shutdown serves on before it begins to drain, /readyz saying 503 */
-    uint64_t job_ttl_s;      /* how long an ended job is kept */
-    uint64_t max_jobs;       /* most jobs, ended ones included */
+    /* of one address; 0: no limit */
+    uint64_t max_address_connections;
+    /* threads that parse, build and propagate */
+    uint64_t workers;
+    uint64_t http_threads; /* threads that speak HTTP */
+    /* requests that may wait for a worker */
+    uint64_t queue_length;
+    /* index of server_config_cpus */
+    unsigned cpu;
+    uint64_t memory_budget; /* bytes */
+    uint64_t landmarks;     /* of a mesh; 0: none */
+    uint64_t max_body;      /* bytes */
+    uint64_t max_answer;    /* bytes */
+    uint64_t max_faces;     /* triangles */
+    /* most time that a request may take */
+    uint64_t timeout_ms;
+    /* most time that a shutdown waits for requests */
+    uint64_t drain_ms;
+    /* how long a shutdown serves on before it begins to drain, /readyz saying 503 */
+    uint64_t drain_delay_ms;
+    uint64_t job_ttl_s; /* how long an ended job is kept */
+    uint64_t max_jobs;  /* most jobs, ended ones included */
     enum server_log_level log_level;
     enum server_store_kind store;
-    char store_url[SERVER_CONFIG_PATH]; /* of a PostgreSQL store; may hold a password: never printed */
+    /* of a PostgreSQL store; may hold a password: never printed */
+    char store_url[SERVER_CONFIG_PATH];
     char data_dir[SERVER_CONFIG_PATH];
     bool persist_fields;
     bool check_store;                 /* check the store and end */
     char backup[SERVER_CONFIG_PATH];  /* copy the store there and end; empty: don't */
     char restore[SERVER_CONFIG_PATH]; /* make the store of that backup and end; empty: don't */
-    uint64_t scrub_s;                 /* between the beginnings of two looks through the store; 0: none */
-    uint64_t scrub_rate;              /* bytes a second */
-    uint64_t slow_ms;                 /* requests that take as long are warned of; 0: none */
+    /* between the beginnings of two looks through the store; 0: none */
+    uint64_t scrub_s;
+    uint64_t scrub_rate; /* bytes a second */
+    uint64_t slow_ms;    /* requests that take as long are warned of; 0: none */
     enum server_sandbox_mode sandbox;
 };
 
@@ -69,9 +84,10 @@ enum server_config_outcome {
     SERVER_CONFIG_WRONG /* a sentence was printed to `error` */
 };
 
-/* Fills `*config` from the defaults, the file that --config or GEODESICD_CONFIG names, GEODESICD_* in the
- * environment and the flags, each over those before it (--allowed-host and --cors-origin add up), then validates the whole. */
-enum server_config_outcome server_config_load(struct server_config *config, int argc, char *const argv[], FILE *out,
-                                              FILE *error);
+/* Fills `*config` from the defaults, the file that --config or GEODESICD_CONFIG names, GEODESICD_*
+ * in the environment and the flags, each over those before it (--allowed-host and --cors-origin add
+ * up), then validates the whole. */
+enum server_config_outcome server_config_load(struct server_config *config, int argc,
+                                              char *const argv[], FILE *out, FILE *error);
 
 #endif

@@ -50,27 +50,30 @@ static bool parse_bytes(const char *text, uint64_t *out)
     return !*rest || (rest[0] == 'B' && !rest[1]);
 }
 
-static bool set_number(const struct server_setting_loader *loader, const struct server_setting *option,
-                       const char *value, uint64_t *member)
+static bool set_number(const struct server_setting_loader *loader,
+                       const struct server_setting *option, const char *value, uint64_t *member)
 {
     uint64_t number;
     const char *rest = "";
-    bool parsed =
-        option->kind == KIND_BYTES ? parse_bytes(value, &number) : parse_unsigned(value, &number, &rest) && !*rest;
+    bool parsed = option->kind == KIND_BYTES ? parse_bytes(value, &number)
+                                             : parse_unsigned(value, &number, &rest) && !*rest;
     if (!parsed)
-        return server_config_complain(loader,
-                                      option->kind == KIND_BYTES
-                                          ? "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB"
-                                          : "'%s' is no whole number",
-                                      value);
+        return server_config_complain(
+            loader,
+            option->kind == KIND_BYTES
+                ? "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB"
+                : "'%s' is no whole number",
+            value);
     if (number < option->least || number > option->most)
-        return server_config_complain(loader, "%s is outside %llu to %llu", value, (unsigned long long)option->least,
+        return server_config_complain(loader, "%s is outside %llu to %llu", value,
+                                      (unsigned long long)option->least,
                                       (unsigned long long)option->most);
     *member = number;
     return true;
 }
 
-static bool set_address(const struct server_setting_loader *loader, const char *value, struct server_address *member)
+static bool set_address(const struct server_setting_loader *loader, const char *value,
+                        struct server_address *member)
 {
     char sentence[CONFIG_TEXT];
     return server_address_parse(value, member, sentence, sizeof sentence) ||
@@ -81,25 +84,31 @@ static bool set_address(const struct server_setting_loader *loader, const char *
 static bool is_origin(const char *text)
 {
     const char *authority = strstr(text, "://");
-    if (!authority || (strncmp(text, "http://", 7) != 0 && strncmp(text, "https://", 8) != 0)) return false;
+    if (!authority || (strncmp(text, "http://", 7) != 0 && strncmp(text, "https://", 8) != 0))
+        return false;
     return authority[3] && !strpbrk(authority + 3, "/*@?#\t");
 }
 
-static bool check_name(const struct server_setting_loader *loader, const struct server_setting *option,
-                       const char *name)
+static bool check_name(const struct server_setting_loader *loader,
+                       const struct server_setting *option, const char *name)
 {
-    if (strlen(name) >= SERVER_CONFIG_NAME) return server_config_complain(loader, "'%s' is too long", name);
+    if (strlen(name) >= SERVER_CONFIG_NAME)
+        return server_config_complain(loader, "'%s' is too long", name);
     if (option->kind == KIND_ORIGIN)
         return is_origin(name) ||
                server_config_complain(
-                   loader, "'%s' is no origin; write scheme, host and port as in https://maps.example:8443", name);
+                   loader,
+                   "'%s' is no origin; write scheme, host and port as in https://maps.example:8443",
+                   name);
     return !strpbrk(name, "/\t") ||
-           server_config_complain(loader, "'%s' is no host name; write it as in a URL, without scheme and path", name);
+           server_config_complain(
+               loader, "'%s' is no host name; write it as in a URL, without scheme and path", name);
 }
 
 /* One name or several with commas between them. */
-static bool add_names(const struct server_setting_loader *loader, const struct server_setting *option,
-                      const char *value, struct server_config_list *member)
+static bool add_names(const struct server_setting_loader *loader,
+                      const struct server_setting *option, const char *value,
+                      struct server_config_list *member)
 {
     char list[CONFIG_TEXT], *rest;
     snprintf(list, sizeof list, "%s", value);
@@ -112,8 +121,8 @@ static bool add_names(const struct server_setting_loader *loader, const struct s
     return true;
 }
 
-static bool set_choice(const struct server_setting_loader *loader, const struct server_setting *option,
-                       const char *value, unsigned *member)
+static bool set_choice(const struct server_setting_loader *loader,
+                       const struct server_setting *option, const char *value, unsigned *member)
 {
     char list[CONFIG_TEXT] = "";
     for (unsigned i = 0; option->words[i]; i++) {
@@ -132,7 +141,8 @@ static bool set_path(const struct server_setting_loader *loader, const char *val
     if (!*value || strlen(value) >= SERVER_CONFIG_PATH)
         return server_config_complain(loader, "a path has 1 to %d bytes", SERVER_CONFIG_PATH - 1);
     strcpy(member, value);
-    for (size_t size = strlen(member); size > 1 && member[size - 1] == '/'; size--) member[size - 1] = '\0';
+    for (size_t size = strlen(member); size > 1 && member[size - 1] == '/'; size--)
+        member[size - 1] = '\0';
     return true;
 }
 
@@ -140,8 +150,10 @@ static bool set_path(const struct server_setting_loader *loader, const char *val
 static bool set_store(const struct server_setting_loader *loader, const char *value)
 {
     struct server_config *config = loader->config;
-    bool is_url = strncmp(value, "postgresql://", 13) == 0 || strncmp(value, "postgres://", 11) == 0;
-    if (strlen(value) >= sizeof config->store_url) return server_config_complain(loader, "the address is too long");
+    bool is_url =
+        strncmp(value, "postgresql://", 13) == 0 || strncmp(value, "postgres://", 11) == 0;
+    if (strlen(value) >= sizeof config->store_url)
+        return server_config_complain(loader, "the address is too long");
     if (strcmp(value, "local") == 0)
         config->store = SERVER_STORE_KIND_LOCAL;
     else if (strcmp(value, "memory") == 0)
@@ -149,7 +161,8 @@ static bool set_store(const struct server_setting_loader *loader, const char *va
     else if (is_url)
         config->store = SERVER_STORE_KIND_POSTGRES;
     else
-        return server_config_complain(loader, "write local, memory, or an address postgresql://user@host/database");
+        return server_config_complain(
+            loader, "write local, memory, or an address postgresql://user@host/database");
     strcpy(config->store_url, is_url ? value : "");
     return true;
 }
@@ -157,11 +170,12 @@ static bool set_store(const struct server_setting_loader *loader, const char *va
 static bool set_boolean(const struct server_setting_loader *loader, const char *value, bool *member)
 {
     *member = strcmp(value, "true") == 0;
-    return *member || strcmp(value, "false") == 0 || server_config_complain(loader, "write true or false");
+    return *member || strcmp(value, "false") == 0 ||
+           server_config_complain(loader, "write true or false");
 }
 
-bool server_config_set(const struct server_setting_loader *loader, const struct server_setting *option,
-                       const char *value)
+bool server_config_set(const struct server_setting_loader *loader,
+                       const struct server_setting *option, const char *value)
 {
     void *member = (char *)loader->config + option->offset;
     switch (option->kind) {

@@ -32,7 +32,9 @@ struct server_setting {
     uint64_t least, most; /* KIND_COUNT, KIND_BYTES */
     const char *standard; /* default, as it would be typed; NULL: none, or found at run time */
     const char *const *
-        words; /* KIND_CHOICE: what may be typed, NULL-terminated; the member is an enum or unsigned that counts them */
+        /* KIND_CHOICE: what may be typed, NULL-terminated; the member is an enum or unsigned that
+           counts them */
+        words;
 };
 
 /* One loading: where sentences go, and where the value at hand came from. */
@@ -46,8 +48,9 @@ struct server_setting_loader {
 bool server_config_complain(const struct server_setting_loader *loader, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Gives the option's member the value, or adds to it; false: complained. KIND_FILE and KIND_SWITCH have none. */
-bool server_config_set(const struct server_setting_loader *loader, const struct server_setting *option,
-                       const char *value);
+/* Gives the option's member the value, or adds to it; false: complained. KIND_FILE and KIND_SWITCH
+ * have none. */
+bool server_config_set(const struct server_setting_loader *loader,
+                       const struct server_setting *option, const char *value);
 
 #endif

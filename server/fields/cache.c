@@ -8,14 +8,15 @@
 
 #define FAILURE_NS UINT64_C(1000000000) /* for so long a build that failed is not tried again */
 
-/* --- eviction, under the lock ------------------------------------------------------------------------------------- */
+/* --- eviction, under the lock ----------------------------------------------------------------- */
 
-/* Takes unpinned entries off their shelves, in the order of eviction, until they hold `bytes` or none is left.
- * Returns them as a list. */
+/* Takes unpinned entries off their shelves, in the order of eviction, until they hold `bytes` or
+ * none is left. Returns them as a list. */
 static struct server_entry *evict(struct server_cache *cache, size_t bytes)
 {
     struct server_entry *evicted = NULL, *pinned = NULL, *first;
-    for (size_t freed = 0; freed < bytes && (first = server_entry_of(server_eviction_first(&cache->eviction)));) {
+    for (size_t freed = 0;
+         freed < bytes && (first = server_entry_of(server_eviction_first(&cache->eviction)));) {
         bool is_pinned = atomic_load(&first->references) > 1;
         struct server_entry **list = is_pinned ? &pinned : &evicted;
         if (is_pinned) {
@@ -42,9 +43,10 @@ static void reclaim(void *user, size_t bytes)
     server_entries_release(evicted);
 }
 
-/* --- the cache ---------------------------------------------------------------------------------------------------- */
+/* --- the cache -------------------------------------------------------------------------------- */
 
-struct server_cache *server_cache_create(struct server_budget *budget, struct server_workers *workers)
+struct server_cache *server_cache_create(struct server_budget *budget,
+                                         struct server_workers *workers)
 {
     struct server_cache *cache = calloc(1, sizeof *cache);
     if (!cache) return NULL;
@@ -73,9 +75,10 @@ struct server_cache_statistics server_cache_statistics(struct server_cache *cach
     return statistics;
 }
 
-/* --- find and drop ------------------------------------------------------------------------------------------------ */
+/* --- find and drop ---------------------------------------------------------------------------- */
 
-static const struct server_cached *find(struct server_shelf *shelf, const struct server_field_key *key)
+static const struct server_cached *find(struct server_shelf *shelf,
+                                        const struct server_field_key *key)
 {
     struct server_cache *cache = shelf->cache;
     pthread_mutex_lock(&cache->lock);
@@ -91,13 +94,15 @@ static const struct server_cached *find(struct server_shelf *shelf, const struct
     return entry ? &entry->cached : NULL;
 }
 
-const struct server_cached *server_cache_find_field(struct server_shelf *shelf, const struct gd_field_request *request)
+const struct server_cached *server_cache_find_field(struct server_shelf *shelf,
+                                                    const struct gd_field_request *request)
 {
     struct server_field_key key = server_field_key_of(request);
     return find(shelf, &key);
 }
 
-const struct server_cached *server_cache_find(struct server_shelf *shelf, const struct gd_point *source)
+const struct server_cached *server_cache_find(struct server_shelf *shelf,
+                                              const struct gd_point *source)
 {
     struct gd_seed seed;
     struct server_field_key key = server_field_key_of_point(source, &seed);
@@ -121,7 +126,7 @@ void server_cache_drop(struct server_shelf *shelf, const struct gd_field_request
     if (entry) server_entry_release(entry);
 }
 
-/* --- who builds --------------------------------------------------------------------------------------------------- */
+/* --- who builds ------------------------------------------------------------------------------- */
 
 void server_cache_note(struct server_shelf *shelf, const struct gd_point *point)
 {
@@ -132,7 +137,8 @@ void server_cache_note(struct server_shelf *shelf, const struct gd_point *point)
     pthread_mutex_unlock(&shelf->cache->lock);
 }
 
-/* AGAIN or WAIT if the field is there or on its way, or one is that it can be resumed from; else SEARCH. */
+/* AGAIN or WAIT if the field is there or on its way, or one is that it can be resumed from; else
+ * SEARCH. */
 static enum server_cache_turn board(struct server_shelf *shelf, const struct server_field_key *key,
                                     struct server_job *job)
 {
@@ -165,21 +171,24 @@ enum server_cache_turn server_cache_enter(struct server_shelf *shelf, const stru
     struct server_field_key key = server_field_key_of_point(source, &seed);
     pthread_mutex_lock(&shelf->cache->lock);
     enum server_cache_turn turn = board(shelf, &key, job);
-    if (turn == SERVER_CACHE_SEARCH && server_recent_count(&shelf->recent, key.hash) >= SERVER_CACHE_SEARCHES)
+    if (turn == SERVER_CACHE_SEARCH &&
+        server_recent_count(&shelf->recent, key.hash) >= SERVER_CACHE_SEARCHES)
         turn = start(shelf, &key, flight);
     pthread_mutex_unlock(&shelf->cache->lock);
     return turn;
 }
 
-enum server_cache_turn server_cache_claim(struct server_shelf *shelf, const struct gd_field_request *request,
-                                          struct server_job *job, struct server_flight **flight, enum gd_status *why)
+enum server_cache_turn server_cache_claim(struct server_shelf *shelf,
+                                          const struct gd_field_request *request,
+                                          struct server_job *job, struct server_flight **flight,
+                                          enum gd_status *why)
 {
     struct server_field_key key = server_field_key_of(request);
     pthread_mutex_lock(&shelf->cache->lock);
     const struct server_failure *failure = &shelf->failure;
     const struct server_field_key failed = {.hash = failure->hash, .radius = failure->radius};
-    bool has_failed =
-        failed.hash == key.hash && server_field_key_covers(&key, &failed) && gd_now_ns() < failure->until_ns;
+    bool has_failed = failed.hash == key.hash && server_field_key_covers(&key, &failed) &&
+                      gd_now_ns() < failure->until_ns;
     enum server_cache_turn turn = board(shelf, &key, job);
     if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = start(shelf, &key, flight);
     if (turn == SERVER_CACHE_SEARCH) *why = has_failed ? failure->status : GD_NO_MEMORY;
@@ -209,7 +218,7 @@ bool server_cache_is_awaited(struct server_flight *flight)
     return awaited;
 }
 
-/* --- landing ------------------------------------------------------------------------------------------------------ */
+/* --- landing ---------------------------------------------------------------------------------- */
 
 /* Frees a flight that has ended and has those who waited look again. */
 static void disperse(struct server_flight *flight)
@@ -235,7 +244,8 @@ const struct server_cached *server_cache_land(struct server_flight *flight, stru
     pthread_mutex_lock(&cache->lock);
     server_flights_end(&cache->flights, flight);
     forget(flight);
-    struct server_entry *replaced = server_shelf_put(entry); /* without memory it lives as long as its pins */
+    /* without memory it lives as long as its pins */
+    struct server_entry *replaced = server_shelf_put(entry);
     pthread_mutex_unlock(&cache->lock);
     if (replaced) server_entry_release(replaced);
     disperse(flight);
@@ -271,8 +281,8 @@ void server_cache_fail(struct server_flight *flight, enum gd_status status)
     server_flights_end(&cache->flights, flight);
     if (!is_worth_another) {
         forget(flight);
-        shelf->failure =
-            (struct server_failure){flight->key.hash, gd_now_ns() + FAILURE_NS, flight->key.radius, status};
+        shelf->failure = (struct server_failure){flight->key.hash, gd_now_ns() + FAILURE_NS,
+                                                 flight->key.radius, status};
     }
     pthread_mutex_unlock(&cache->lock);
     disperse(flight);

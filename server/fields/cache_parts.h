@@ -1,5 +1,5 @@
-/* What the cache is made of: shelf.c has the fields of one mesh, cache.c what they have in common. Included by those two and by
- * the cache's test, which says what a build took. */
+/* What the cache is made of: shelf.c has the fields of one mesh, cache.c what they have in common.
+ * Included by those two and by the cache's test, which says what a build took. */
 #ifndef SERVER_FIELDS_CACHE_PARTS_H
 #define SERVER_FIELDS_CACHE_PARTS_H
 
@@ -17,11 +17,13 @@ struct server_entry {
     atomic_uint references;      /* the shelf's and the pins' */
     struct server_shelf *shelf;
     struct server_field_slot slot; /* on the shelf; its key is owned */
-    struct server_entry *next;     /* in a list of entries that left their shelves, or that an eviction passes over */
+    /* in a list of entries that left their shelves, or that an eviction passes over */
+    struct server_entry *next;
     struct server_evictable worth; /* its bytes stay in the budget until the last reference goes */
 };
 
-/* A build that failed. Who waited for it, or wants a field that reaches as far, learns so instead of trying it in his turn. */
+/* A build that failed. Who waited for it, or wants a field that reaches as far, learns so instead
+ * of trying it in his turn. */
 struct server_failure {
     uint64_t hash, until_ns;
     double radius; /* 0: no limit */
@@ -46,11 +48,12 @@ struct server_cache {
     struct server_cache_statistics statistics;
 };
 
-/* --- entries, shelf.c --------------------------------------------------------------------------------------------- */
+/* --- entries, shelf.c ------------------------------------------------------------------------- */
 
-/* A pinned entry, on no shelf as yet, that owns the field and its bytes, so far in flight. NULL without memory: then
- * both are gone. */
-struct server_entry *server_entry_create(struct server_shelf *shelf, const struct server_field_key *key,
+/* A pinned entry, on no shelf as yet, that owns the field and its bytes, so far in flight. NULL
+ * without memory: then both are gone. */
+struct server_entry *server_entry_create(struct server_shelf *shelf,
+                                         const struct server_field_key *key,
                                          struct gd_field *field);
 
 /* May free a field: not under the lock. */
@@ -61,26 +64,32 @@ void server_entries_release(struct server_entry *entry);
 
 static inline struct server_entry *server_entry_of(struct server_evictable *worth)
 {
-    return worth ? (struct server_entry *)((char *)worth - offsetof(struct server_entry, worth)) : NULL;
+    return worth ? (struct server_entry *)((char *)worth - offsetof(struct server_entry, worth))
+                 : NULL;
 }
 
-/* --- a shelf under the lock, shelf.c ------------------------------------------------------------------------------ */
+/* --- a shelf under the lock, shelf.c ---------------------------------------------------------- */
 
 /* The entry of that key, which may reach less far; */
-struct server_entry *server_shelf_find(const struct server_shelf *shelf, const struct server_field_key *key);
+struct server_entry *server_shelf_find(const struct server_shelf *shelf,
+                                       const struct server_field_key *key);
 
 /* that reaches as far at least. */
-struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf, const struct server_field_key *key);
+struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf,
+                                                const struct server_field_key *key);
 
-/* Puts an entry (NULL: there is none) on its shelf and in the order of eviction, with one more reference for it, unless the shelf is closed
- * or has one of that key that reaches as far, or there is no memory. Returns the entry whose place and uses it took, for the caller to
- * release after the lock; or NULL. */
+/* Puts an entry (NULL: there is none) on its shelf and in the order of eviction, with one more
+ * reference for it, unless the shelf is closed or has one of that key that reaches as far, or there
+ * is no memory. Returns the entry whose place and uses it took, for the caller to release after the
+ * lock; or NULL. */
 GD_MUST_USE struct server_entry *server_shelf_put(struct server_entry *entry);
 
-/* Takes an entry off its shelf and out of the order; the shelf's reference is the caller's to release after the lock. */
+/* Takes an entry off its shelf and out of the order; the shelf's reference is the caller's to
+ * release after the lock. */
 void server_shelf_withdraw(struct server_entry *entry);
 
-/* Takes an entry that left the order off its shelf; the shelf's reference is the caller's to release after the lock. */
+/* Takes an entry that left the order off its shelf; the shelf's reference is the caller's to
+ * release after the lock. */
 void server_shelf_remove(struct server_entry *entry);
 
 #endif

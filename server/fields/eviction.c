@@ -10,7 +10,8 @@ static struct server_evictable *of_node(struct server_heap_node *node)
 
 static void set_priority(const struct server_eviction *eviction, struct server_evictable *evictable)
 {
-    evictable->priority = eviction->age + evictable->cost * (double)evictable->uses / (double)evictable->bytes;
+    evictable->priority =
+        eviction->age + evictable->cost * (double)evictable->uses / (double)evictable->bytes;
 }
 
 bool server_eviction_reserve(struct server_eviction *eviction)

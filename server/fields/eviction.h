@@ -1,8 +1,9 @@
 /* Eviction: of things that can be made again, which goes first when memory is short.
  *
- * GreedyDual-Size-Frequency (Cherkasova, "Improving WWW proxies performance with GreedyDual-Size-Frequency caching policy",
- * 1998). Priority = age + what it takes to make x uses / bytes, age = priority of the last one that went, so that what was
- * dear but is no longer used goes too. Since priorities only grow, the order is brought up to date when it is asked for.
+ * GreedyDual-Size-Frequency (Cherkasova, "Improving WWW proxies performance with
+ * GreedyDual-Size-Frequency caching policy", 1998). Priority = age + what it takes to make x uses /
+ * bytes, age = priority of the last one that went, so that what was dear but is no longer used goes
+ * too. Since priorities only grow, the order is brought up to date when it is asked for.
  *
  * A node stands inside what it orders. Not thread-safe. */
 #ifndef SERVER_FIELDS_EVICTION_H
@@ -32,7 +33,8 @@ bool server_eviction_reserve(struct server_eviction *eviction);
 void server_eviction_insert(struct server_eviction *eviction, struct server_evictable *evictable);
 
 /* Counts a use, whether it is in the order or not. O(1). */
-void server_eviction_use(const struct server_eviction *eviction, struct server_evictable *evictable);
+void server_eviction_use(const struct server_eviction *eviction,
+                         struct server_evictable *evictable);
 
 /* It is in the order: takes it out, because it goes for another reason. */
 void server_eviction_remove(struct server_eviction *eviction, struct server_evictable *evictable);

@@ -33,7 +33,9 @@ static uint64_t mix_seed(uint64_t hash, const struct gd_seed *seed)
 
 static bool is_same_seed(const struct gd_seed *a, const struct gd_seed *b)
 {
-    if (!gd_point_equal(&a->point, &b->point) || a->offset != b->offset || a->is_segment != b->is_segment) return false;
+    if (!gd_point_equal(&a->point, &b->point) || a->offset != b->offset ||
+        a->is_segment != b->is_segment)
+        return false;
     return !a->is_segment || gd_point_equal(&a->end, &b->end);
 }
 
@@ -67,7 +69,8 @@ void server_field_key_free(struct server_field_key *key)
     free((struct gd_seed *)key->seeds);
 }
 
-struct server_field_key server_field_key_of_point(const struct gd_point *source, struct gd_seed *seed)
+struct server_field_key server_field_key_of_point(const struct gd_point *source,
+                                                  struct gd_seed *seed)
 {
     *seed = (struct gd_seed){.point = *source};
     return server_field_key_of(&(struct gd_field_request){.seeds = seed, .seed_count = 1});
@@ -75,5 +78,6 @@ struct server_field_key server_field_key_of_point(const struct gd_point *source,
 
 bool server_field_key_is_point(const struct server_field_key *key)
 {
-    return key->seed_count == 1 && !key->seeds[0].is_segment && key->seeds[0].offset == 0 && key->radius == 0;
+    return key->seed_count == 1 && !key->seeds[0].is_segment && key->seeds[0].offset == 0 &&
+           key->radius == 0;
 }

@@ -1,5 +1,6 @@
-/* Field key: which field a field is. Requests with the same seeds in the same order, to the last bit, have equal keys; of two fields
- * of theirs the one that reaches farther answers all that the other does. A request without target has a key. */
+/* Field key: which field a field is. Requests with the same seeds in the same order, to the last
+ * bit, have equal keys; of two fields of theirs the one that reaches farther answers all that the
+ * other does. A request without target has a key. */
 #ifndef SERVER_FIELDS_FIELD_KEY_H
 #define SERVER_FIELDS_FIELD_KEY_H
 
@@ -19,7 +20,8 @@ struct server_field_key server_field_key_of(const struct gd_field_request *reque
 bool server_field_key_equal(const struct server_field_key *a, const struct server_field_key *b);
 
 /* Of equal keys: `a` reaches as far as `b`, or farther. */
-static inline bool server_field_key_covers(const struct server_field_key *a, const struct server_field_key *b)
+static inline bool server_field_key_covers(const struct server_field_key *a,
+                                           const struct server_field_key *b)
 {
     return a->radius == 0 || (b->radius != 0 && a->radius >= b->radius);
 }
@@ -29,7 +31,8 @@ bool server_field_key_copy(const struct server_field_key *key, struct server_fie
 void server_field_key_free(struct server_field_key *key); /* of a copy */
 
 /* The key of the whole field of one point. `seed` is filled in, and borrowed by it. */
-struct server_field_key server_field_key_of_point(const struct gd_point *source, struct gd_seed *seed);
+struct server_field_key server_field_key_of_point(const struct gd_point *source,
+                                                  struct gd_seed *seed);
 
 /* True for such a key. */
 bool server_field_key_is_point(const struct server_field_key *key);

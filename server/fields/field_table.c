@@ -28,7 +28,8 @@ static void push(struct server_field_slot **bucket, struct server_field_slot *sl
 bool server_field_table_reserve(struct server_field_table *table)
 {
     if (table->count < table->bucket_count) return true;
-    struct server_field_table grown = {.bucket_count = table->bucket_count ? 2 * table->bucket_count : FIRST_BUCKETS,
+    struct server_field_table grown = {.bucket_count = table->bucket_count ? 2 * table->bucket_count
+                                                                           : FIRST_BUCKETS,
                                        .count = table->count};
     grown.buckets = calloc(grown.bucket_count, sizeof *grown.buckets);
     if (!grown.buckets) return false;

@@ -1,4 +1,5 @@
-/* Field table: things by the key of a field. A slot stands inside what the table holds. Not thread-safe. */
+/* Field table: things by the key of a field. A slot stands inside what the table holds. Not
+ * thread-safe. */
 #ifndef SERVER_FIELDS_FIELD_TABLE_H
 #define SERVER_FIELDS_FIELD_TABLE_H
 
@@ -27,6 +28,7 @@ void server_field_table_insert(struct server_field_table *table, struct server_f
 /* The slot is in the table. */
 void server_field_table_remove(struct server_field_table *table, struct server_field_slot *slot);
 
-void server_field_table_free(struct server_field_table *table); /* the buckets; the slots are their owners' */
+/* the buckets; the slots are their owners' */
+void server_field_table_free(struct server_field_table *table);
 
 #endif

@@ -1,10 +1,12 @@
 /* Recent: which points were asked about often of late, in a fixed room.
  *
- * The counters of Misra and Gries (1982, "Finding repeated elements"): a point that has no counter takes a free one; when none
- * is free it takes one from each of the others instead. So a point that is more than one in SERVER_RECENT_POINTS of those asked
- * about has a counter in the end, whatever the others are, and a crowd of different points leaves nothing behind.
+ * The counters of Misra and Gries (1982, "Finding repeated elements"): a point that has no counter
+ * takes a free one; when none is free it takes one from each of the others instead. So a point that
+ * is more than one in SERVER_RECENT_POINTS of those asked about has a counter in the end, whatever
+ * the others are, and a crowd of different points leaves nothing behind.
  *
- * Points are known by their hash: two that share one are counted together, which does no harm. Not thread-safe. */
+ * Points are known by their hash: two that share one are counted together, which does no harm. Not
+ * thread-safe. */
 #ifndef SERVER_FIELDS_HOT_POINTS_H
 #define SERVER_FIELDS_HOT_POINTS_H
 

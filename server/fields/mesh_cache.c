@@ -3,7 +3,7 @@
 
 #include "server/fields/cache_parts.h"
 
-/* --- entries ------------------------------------------------------------------------------------------------------ */
+/* --- entries ---------------------------------------------------------------------------------- */
 
 static struct server_entry *allocate_entry(const struct server_field_key *key)
 {
@@ -13,8 +13,8 @@ static struct server_entry *allocate_entry(const struct server_field_key *key)
     return NULL;
 }
 
-struct server_entry *server_entry_create(struct server_shelf *shelf, const struct server_field_key *key,
-                                         struct gd_field *field)
+struct server_entry *server_entry_create(struct server_shelf *shelf,
+                                         const struct server_field_key *key, struct gd_field *field)
 {
     struct server_budget *budget = shelf->cache->budget;
     size_t bytes = gd_field_memsize(field),
@@ -55,19 +55,22 @@ void server_entries_release(struct server_entry *entry)
     }
 }
 
-/* --- under the lock ----------------------------------------------------------------------------------------------- */
+/* --- under the lock --------------------------------------------------------------------------- */
 
 static struct server_entry *entry_of_slot(struct server_field_slot *slot)
 {
-    return slot ? (struct server_entry *)((char *)slot - offsetof(struct server_entry, slot)) : NULL;
+    return slot ? (struct server_entry *)((char *)slot - offsetof(struct server_entry, slot))
+                : NULL;
 }
 
-struct server_entry *server_shelf_find(const struct server_shelf *shelf, const struct server_field_key *key)
+struct server_entry *server_shelf_find(const struct server_shelf *shelf,
+                                       const struct server_field_key *key)
 {
     return entry_of_slot(server_field_table_find(&shelf->entries, key));
 }
 
-struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf, const struct server_field_key *key)
+struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf,
+                                                const struct server_field_key *key)
 {
     struct server_entry *entry = server_shelf_find(shelf, key);
     return entry && server_field_key_covers(&entry->slot.key, key) ? entry : NULL;
@@ -87,9 +90,13 @@ void server_shelf_withdraw(struct server_entry *entry)
 
 struct server_entry *server_shelf_put(struct server_entry *entry)
 {
-    if (!entry || entry->shelf->closed || server_shelf_find_covering(entry->shelf, &entry->slot.key)) return NULL;
+    if (!entry || entry->shelf->closed ||
+        server_shelf_find_covering(entry->shelf, &entry->slot.key))
+        return NULL;
     struct server_cache *cache = entry->shelf->cache;
-    if (!server_field_table_reserve(&entry->shelf->entries) || !server_eviction_reserve(&cache->eviction)) return NULL;
+    if (!server_field_table_reserve(&entry->shelf->entries) ||
+        !server_eviction_reserve(&cache->eviction))
+        return NULL;
     struct server_entry *nearer = server_shelf_find(entry->shelf, &entry->slot.key);
     if (nearer) {
         entry->worth.uses += nearer->worth.uses;
@@ -102,7 +109,7 @@ struct server_entry *server_shelf_put(struct server_entry *entry)
     return nearer;
 }
 
-/* --- the shelf ---------------------------------------------------------------------------------------------------- */
+/* --- the shelf -------------------------------------------------------------------------------- */
 
 struct server_shelf *server_shelf_open(struct server_cache *cache)
 {

@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-struct server_flight *server_flights_find(const struct server_flights *flights, const struct server_shelf *shelf,
+struct server_flight *server_flights_find(const struct server_flights *flights,
+                                          const struct server_shelf *shelf,
                                           const struct server_field_key *key)
 {
     struct server_flight *found = NULL;
@@ -15,7 +16,8 @@ struct server_flight *server_flights_find(const struct server_flights *flights, 
     return found;
 }
 
-struct server_flight *server_flights_start(struct server_flights *flights, struct server_shelf *shelf,
+struct server_flight *server_flights_start(struct server_flights *flights,
+                                           struct server_shelf *shelf,
                                            const struct server_field_key *key)
 {
     struct server_flight *flight = malloc(sizeof *flight);

@@ -1,5 +1,5 @@
-/* Flights: fields that are being built, each by one, and the jobs that wait for them. Not thread-safe: the cache's lock guards
- * them. */
+/* Flights: fields that are being built, each by one, and the jobs that wait for them. Not
+ * thread-safe: the cache's lock guards them. */
 #ifndef SERVER_FIELDS_PENDING_BUILDS_H
 #define SERVER_FIELDS_PENDING_BUILDS_H
 
@@ -19,12 +19,15 @@ struct server_flights { /* all zero is none; as many as jobs can be queued or ru
     struct server_flight *first;
 };
 
-/* Of the flights to that shelf of that key, reaching no farther, the one that reaches farthest; or NULL. */
-struct server_flight *server_flights_find(const struct server_flights *flights, const struct server_shelf *shelf,
+/* Of the flights to that shelf of that key, reaching no farther, the one that reaches farthest; or
+ * NULL. */
+struct server_flight *server_flights_find(const struct server_flights *flights,
+                                          const struct server_shelf *shelf,
                                           const struct server_field_key *key);
 
 /* A new one with nobody waiting; the key is copied. NULL without memory. */
-struct server_flight *server_flights_start(struct server_flights *flights, struct server_shelf *shelf,
+struct server_flight *server_flights_start(struct server_flights *flights,
+                                           struct server_shelf *shelf,
                                            const struct server_field_key *key);
 
 void server_flight_park(struct server_flight *flight, struct server_job *job);

@@ -9,33 +9,37 @@
 
 #define FIRST_CAPACITY 4096
 
-/* A client has this long for any body, and beyond it must have kept up this rate on average: an inactivity timer
- * alone would let a client that sends a byte now and then hold its memory for ever. */
+/* A client has this long for any body, and beyond it must have kept up this rate on average: an
+ * inactivity timer alone would let a client that sends a byte now and then hold its memory for
+ * ever. */
 #define GRACE_NS       UINT64_C(30000000000)
 #define BYTES_A_SECOND 4096
 
 static bool refuse_size(const struct server_body *body, struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "the request body is larger than the %llu bytes allowed here; send a smaller one",
-                      (unsigned long long)body->limit);
+    proto_problem_set(
+        problem, PROTO_PROBLEM_TOO_LARGE,
+        "the request body is larger than the %llu bytes allowed here; send a smaller one",
+        (unsigned long long)body->limit);
     return proto_problem_limit(problem, body->limit);
 }
 
-static bool refuse_memory(struct server_budget *budget, uint64_t bytes, struct proto_problem *problem)
+static bool refuse_memory(struct server_budget *budget, uint64_t bytes,
+                          struct proto_problem *problem)
 {
     return server_budget_refuse(budget, "the request body", (size_t)bytes, problem);
 }
 
-bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared, uint64_t limit,
-                         struct proto_problem *problem)
+bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
+                         uint64_t limit, struct proto_problem *problem)
 {
     body->declared = declared;
     body->limit = limit;
     body->started_ns = gd_now_ns();
     if (declared == SERVER_BODY_CHUNKED) return true;
     if (declared > limit) return refuse_size(body, problem);
-    if (!server_budget_could_take(budget, (size_t)declared)) return refuse_memory(budget, declared, problem);
+    if (!server_budget_could_take(budget, (size_t)declared))
+        return refuse_memory(budget, declared, problem);
     return true;
 }
 
@@ -47,8 +51,8 @@ static void drop_inflater(struct server_body *body, struct server_budget *budget
     body->inflater = NULL;
 }
 
-/* Doubles, so that copying stays linear, but never past what was declared. Memory is held for what arrived, not
- * for what was promised. */
+/* Doubles, so that copying stays linear, but never past what was declared. Memory is held for what
+ * arrived, not for what was promised. */
 static size_t next_capacity(const struct server_body *body, size_t needed)
 {
     size_t capacity = body->capacity ? 2 * body->capacity : FIRST_CAPACITY;
@@ -77,17 +81,20 @@ static bool is_too_slow(struct server_body *body, size_t size)
 {
     uint64_t elapsed = gd_now_ns() - body->started_ns;
     body->received += size;
-    return elapsed > GRACE_NS && (double)body->received * 1e9 < (double)BYTES_A_SECOND * (double)elapsed;
+    return elapsed > GRACE_NS &&
+           (double)body->received * 1e9 < (double)BYTES_A_SECOND * (double)elapsed;
 }
 
-static void fail(struct server_body *body, struct server_budget *budget, enum proto_problem_code failure)
+static void fail(struct server_body *body, struct server_budget *budget,
+                 enum proto_problem_code failure)
 {
     server_body_drop(body, budget);
     body->failure = failure;
 }
 
 /* Appends what was sent, or unpacked. */
-static void append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+static void append(struct server_body *body, struct server_budget *budget, const void *bytes,
+                   size_t size)
 {
     if (size > body->limit - body->size) {
         fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
@@ -112,7 +119,8 @@ static bool append_unpacked(void *user, const void *bytes, size_t size)
     return !unpacking->body->failure;
 }
 
-static void unpack(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+static void unpack(struct server_body *body, struct server_budget *budget, const void *bytes,
+                   size_t size)
 {
     struct unpacking unpacking = {body, budget};
     switch (server_inflate(body->inflater, bytes, size, append_unpacked, &unpacking)) {
@@ -125,13 +133,14 @@ static void unpack(struct server_body *body, struct server_budget *budget, const
         break;
     case SERVER_INFLATE_RATIO_PASSED:
         fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
-        body->fault =
-            "the request body unpacks to so many times its size that it is taken for an attack; send it unpacked";
+        body->fault = "the request body unpacks to so many times its size that it is taken for an "
+                      "attack; send it unpacked";
         break;
     }
 }
 
-bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
+                        size_t size)
 {
     if (is_too_slow(body, size)) return false;
     if (body->failure) return true;
@@ -142,7 +151,8 @@ bool server_body_append(struct server_body *body, struct server_budget *budget, 
     return true;
 }
 
-bool server_body_unpack(struct server_body *body, struct server_budget *budget, struct proto_problem *problem)
+bool server_body_unpack(struct server_body *body, struct server_budget *budget,
+                        struct proto_problem *problem)
 {
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES))
         return refuse_memory(budget, SERVER_INFLATE_BYTES, problem);
@@ -152,12 +162,14 @@ bool server_body_unpack(struct server_body *body, struct server_budget *budget, 
     return refuse_memory(budget, SERVER_INFLATE_BYTES, problem);
 }
 
-bool server_body_check(struct server_body *body, struct server_budget *budget, struct proto_problem *problem)
+bool server_body_check(struct server_body *body, struct server_budget *budget,
+                       struct proto_problem *problem)
 {
     bool is_cut = !body->failure && body->inflater && !server_inflater_is_whole(body->inflater);
     drop_inflater(body, budget);
     if (is_cut)
-        return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "the packed request body is cut short");
+        return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                                 "the packed request body is cut short");
     if (body->fault) return proto_problem_set(problem, body->failure, "%s", body->fault);
     switch (body->failure) {
     case PROTO_PROBLEM_NONE:

@@ -14,31 +14,40 @@
 struct server_inflater;
 
 struct server_body {
-    char *bytes;                      /* NULL while empty */
-    size_t size, capacity;            /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
-    uint64_t declared;                /* Content-Length; 0: none; SERVER_BODY_CHUNKED: it will show */
-    uint64_t limit;                   /* most bytes that the operation takes */
-    uint64_t started_ns, received;    /* the time of the first byte, and the bytes since, as they came */
+    char *bytes; /* NULL while empty */
+    /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
+    size_t size, capacity;
+    /* Content-Length; 0: none; SERVER_BODY_CHUNKED: it will show */
+    uint64_t declared;
+    uint64_t limit; /* most bytes that the operation takes */
+    /* the time of the first byte, and the bytes since, as they came */
+    uint64_t started_ns, received;
     size_t refused;                   /* bytes that the budget did not give */
     struct server_inflater *inflater; /* the body comes packed; NULL: it does not */
     const char *fault;                /* why it can't be unpacked, a sentence; NULL: it can */
     enum proto_problem_code
-        failure; /* a limit was passed on the way: the rest is dropped, and the answer is given at its end */
+        /* a limit was passed on the way: the rest is dropped, and the answer is given at its end */
+        failure;
 };
 
-/* Refuses a declared length that is over the limit or has no chance in the budget, before a byte was sent. */
-bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared, uint64_t limit,
-                         struct proto_problem *problem);
+/* Refuses a declared length that is over the limit or has no chance in the budget, before a byte
+ * was sent. */
+bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
+                         uint64_t limit, struct proto_problem *problem);
 
-/* The body comes packed by gzip: its size and limit are those of what it unpacks to. Before the first byte. */
-bool server_body_unpack(struct server_body *body, struct server_budget *budget, struct proto_problem *problem);
+/* The body comes packed by gzip: its size and limit are those of what it unpacks to. Before the
+ * first byte. */
+bool server_body_unpack(struct server_body *body, struct server_budget *budget,
+                        struct proto_problem *problem);
 
-/* Appends bytes. Passing the limit or the budget is remembered in `failure`. False: the client sends so slowly
- * that it is to be dropped. */
-bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size);
+/* Appends bytes. Passing the limit or the budget is remembered in `failure`. False: the client
+ * sends so slowly that it is to be dropped. */
+bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
+                        size_t size);
 
 /* At the end of the body. False with the problem that `failure` stands for. */
-bool server_body_check(struct server_body *body, struct server_budget *budget, struct proto_problem *problem);
+bool server_body_check(struct server_body *body, struct server_budget *budget,
+                       struct proto_problem *problem);
 
 /* Frees the bytes and gives them back to the budget. */
 void server_body_drop(struct server_body *body, struct server_budget *budget);

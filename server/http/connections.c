@@ -1,8 +1,9 @@
 /* See connections.h.
  *
- * DESIGN. One mutex guards the list, which is in the order of opening. A deadline is atomic, and its two low bits say what it is of: its connection's
- * thread sets it, the cutting thread reads it and may exchange it for another if it is the same still. A connection leaves the list before its socket
- * is closed, so that a socket that is shut down under the mutex is never another's. */
+ * DESIGN. One mutex guards the list, which is in the order of opening. A deadline is atomic, and
+ * its two low bits say what it is of: its connection's thread sets it, the cutting thread reads it
+ * and may exchange it for another if it is the same still. A connection leaves the list before its
+ * socket is closed, so that a socket that is shut down under the mutex is never another's. */
 #include "server/http/connections.h"
 
 #include <linux/tcp.h>
@@ -19,16 +20,20 @@
 #include "server/base/thread.h"
 #include "server/http/wire.h"
 
-#define SECOND_NS      UINT64_C(1000000000)
-#define HEAD_NS        (30 * SECOND_NS) /* for a handshake and a request's headers */
-#define ANSWER_NS      (30 * SECOND_NS) /* for any answer, and beyond it as long as it takes at this rate */
+#define SECOND_NS UINT64_C(1000000000)
+#define HEAD_NS   (30 * SECOND_NS) /* for a handshake and a request's headers */
+/* for any answer, and beyond it as long as it takes at this rate */
+#define ANSWER_NS      (30 * SECOND_NS)
 #define BYTES_A_SECOND 16384
 #define TAKING_NS      (30 * SECOND_NS) /* between two looks at what a client has taken */
-#define TAKING_BYTES                                                                                                   \
-    (TAKING_NS / SECOND_NS * BYTES_A_SECOND / 2) /* least that it takes meanwhile: acknowledgements come in lumps */
-#define LONG_BYTES   65536                       /* shorter answers are taken at once, or not in time */
-#define IDLE_NS      (30 * SECOND_NS)            /* between requests; not more than for an answer */
-#define SCARCE_PART  2                /* of the reserve: when fewer are free, any connection that waits may be cut */
+#define TAKING_BYTES                                                                               \
+    (TAKING_NS / SECOND_NS * BYTES_A_SECOND /                                                      \
+     2) /* least that it takes meanwhile: acknowledgements come in lumps */
+/* shorter answers are taken at once, or not in time */
+#define LONG_BYTES 65536
+#define IDLE_NS    (30 * SECOND_NS) /* between requests; not more than for an answer */
+/* of the reserve: when fewer are free, any connection that waits may be cut */
+#define SCARCE_PART  2
 #define RESERVE_PART 8                /* of all connections: so many are kept free */
 #define COMPLAINT_NS (60 * SECOND_NS) /* between two lines of the log about a shortage */
 
@@ -47,7 +52,8 @@ struct entry {
     unsigned address;                           /* the group that its client's address is in */
     atomic_uint_least64_t deadline_ns, last_ns; /* last: of an answer whose deadline may be moved */
     bool is_leaving;                            /* it was shut down; under the lock */
-    uint64_t taken; /* bytes that the client had acknowledged when it was last looked at; of the thread */
+    /* bytes that the client had acknowledged when it was last looked at; of the thread */
+    uint64_t taken;
 };
 
 struct server_connections {
@@ -59,7 +65,7 @@ struct server_connections {
     uint64_t looked_ns, complained_ns; /* of the thread */
 };
 
-/* --- cutting ------------------------------------------------------------------------------------------------------- */
+/* --- cutting ---------------------------------------------------------------------------------- */
 
 static enum kind kind_of(uint64_t deadline_ns)
 {
@@ -79,13 +85,15 @@ static bool cut(struct entry *entry, uint64_t deadline_ns, bool is_incident)
 
 enum taking { TAKING_NOTHING, TAKING_SOME, TAKEN_ALL };
 
-/* What the client has done since it was last looked at. A socket that does not tell is left to the library's timer (http.c). */
+/* What the client has done since it was last looked at. A socket that does not tell is left to the
+ * library's timer (http.c). */
 static enum taking look_at_client(struct entry *entry)
 {
     struct tcp_info facts = {0};
     socklen_t size = sizeof facts;
-    bool is_told = getsockopt(entry->descriptor, IPPROTO_TCP, TCP_INFO, &facts, &size) == 0 &&
-                   size >= offsetof(struct tcp_info, tcpi_notsent_bytes) + sizeof facts.tcpi_notsent_bytes;
+    bool is_told =
+        getsockopt(entry->descriptor, IPPROTO_TCP, TCP_INFO, &facts, &size) == 0 &&
+        size >= offsetof(struct tcp_info, tcpi_notsent_bytes) + sizeof facts.tcpi_notsent_bytes;
     uint64_t before = entry->taken;
     if (!is_told) return TAKEN_ALL;
     entry->taken = facts.tcpi_bytes_acked;
@@ -104,7 +112,8 @@ static uint64_t prolong(struct entry *entry, enum kind kind, uint64_t now_ns)
     uint64_t last_ns = atomic_load_explicit(&entry->last_ns, memory_order_relaxed);
     if (kind == KIND_ANSWER && last_ns > now_ns && look_at_client(entry) != TAKING_NOTHING)
         return earlier(now_ns + TAKING_NS, last_ns);
-    return kind == KIND_IDLE && look_at_client(entry) == TAKING_SOME ? now_ns + IDLE_NS : 0; /* of an answer, still */
+    /* of an answer, still */
+    return kind == KIND_IDLE && look_at_client(entry) == TAKING_SOME ? now_ns + IDLE_NS : 0;
 }
 
 void server_connections_cut(struct server_connections *connections, uint64_t now_ns)
@@ -116,14 +125,15 @@ void server_connections_cut(struct server_connections *connections, uint64_t now
         if (deadline_ns > now_ns) continue;
         uint64_t later_ns = prolong(entry, kind, now_ns);
         if (later_ns)
-            atomic_compare_exchange_strong(&entry->deadline_ns, &deadline_ns, (later_ns & ~KINDS) | kind);
+            atomic_compare_exchange_strong(&entry->deadline_ns, &deadline_ns,
+                                           (later_ns & ~KINDS) | kind);
         else
             (void)cut(entry, deadline_ns, kind != KIND_IDLE);
     }
     pthread_mutex_unlock(&connections->lock);
 }
 
-/* --- a shortage ----------------------------------------------------------------------------------------------------- */
+/* --- a shortage ------------------------------------------------------------------------------- */
 
 #define AGES        128
 #define AGE_NS      (SECOND_NS / 4)
@@ -154,21 +164,26 @@ static void count_waiting(const struct server_connections *connections, struct s
     }
 }
 
-/* 0 is the first to go. Of each tier: heads that are overdue, the oldest first, then connections that are idle, then the other heads. The second tier are
- * addresses that have less than half as many as the one that has most. These, and heads that have just begun, go only when it is bad. */
-static unsigned rank_of(const struct shortage *shortage, const struct entry *entry, uint64_t deadline_ns)
+/* 0 is the first to go. Of each tier: heads that are overdue, the oldest first, then connections
+ * that are idle, then the other heads. The second tier are addresses that have less than half as
+ * many as the one that has most. These, and heads that have just begun, go only when it is bad. */
+static unsigned rank_of(const struct shortage *shortage, const struct entry *entry,
+                        uint64_t deadline_ns)
 {
     if (!is_waiting(deadline_ns)) return NOBODY;
     uint64_t left = deadline_ns > shortage->now_ns ? (deadline_ns - shortage->now_ns) / AGE_NS : 0;
-    bool is_idle = kind_of(deadline_ns) == KIND_IDLE, is_young = !is_idle && left > HEAD_NS / AGE_NS - OLD_AGES;
+    bool is_idle = kind_of(deadline_ns) == KIND_IDLE,
+         is_young = !is_idle && left > HEAD_NS / AGE_NS - OLD_AGES;
     bool is_of_few = 2 * shortage->waiting[entry->address] < shortage->most;
     if (!shortage->is_bad && (is_young || is_of_few)) return NOBODY;
-    return is_of_few * ALL_OF_TIER + (is_young ? 2 : is_idle) * AGES + (unsigned)earlier(left, AGES - 1);
+    return is_of_few * ALL_OF_TIER + (is_young ? 2 : is_idle) * AGES +
+           (unsigned)earlier(left, AGES - 1);
 }
 
-/* Under the lock: the rank of the last one to go, and how many of that rank go, when so many are to. */
-static unsigned find_last_rank(const struct server_connections *connections, const struct shortage *shortage,
-                               uint32_t *wanted)
+/* Under the lock: the rank of the last one to go, and how many of that rank go, when so many are
+ * to. */
+static unsigned find_last_rank(const struct server_connections *connections,
+                               const struct shortage *shortage, uint32_t *wanted)
 {
     uint32_t counts[NOBODY + 1] = {0};
     unsigned rank = 0;
@@ -179,7 +194,8 @@ static unsigned find_last_rank(const struct server_connections *connections, con
 }
 
 /* Under the lock. */
-static uint32_t cut_oldest(struct server_connections *connections, uint64_t now_ns, uint32_t wanted, bool is_bad)
+static uint32_t cut_oldest(struct server_connections *connections, uint64_t now_ns, uint32_t wanted,
+                           bool is_bad)
 {
     struct shortage shortage = {.now_ns = now_ns, .is_bad = is_bad};
     uint32_t count = 0;
@@ -200,7 +216,8 @@ static void complain(struct server_connections *connections, uint32_t count, uin
     if (!count || now_ns - connections->complained_ns < COMPLAINT_NS) return;
     connections->complained_ns = now_ns;
     server_log_message(SERVER_LOG_WARN, "connections_short",
-                       "fewer than %u of %u connections are free: those that keep the daemon waiting are closed, the "
+                       "fewer than %u of %u connections are free: those that keep the daemon "
+                       "waiting are closed, the "
                        "oldest unfinished heads first (connections_cut_total)",
                        connections->reserve, connections->most);
 }
@@ -213,10 +230,12 @@ static uint32_t excess(struct server_connections *connections, uint32_t free)
     return connections->most && open > kept ? (uint32_t)(open - kept) : 0;
 }
 
-/* Half of the places more than are missing, so that none is looked for at each connection that comes. */
+/* Half of the places more than are missing, so that none is looked for at each connection that
+ * comes. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
-    uint32_t reserve = connections->reserve, least = reserve / SCARCE_PART, wanted = excess(connections, reserve);
+    uint32_t reserve = connections->reserve, least = reserve / SCARCE_PART,
+             wanted = excess(connections, reserve);
     if (!wanted) return;
     pthread_mutex_lock(&connections->lock);
     uint32_t count = cut_oldest(connections, now_ns, wanted + reserve / 2, false);
@@ -226,7 +245,7 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
     complain(connections, count, now_ns);
 }
 
-/* --- the thread --------------------------------------------------------------------------------------------------- */
+/* --- the thread ------------------------------------------------------------------------------- */
 
 /* The client has ended its side, and all that it sent was read. */
 static bool is_ended(const struct entry *entry)
@@ -239,15 +258,16 @@ void server_connections_remind(struct server_connections *connections)
 {
     pthread_mutex_lock(&connections->lock);
     for (struct entry *entry = connections->first; entry; entry = entry->next)
-        if (is_ended(entry))
-            shutdown(entry->descriptor, SHUT_RD); /* its thread looks again; an answer can still leave */
+        if (is_ended(entry)) /* its thread looks again; an answer can still leave */
+            shutdown(entry->descriptor, SHUT_RD);
     pthread_mutex_unlock(&connections->lock);
 }
 
 static void look(void *user, struct server_thread *thread)
 {
     struct server_connections *connections = user;
-    while (server_thread_pause(thread, atomic_load(&connections->open) ? SECOND_NS : SERVER_THREAD_FOREVER)) {
+    while (server_thread_pause(thread, atomic_load(&connections->open) ? SECOND_NS
+                                                                       : SERVER_THREAD_FOREVER)) {
         uint64_t now_ns = gd_now_ns();
         server_connections_relieve(connections, now_ns);
         if (now_ns - connections->looked_ns < SECOND_NS / 2) continue;
@@ -276,7 +296,7 @@ void server_connections_destroy(struct server_connections *connections)
     free(connections);
 }
 
-/* --- one connection ----------------------------------------------------------------------------------------------- */
+/* --- one connection --------------------------------------------------------------------------- */
 
 void server_connections_limit(struct server_connections *connections, uint32_t most)
 {
@@ -286,7 +306,8 @@ void server_connections_limit(struct server_connections *connections, uint32_t m
 
 static uint64_t deadline_of(const struct server_connection *connection)
 {
-    return atomic_load_explicit(&((const struct entry *)connection)->deadline_ns, memory_order_relaxed);
+    return atomic_load_explicit(&((const struct entry *)connection)->deadline_ns,
+                                memory_order_relaxed);
 }
 
 static void set_deadline(struct server_connection *connection, enum kind kind, uint64_t deadline_ns)
@@ -327,11 +348,13 @@ static unsigned group_of(const struct sockaddr *client)
         const struct in6_addr *address = &((const struct sockaddr_in6 *)client)->sin6_addr;
         memcpy(&number, address->s6_addr + (IN6_IS_ADDR_V4MAPPED(address) ? 8 : 0), sizeof number);
     }
-    return (unsigned)((number * UINT64_C(0x9e3779b97f4a7c15)) >> 54); /* Fibonacci hashing: 10 bits */
+    /* Fibonacci hashing: 10 bits */
+    return (unsigned)((number * UINT64_C(0x9e3779b97f4a7c15)) >> 54);
 }
 
-struct server_connection *server_connections_open(struct server_connections *connections, int descriptor,
-                                                  const struct sockaddr *client, bool is_encrypted)
+struct server_connection *server_connections_open(struct server_connections *connections,
+                                                  int descriptor, const struct sockaddr *client,
+                                                  bool is_encrypted)
 {
     struct entry *entry = calloc(1, sizeof *entry);
     if (!entry) return NULL;
@@ -356,7 +379,8 @@ void server_connections_close(struct server_connection *connection)
     free(entry);
 }
 
-/* The time of a head runs from its first byte on; the first one's, from the connection's beginning. */
+/* The time of a head runs from its first byte on; the first one's, from the connection's beginning.
+ */
 void server_connection_received(struct server_connection *connection)
 {
     struct entry *entry = (struct entry *)connection;
@@ -377,9 +401,11 @@ void server_connection_begin(struct server_connection *connection)
     set_deadline(connection, KIND_OTHER, NEVER);
 }
 
-void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream, uint64_t now_ns)
+void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream,
+                              uint64_t now_ns)
 {
-    uint64_t last_ns = is_stream ? NEVER : now_ns + ANSWER_NS + (uint64_t)size / BYTES_A_SECOND * SECOND_NS;
+    uint64_t last_ns =
+        is_stream ? NEVER : now_ns + ANSWER_NS + (uint64_t)size / BYTES_A_SECOND * SECOND_NS;
     bool is_long = is_stream || size > LONG_BYTES;
     connection->is_brief = !is_stream && size < BYTES_A_SECOND;
     atomic_store_explicit(&((struct entry *)connection)->last_ns, last_ns, memory_order_relaxed);
@@ -393,7 +419,8 @@ void server_connection_end(struct server_connection *connection)
     if (server_grammar_is_in_head(&connection->grammar))
         set_deadline(connection, KIND_HEAD, gd_now_ns() + HEAD_NS);
     else
-        set_deadline(connection, KIND_IDLE, connection->is_brief ? deadline_of(connection) : gd_now_ns() + IDLE_NS);
+        set_deadline(connection, KIND_IDLE,
+                     connection->is_brief ? deadline_of(connection) : gd_now_ns() + IDLE_NS);
 }
 
 bool server_connection_is_in_body(const struct server_connection *connection)
@@ -413,7 +440,8 @@ uint32_t server_connections_under_way(struct server_connections *connections)
     return count;
 }
 
-struct server_connections_statistics server_connections_statistics(struct server_connections *connections)
+struct server_connections_statistics
+server_connections_statistics(struct server_connections *connections)
 {
     if (!connections) return (struct server_connections_statistics){0};
     return (struct server_connections_statistics){.open = atomic_load(&connections->open),

@@ -8,7 +8,8 @@
 
 #define BLANKS " \t"
 
-_Static_assert(SERVER_ETAG_LINES >= SERVER_EXCHANGE_HEADERS, "all headers of a request may be of one name");
+_Static_assert(SERVER_ETAG_LINES >= SERVER_EXCHANGE_HEADERS,
+               "all headers of a request may be of one name");
 
 enum comparison { STRONG, WEAK };
 
@@ -39,8 +40,9 @@ static enum server_etag_form compare(const struct tag *listed, const char *etag)
     size_t size = strlen(etag);
     if (listed->size < size || memcmp(listed->text, etag, size) != 0) return SERVER_ETAG_NONE;
     if (listed->size == size) return SERVER_ETAG_PLAIN;
-    bool is_packed = listed->size - size == strlen(SERVER_ETAG_PACKED_SUFFIX) &&
-                     memcmp(listed->text + size, SERVER_ETAG_PACKED_SUFFIX, listed->size - size) == 0;
+    bool is_packed =
+        listed->size - size == strlen(SERVER_ETAG_PACKED_SUFFIX) &&
+        memcmp(listed->text + size, SERVER_ETAG_PACKED_SUFFIX, listed->size - size) == 0;
     return is_packed ? SERVER_ETAG_PACKED : SERVER_ETAG_NONE;
 }
 
@@ -52,7 +54,8 @@ static bool is_any(const char *line)
 }
 
 /* What can't be read ends a line. */
-static enum server_etag_form find_in_line(const char *line, const char *etag, enum comparison comparison)
+static enum server_etag_form find_in_line(const char *line, const char *etag,
+                                          enum comparison comparison)
 {
     struct tag listed;
     enum server_etag_form form = is_any(line) ? SERVER_ETAG_PLAIN : SERVER_ETAG_NONE;
@@ -62,7 +65,8 @@ static enum server_etag_form find_in_line(const char *line, const char *etag, en
     return form;
 }
 
-static enum server_etag_form find(const char *const *lines, const char *etag, enum comparison comparison)
+static enum server_etag_form find(const char *const *lines, const char *etag,
+                                  enum comparison comparison)
 {
     enum server_etag_form form = SERVER_ETAG_NONE;
     for (; etag && *lines && !form; lines++) form = find_in_line(*lines, etag, comparison);
@@ -74,14 +78,16 @@ bool server_precondition_matches(const struct server_precondition *precondition,
     return !precondition->if_match[0] || find(precondition->if_match, etag, STRONG);
 }
 
-enum server_etag_form server_precondition_known(const struct server_precondition *precondition, const char *etag)
+enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
+                                                const char *etag)
 {
     return find(precondition->if_none_match, etag, WEAK);
 }
 
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag)
 {
-    return server_precondition_matches(precondition, etag) && !server_precondition_known(precondition, etag);
+    return server_precondition_matches(precondition, etag) &&
+           !server_precondition_known(precondition, etag);
 }
 
 static void collect(const struct server_exchange *exchange, const char *name, const char **lines)

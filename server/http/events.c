@@ -9,8 +9,9 @@
 #include "gd/control.h"
 
 #define PROGRESS_NS UINT64_C(100000000) /* between two messages of a stream, unless it is woken */
-#define HEARTBEAT_NS                                                                                                   \
-    UINT64_C(15000000000) /* without a message: proxies and clients take longer silence for a broken line */
+#define HEARTBEAT_NS                                                                               \
+    UINT64_C(15000000000) /* without a message: proxies and clients take longer silence for a      \
+                             broken line */
 #define LOOK_NS      UINT64_C(1000000000) /* between two looks at the sockets of paused readers */
 #define MESSAGE_MOST 65536                /* bytes */
 
@@ -56,9 +57,10 @@ uint32_t server_events_count(const struct server_events *events)
     return events ? atomic_load_explicit(&events->count, memory_order_relaxed) : 0;
 }
 
-/* --- streams ------------------------------------------------------------------------------------------------------ */
+/* --- streams ---------------------------------------------------------------------------------- */
 
-struct server_stream *server_stream_open(struct server_events *events, const struct server_event_source *source)
+struct server_stream *server_stream_open(struct server_events *events,
+                                         const struct server_event_source *source)
 {
     struct server_stream *stream = calloc(1, sizeof *stream);
     if (!stream) return NULL;
@@ -94,7 +96,7 @@ void server_stream_close(struct server_stream *stream)
     free(stream);
 }
 
-/* --- reading, under the lock -------------------------------------------------------------------------------------- */
+/* --- reading, under the lock ------------------------------------------------------------------ */
 
 static bool has_news(const struct server_stream *stream)
 {
@@ -117,10 +119,12 @@ static void compose(struct server_stream *stream, uint64_t now_ns)
     proto_writer_free(&stream->message);
     proto_writer_init(&stream->message, MESSAGE_MOST);
     if (is_news)
-        stream->has_ended = stream->is_whole = !stream->source.tell(stream->source.user, &stream->message);
+        stream->has_ended = stream->is_whole =
+            !stream->source.tell(stream->source.user, &stream->message);
     else
         proto_append(&stream->message, heartbeat, strlen(heartbeat));
-    if (stream->message.failure || (stream->events->is_ending && !stream->source.is_content)) stream->has_ended = true;
+    if (stream->message.failure || (stream->events->is_ending && !stream->source.is_content))
+        stream->has_ended = true;
     stream->read = 0;
     stream->is_woken = false;
     stream->told_version = version;
@@ -152,11 +156,13 @@ static size_t copy(struct server_stream *stream, char *bytes, size_t size)
 static ptrdiff_t read_some(struct server_stream *stream, char *bytes, size_t size)
 {
     uint64_t now = gd_now_ns();
-    if (stream->read == stream->message.size && !stream->has_ended && is_due(stream, now)) compose(stream, now);
+    if (stream->read == stream->message.size && !stream->has_ended && is_due(stream, now))
+        compose(stream, now);
     size_t read = copy(stream, bytes, size);
     if (read) return (ptrdiff_t)read;
     if (stream->has_ended)
-        return stream->source.is_content && !stream->is_whole ? SERVER_STREAM_CUT : SERVER_STREAM_END;
+        return stream->source.is_content && !stream->is_whole ? SERVER_STREAM_CUT
+                                                              : SERVER_STREAM_END;
     pause_reader(stream);
     return 0;
 }
@@ -169,7 +175,7 @@ ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t s
     return read;
 }
 
-/* --- waking ------------------------------------------------------------------------------------------------------- */
+/* --- waking ----------------------------------------------------------------------------------- */
 
 /* A stream whose client has hung up ends, so that its reader is resumed and finds out. */
 static void look(struct server_events *events)

@@ -1,17 +1,19 @@
-/* Events: answers that come as things happen, each to a client that watches: server-sent events, or an answer's own text.
+/* Events: answers that come as things happen, each to a client that watches: server-sent events, or
+ * an answer's own text.
  *
- *     stream = server_stream_open(events, &source);      a handler; exchange->response.stream = stream
- *     server_stream_attach(stream, reader);              the transport, when it begins to send
+ *     stream = server_stream_open(events, &source);      a handler; exchange->response.stream =
+ * stream server_stream_attach(stream, reader);              the transport, when it begins to send
  *     read = server_stream_read(stream, bytes, size);    ... whenever it can write
  *     server_events_wake(events, source.user);           whoever has news
  *     server_stream_close(stream);                       with the exchange
  *
- * DESIGN. Nothing is kept for a stream but what its client has not been told yet, and that is one message: a source is
- * asked what there is to tell when its client can take more, so slow clients miss what was in between, and no queue
- * grows. A reader that has nothing to read is paused until there is news, a heartbeat is due, or its client has hung up.
+ * DESIGN. Nothing is kept for a stream but what its client has not been told yet, and that is one
+ * message: a source is asked what there is to tell when its client can take more, so slow clients
+ * miss what was in between, and no queue grows. A reader that has nothing to read is paused until
+ * there is news, a heartbeat is due, or its client has hung up.
  *
- * One mutex guards the list of streams and whether they are paused. Pause and resume are called under it, so that they
- * come in turn; so is a source, whose locks rank below. */
+ * One mutex guards the list of streams and whether they are paused. Pause and resume are called
+ * under it, so that they come in turn; so is a source, whose locks rank below. */
 #ifndef SERVER_HTTP_EVENTS_H
 #define SERVER_HTTP_EVENTS_H
 
@@ -32,8 +34,9 @@ struct server_event_source {
     bool (*tell)(void *user, struct proto_writer *writer);
     void (*release)(void *user);
     void *user;
-    /* What is told is an answer's own text: it is told at once and in full, nothing is put between, the daemon's drain waits for it, and
-     * if it ends before the last message its client sees an error. */
+    /* What is told is an answer's own text: it is told at once and in full, nothing is put between,
+     * the daemon's drain waits for it, and if it ends before the last message its client sees an
+     * error. */
     bool is_content;
 };
 
@@ -54,8 +57,9 @@ struct server_events *server_events_create(void);
 /* All streams are closed. NULL is harmless. */
 void server_events_destroy(struct server_events *events);
 
-/* Looks at all streams: every one that ticks were missed for, its progress, heartbeats, and clients that have hung up. To be
- * called every 10 milliseconds or so while there is progress, every second while there are streams. NULL is harmless. */
+/* Looks at all streams: every one that ticks were missed for, its progress, heartbeats, and clients
+ * that have hung up. To be called every 10 milliseconds or so while there is progress, every second
+ * while there are streams. NULL is harmless. */
 void server_events_tick(struct server_events *events, uint64_t now_ns);
 
 /* Tells the streams of a source at once that there is news. */
@@ -67,13 +71,16 @@ void server_events_end(struct server_events *events);
 /* Streams that are open. Thread-safe. NULL: 0. */
 uint32_t server_events_count(const struct server_events *events);
 
-/* A stream of the source, whose release is called when it is closed. NULL without memory: then it is not. */
-struct server_stream *server_stream_open(struct server_events *events, const struct server_event_source *source);
+/* A stream of the source, whose release is called when it is closed. NULL without memory: then it
+ * is not. */
+struct server_stream *server_stream_open(struct server_events *events,
+                                         const struct server_event_source *source);
 
 /* Once, before the first read. */
 void server_stream_attach(struct server_stream *stream, struct server_stream_reader reader);
 
-/* Fills in at most `size` bytes and returns how many. 0: none, the reader is paused; SERVER_STREAM_END, SERVER_STREAM_CUT. */
+/* Fills in at most `size` bytes and returns how many. 0: none, the reader is paused;
+ * SERVER_STREAM_END, SERVER_STREAM_CUT. */
 ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t size);
 
 /* The transport reads no more, and its reader is not called any more. NULL is harmless. */

@@ -13,15 +13,17 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-/* --- the target --------------------------------------------------------------------------------------------------- */
+/* --- the target ------------------------------------------------------------------------------- */
 
 static int hex_digit(char c)
 {
-    return isdigit((unsigned char)c) ? c - '0' : isxdigit((unsigned char)c) ? tolower((unsigned char)c) - 'a' + 10 : -1;
+    return isdigit((unsigned char)c)    ? c - '0'
+           : isxdigit((unsigned char)c) ? tolower((unsigned char)c) - 'a' + 10
+                                        : -1;
 }
 
-/* Decodes %XX in place. A plus sign stands for itself: numbers have exponents. False at a broken escape or an
- * encoded NUL. */
+/* Decodes %XX in place. A plus sign stands for itself: numbers have exponents. False at a broken
+ * escape or an encoded NUL. */
 static bool percent_decode(char *text)
 {
     char *out = strchr(text, '%');
@@ -43,7 +45,8 @@ static bool percent_decode(char *text)
 /* An encoded slash would make two segments of one, a control character has no place in any name. */
 static const char *decode_path(char *path)
 {
-    if (strchr(path, '%') && strcasestr(path, "%2f")) return "a path segment of this API can't hold an encoded slash";
+    if (strchr(path, '%') && strcasestr(path, "%2f"))
+        return "a path segment of this API can't hold an encoded slash";
     if (!percent_decode(path)) return "the path has a broken percent escape";
     for (const char *c = path; *c; c++)
         if (iscntrl((unsigned char)*c)) return "the path holds a control character";
@@ -57,13 +60,15 @@ static const char *split_query(struct server_exchange *exchange, char *query)
         rest = strchr(part, '&');
         if (rest) *rest++ = '\0';
         if (!*part) continue;
-        if (exchange->parameter_count == SERVER_EXCHANGE_PARAMETERS) return "the query string has too many parameters";
+        if (exchange->parameter_count == SERVER_EXCHANGE_PARAMETERS)
+            return "the query string has too many parameters";
         char *equals = strchr(part, '=');
         if (equals) *equals = '\0';
         char *value = equals ? equals + 1 : part + strlen(part);
         if (has_escapes && (!percent_decode(part) || !percent_decode(value)))
             return "the query string has a broken percent escape";
-        exchange->parameters[exchange->parameter_count++] = (struct server_named_value){part, value};
+        exchange->parameters[exchange->parameter_count++] =
+            (struct server_named_value){part, value};
     }
     return NULL;
 }
@@ -83,12 +88,13 @@ static bool read_target(struct server_exchange *exchange, const char *target)
     return true;
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static void run(struct server_job *job);
 static void refuse(struct server_job *job, enum server_refusal why);
 
-static void clear(struct server_exchange *exchange, struct server *server, const struct server_transport *transport)
+static void clear(struct server_exchange *exchange, struct server *server,
+                  const struct server_transport *transport)
 {
     memset(exchange, 0, offsetof(struct server_exchange, response.headers));
     exchange->server = server;
@@ -126,7 +132,8 @@ void server_exchange_end(struct server_exchange *exchange)
     free(exchange->target);
 }
 
-struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
+struct server_exchange *server_exchange_create(struct server *server,
+                                               const struct server_transport *transport,
                                                const char *target)
 {
     struct server_exchange *exchange = malloc(sizeof *exchange);
@@ -142,13 +149,14 @@ void server_exchange_destroy(struct server_exchange *exchange)
     free(exchange);
 }
 
-void server_exchange_keep(struct server_exchange *exchange, void *state, void (*free_state)(void *state))
+void server_exchange_keep(struct server_exchange *exchange, void *state,
+                          void (*free_state)(void *state))
 {
     exchange->state = state;
     exchange->free_state = free_state;
 }
 
-/* --- another transport -------------------------------------------------------------------------------------------- */
+/* --- another transport ------------------------------------------------------------------------ */
 
 /* Copies the text to `*at`, which is behind the copy then. */
 static char *copy_text(char **at, const char *text)
@@ -178,7 +186,8 @@ static bool copy_head(struct server_exchange *to, const struct server_exchange *
 }
 
 /* What stands at that place of the other's target. */
-static const char *find_again(const struct server_exchange *to, const struct server_exchange *from, const char *text)
+static const char *find_again(const struct server_exchange *to, const struct server_exchange *from,
+                              const char *text)
 {
     return to->target + (text - from->target);
 }
@@ -195,8 +204,9 @@ static bool copy_target(struct server_exchange *to, const struct server_exchange
         to->match.captures[i].text = find_again(to, from, from->match.captures[i].text);
     to->parameter_count = from->parameter_count;
     for (uint32_t i = 0; i < to->parameter_count; i++)
-        to->parameters[i] = (struct server_named_value){find_again(to, from, from->parameters[i].name),
-                                                        find_again(to, from, from->parameters[i].value)};
+        to->parameters[i] =
+            (struct server_named_value){find_again(to, from, from->parameters[i].name),
+                                        find_again(to, from, from->parameters[i].value)};
     return true;
 }
 
@@ -207,8 +217,10 @@ static struct server_exchange *create_detached(struct server_exchange *exchange,
     if (!detached) return NULL;
     clear(detached, exchange->server, transport);
     size_t bytes = sizeof *detached + exchange->target_size;
-    if (server_budget_take(&exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) detached->held = bytes;
-    if (detached->held && copy_target(detached, exchange) && copy_head(detached, exchange)) return detached;
+    if (server_budget_take(&exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes))
+        detached->held = bytes;
+    if (detached->held && copy_target(detached, exchange) && copy_head(detached, exchange))
+        return detached;
     server_exchange_destroy(detached);
     return NULL;
 }
@@ -227,14 +239,16 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     return detached;
 }
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
-void server_exchange_add_header(struct server_exchange *exchange, const char *name, const char *value)
+void server_exchange_add_header(struct server_exchange *exchange, const char *name,
+                                const char *value)
 {
     if (exchange->header_count == SERVER_EXCHANGE_HEADERS)
         exchange->fault = "the request has too many headers";
     else
-        exchange->headers[exchange->header_count++] = (struct server_named_value){name, value ? value : ""};
+        exchange->headers[exchange->header_count++] =
+            (struct server_named_value){name, value ? value : ""};
     if (strncasecmp(name, "If-", 3) == 0) exchange->has_conditions = true;
 }
 
@@ -254,7 +268,8 @@ const char *server_exchange_header(const struct server_exchange *exchange, const
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < exchange->header_count; i++) count += is_name(exchange->headers[i].name, name);
+    for (uint32_t i = 0; i < exchange->header_count; i++)
+        count += is_name(exchange->headers[i].name, name);
     return count;
 }
 
@@ -274,12 +289,14 @@ static const char *parameter_get(void *user, const char *name)
     const struct server_exchange *exchange = user;
     for (uint32_t i = 0; i < exchange->parameter_count; i++) {
         const struct server_named_value *parameter = &exchange->parameters[i];
-        if (*parameter->name == *name && strcmp(parameter->name, name) == 0) return parameter->value;
+        if (*parameter->name == *name && strcmp(parameter->name, name) == 0)
+            return parameter->value;
     }
     return NULL;
 }
 
-static void parameter_each(void *user, bool (*visit)(void *context, const char *name), void *context)
+static void parameter_each(void *user, bool (*visit)(void *context, const char *name),
+                           void *context)
 {
     const struct server_exchange *exchange = user;
     for (uint32_t i = 0; i < exchange->parameter_count; i++)
@@ -288,10 +305,11 @@ static void parameter_each(void *user, bool (*visit)(void *context, const char *
 
 struct proto_parameters server_exchange_parameters(struct server_exchange *exchange)
 {
-    return (struct proto_parameters){.get = parameter_get, .each = parameter_each, .user = exchange};
+    return (struct proto_parameters){
+        .get = parameter_get, .each = parameter_each, .user = exchange};
 }
 
-/* --- the second lane ---------------------------------------------------------------------------------------------- */
+/* --- the second lane -------------------------------------------------------------------------- */
 
 struct server_exchange *server_exchange_of(struct server_job *job)
 {
@@ -305,7 +323,8 @@ void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_
     exchange->job.deadline_ns -= (limit_ms - timeout_ms) * 1000000;
 }
 
-void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange),
+void server_exchange_defer(struct server_exchange *exchange,
+                           bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange))
 {
     exchange->work = work;
@@ -337,7 +356,8 @@ static void refuse(struct server_job *job, enum server_refusal why)
     struct proto_problem problem;
     switch (why) {
     case SERVER_REFUSAL_DEADLINE:
-        (void)proto_problem_from_status(&problem, atomic_load(&job->is_unwanted) ? GD_CANCELLED : GD_DEADLINE, NULL);
+        (void)proto_problem_from_status(
+            &problem, atomic_load(&job->is_unwanted) ? GD_CANCELLED : GD_DEADLINE, NULL);
         break;
     case SERVER_REFUSAL_DRAINING:
         (void)proto_problem_from_status(&problem, GD_CANCELLED, NULL);
@@ -357,10 +377,11 @@ void server_exchange_submit(struct server_exchange *exchange)
     exchange->job.tenant = exchange->tenant;
     if (exchange->join && exchange->join(exchange)) return;
     if (server_workers_submit(server->workers, &exchange->job)) return;
-    server_reply_refusal(exchange, PROTO_PROBLEM_OVERLOADED,
-                         "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
-                         "try again in a moment",
-                         (unsigned long long)server->config.queue_length);
+    server_reply_refusal(
+        exchange, PROTO_PROBLEM_OVERLOADED,
+        "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
+        "try again in a moment",
+        (unsigned long long)server->config.queue_length);
     finish(exchange);
 }
 
@@ -372,11 +393,13 @@ static bool on_progress(void *user, double fraction)
     double share = monitor->share > 0 ? monitor->share : 1;
     if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
     if (!server_workers_go_on(exchange->server->workers)) return false;
-    return !transport->is_gone(exchange) || (monitor->flight && server_cache_is_awaited(monitor->flight));
+    return !transport->is_gone(exchange) ||
+           (monitor->flight && server_cache_is_awaited(monitor->flight));
 }
 
 struct gd_control server_exchange_control(struct server_monitor *monitor)
 {
-    return (struct gd_control){
-        .deadline_ns = monitor->exchange->job.deadline_ns, .progress = on_progress, .user = monitor};
+    return (struct gd_control){.deadline_ns = monitor->exchange->job.deadline_ns,
+                               .progress = on_progress,
+                               .user = monitor};
 }

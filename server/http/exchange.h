@@ -1,14 +1,15 @@
 /* Exchange: one request and its answer, as handlers see them. No HTTP library shows here.
  *
- * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the handler
- * deferred it, the queue, a worker or a flight of the cache, then the HTTP thread again. The hand-over is the
- * workers' lock one way and transport->finish the other: who has submitted, parked or finished an exchange does
- * not touch it any more.
+ * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the
+ * handler deferred it, the queue, a worker or a flight of the cache, then the HTTP thread again.
+ * The hand-over is the workers' lock one way and transport->finish the other: who has submitted,
+ * parked or finished an exchange does not touch it any more.
  *
- * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept for later (jobs.c).
- * Handlers need not know which.
+ * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept
+ * for later (jobs.c). Handlers need not know which.
  *
- * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is set (reply.h).
+ * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is
+ * set (reply.h).
  *
  * A handler is flat: each step succeeds, or replies and returns. It ends with a reply or with
  * server_exchange_defer. */
@@ -65,24 +66,30 @@ struct server_response {
     const void *body;
     void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
     struct server_lent lent;
-    size_t size;                  /* of all of it, with what is lent */
-    size_t held;                  /* bytes of SERVER_BUDGET_ANSWERS that are counted for the body until it is freed */
-    struct server_stream *stream; /* instead of a body: one that comes as it happens (events.h); NULL: none */
-    bool close;                   /* the connection ends with this answer */
-    const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */
+    size_t size; /* of all of it, with what is lent */
+    /* bytes of SERVER_BUDGET_ANSWERS that are counted for the body until it is freed */
+    size_t held;
+    /* instead of a body: one that comes as it happens (events.h); NULL: none */
+    struct server_stream *stream;
+    bool close;         /* the connection ends with this answer */
+    const char *policy; /* Content-Security-Policy of a page; NULL: the answer is data */
     uint32_t header_count;
-    struct server_response_header headers[SERVER_RESPONSE_HEADERS]; /* what is not counted is not initialized */
+    /* what is not counted is not initialized */
+    struct server_response_header headers[SERVER_RESPONSE_HEADERS];
 };
 
 /* What carries the exchange. */
 struct server_transport {
     /* A deferred exchange is answered: it is the transport's again. */
     void (*finish)(struct server_exchange *exchange);
-    /* Nobody wants the answer of a deferred exchange any more. Asked every millisecond, by any thread that works for it. */
+    /* Nobody wants the answer of a deferred exchange any more. Asked every millisecond, by any
+     * thread that works for it. */
     bool (*is_gone)(struct server_exchange *exchange);
-    /* A worker has taken up a deferred exchange, perhaps again. NULL: the transport need not know. */
+    /* A worker has taken up a deferred exchange, perhaps again. NULL: the transport need not know.
+     */
     void (*begin)(struct server_exchange *exchange);
-    /* The part of the work that is done, in [0,1]; from any thread that works for it. NULL: the transport need not know. */
+    /* The part of the work that is done, in [0,1]; from any thread that works for it. NULL: the
+     * transport need not know. */
     void (*report)(struct server_exchange *exchange, double part);
     bool can_stream; /* its client can take an answer as it comes (server_reply_stream) */
 };
@@ -99,57 +106,71 @@ struct server_exchange {
     size_t target_size;
     const char *path; /* never NULL */
     uint32_t parameter_count, header_count;
-    char *copies;                   /* of method and headers, when they are not the transport's; NULL: they are */
-    const char *fault;              /* why the request could not be read, a sentence; NULL: it could */
+    /* of method and headers, when they are not the transport's; NULL: they are */
+    char *copies;
+    /* why the request could not be read, a sentence; NULL: it could */
+    const char *fault;
     struct proto_route_match match; /* route NULL: none found */
     char request_id[SERVER_REQUEST_ID];
     struct server_grant grant;
-    const char *tenant;      /* whose names it is about (key.h), borrowed from the grant; "": there are none */
-    const char *cors_origin; /* the Origin header, when it is a page that --cors-origin lists; NULL: it is not */
+    /* whose names it is about (key.h), borrowed from the grant; "": there are none */
+    const char *tenant;
+    /* the Origin header, when it is a page that --cors-origin lists; NULL: it is not */
+    const char *cors_origin;
     struct server_body body;
 
     uint64_t started_ns, deadline_ns;
-    bool (*work)(struct server_exchange *exchange); /* see server_exchange_defer; NULL: not deferred */
+    /* see server_exchange_defer; NULL: not deferred */
+    bool (*work)(struct server_exchange *exchange);
     bool (*join)(struct server_exchange *exchange);
-    struct server_surface *surface; /* loaded for this exchange, which has a reference; NULL: none was */
-    size_t held;                    /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
-    size_t parsed;                  /* bytes of it that are for a document which is being decoded (request.h) */
-    void *state;                    /* the handler's own, kept over a deferral, until the answer is there */
+    /* loaded for this exchange, which has a reference; NULL: none was */
+    struct server_surface *surface;
+    /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
+    size_t held;
+    /* bytes of it that are for a document which is being decoded (request.h) */
+    size_t parsed;
+    /* the handler's own, kept over a deferral, until the answer is there */
+    void *state;
     void (*free_state)(void *state);
 
     struct server_response response;
 
-    /* From the response's headers on nothing is initialized but what is counted: clearing it takes longer than the rest of a
-     * short request. */
-    struct server_named_value parameters[SERVER_EXCHANGE_PARAMETERS], headers[SERVER_EXCHANGE_HEADERS];
+    /* From the response's headers on nothing is initialized but what is counted: clearing it takes
+     * longer than the rest of a short request. */
+    struct server_named_value parameters[SERVER_EXCHANGE_PARAMETERS],
+        headers[SERVER_EXCHANGE_HEADERS];
 };
 
-/* --- for the transport (http.c) and the router -------------------------------------------------------------------- */
+/* --- for the transport (http.c) and the router ------------------------------------------------ */
 
-/* Makes an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when it has ended. False without
- * memory: then it has not begun. A target that can't be read is a fault of the request. */
+/* Makes an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when it
+ * has ended. False without memory: then it has not begun. A target that can't be read is a fault of
+ * the request. */
 bool server_exchange_begin(struct server_exchange *exchange, struct server *server,
                            const struct server_transport *transport, const char *target);
 void server_exchange_end(struct server_exchange *exchange);
 
 /* The same in memory of its own; NULL without memory. */
-struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
+struct server_exchange *server_exchange_create(struct server *server,
+                                               const struct server_transport *transport,
                                                const char *target);
 void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
 
-/* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of the request. */
-void server_exchange_add_header(struct server_exchange *exchange, const char *name, const char *value);
+/* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of
+ * the request. */
+void server_exchange_add_header(struct server_exchange *exchange, const char *name,
+                                const char *value);
 
-/* The same request for a transport that outlives this one's, or NULL without memory. It takes over the body and copies
- * the rest. What is left of `exchange` can be answered. */
+/* The same request for a transport that outlives this one's, or NULL without memory. It takes over
+ * the body and copies the rest. What is left of `exchange` can be answered. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
-/* Hands a deferred exchange to the workers; it is not the caller's any more. A full queue answers it with
- * overloaded. */
+/* Hands a deferred exchange to the workers; it is not the caller's any more. A full queue answers
+ * it with overloaded. */
 void server_exchange_submit(struct server_exchange *exchange);
 
-/* --- for handlers ------------------------------------------------------------------------------------------------- */
+/* --- for handlers ----------------------------------------------------------------------------- */
 
 /* Value of the first header of that name, any case; NULL: none. */
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
@@ -166,25 +187,31 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
 /* Shortens the deadline to `timeout_ms` after the start of the work; 0: leaves it. */
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
 
-/* Gives the exchange a state of the handler's own, freed when a deferred exchange is answered, else with the exchange. */
-void server_exchange_keep(struct server_exchange *exchange, void *state, void (*free_state)(void *state));
+/* Gives the exchange a state of the handler's own, freed when a deferred exchange is answered, else
+ * with the exchange. */
+void server_exchange_keep(struct server_exchange *exchange, void *state,
+                          void (*free_state)(void *state));
 
-/* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or deferred again,
- * false when the exchange is no longer its own: parked in a flight of the cache, which will have `work` called
- * again. `join` (may be NULL) is tried first, without a worker: true when it has parked the exchange in a flight
- * that is under way, so that those who wait for one answer don't fill the queue. */
-void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange),
+/* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or
+ * deferred again, false when the exchange is no longer its own: parked in a flight of the cache,
+ * which will have `work` called again. `join` (may be NULL) is tried first, without a worker: true
+ * when it has parked the exchange in a flight that is under way, so that those who wait for one
+ * answer don't fill the queue. */
+void server_exchange_defer(struct server_exchange *exchange,
+                           bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
 
 /* Whose job it is. */
 struct server_exchange *server_exchange_of(struct server_job *job);
 
-/* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that nobody wants the answer
- * any more unless others wait for `flight` (may be NULL). Calls of several threads for one exchange have one monitor each. */
+/* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that
+ * nobody wants the answer any more unless others wait for `flight` (may be NULL). Calls of several
+ * threads for one exchange have one monitor each. */
 struct server_monitor {
     struct server_exchange *exchange;
     struct server_flight *flight;
-    double begun, share; /* the call is the part [begun, begun + share] of the work; share 0: it is all of it */
+    /* the call is the part [begun, begun + share] of the work; share 0: it is all of it */
+    double begun, share;
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

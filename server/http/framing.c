@@ -27,13 +27,18 @@ bool server_framing_read(const struct server_exchange *exchange, struct server_f
     uint32_t hosts = server_exchange_count_headers(exchange, "Host");
     uint32_t codings = server_exchange_count_headers(exchange, "Transfer-Encoding");
     struct server_framing framing = {.has_body = lengths || codings};
-    if (hosts > 1 || (hosts == 0 && !exchange->is_http10)) return refuse(problem, "send the Host header, once");
-    if (lengths && codings) return refuse(problem, "send Content-Length or Transfer-Encoding, not both");
-    if (lengths > 1 || codings > 1) return refuse(problem, "send Content-Length or Transfer-Encoding once");
-    if (lengths && !read_length(server_exchange_header(exchange, "Content-Length"), &framing.declared))
+    if (hosts > 1 || (hosts == 0 && !exchange->is_http10))
+        return refuse(problem, "send the Host header, once");
+    if (lengths && codings)
+        return refuse(problem, "send Content-Length or Transfer-Encoding, not both");
+    if (lengths > 1 || codings > 1)
+        return refuse(problem, "send Content-Length or Transfer-Encoding once");
+    if (lengths &&
+        !read_length(server_exchange_header(exchange, "Content-Length"), &framing.declared))
         return refuse(problem, "Content-Length is not a decimal number of bytes");
     if (codings) {
-        if (exchange->is_http10 || strcasecmp(server_exchange_header(exchange, "Transfer-Encoding"), "chunked") != 0)
+        if (exchange->is_http10 ||
+            strcasecmp(server_exchange_header(exchange, "Transfer-Encoding"), "chunked") != 0)
             return refuse(problem, "the only Transfer-Encoding is chunked, from HTTP/1.1 on");
         framing.declared = SERVER_BODY_CHUNKED;
     }

@@ -65,20 +65,23 @@ static const char *enter(struct server_grammar *grammar, enum server_grammar_sta
 static const char *find_excess(const struct server_grammar *grammar)
 {
     if (grammar->state == SERVER_GRAMMAR_TARGET && grammar->count > SERVER_GRAMMAR_TARGET_MOST)
-        return "the request target has more than " QUOTE(SERVER_GRAMMAR_TARGET_MOST) " bytes; POST takes a body";
+        return "the request target has more than " QUOTE(
+            SERVER_GRAMMAR_TARGET_MOST) " bytes; POST takes a body";
     return grammar->head + grammar->count > SERVER_GRAMMAR_HEAD_MOST
-               ? "the request line and the headers have more than " QUOTE(SERVER_GRAMMAR_HEAD_MOST) " bytes"
+               ? "the request line and the headers have more than " QUOTE(
+                     SERVER_GRAMMAR_HEAD_MOST) " bytes"
                : NULL;
 }
 
-/* Keeps the byte of a name or a value, in lower case, if there is room; a cut word ends differently from any that counts. */
+/* Keeps the byte of a name or a value, in lower case, if there is room; a cut word ends differently
+ * from any that counts. */
 static void keep(char word[SERVER_GRAMMAR_WORD], unsigned at, unsigned char byte)
 {
     if (at < SERVER_GRAMMAR_WORD - 1) word[at] = (char)tolower(byte);
     word[at < SERVER_GRAMMAR_WORD - 1 ? at + 1 : SERVER_GRAMMAR_WORD - 1] = '\0';
 }
 
-/* --- the request line --------------------------------------------------------------------------------------------- */
+/* --- the request line ------------------------------------------------------------------------- */
 
 /* One empty line may stand before a request: old clients send one after a body. */
 static const char *start(struct server_grammar *grammar, unsigned char byte)
@@ -114,7 +117,8 @@ static const char *target(struct server_grammar *grammar, unsigned char byte)
 {
     if (byte == ' ' && grammar->count) return enter(grammar, SERVER_GRAMMAR_VERSION);
     if (!(classes[byte] & IN_TARGET))
-        return "the request target holds a byte that has to be percent-encoded, or two blanks stand around it";
+        return "the request target holds a byte that has to be percent-encoded, or two blanks "
+               "stand around it";
     grammar->count++;
     return find_excess(grammar);
 }
@@ -124,8 +128,10 @@ static const char *version(struct server_grammar *grammar, unsigned char byte)
     static const char text[] = "HTTP/1.";
     const unsigned size = sizeof text - 1;
     if (grammar->count == VERSION_BYTES)
-        return byte == '\r' ? enter(grammar, SERVER_GRAMMAR_LINE_LF) : "the request line does not end after HTTP/1.1";
-    bool is_right = grammar->count < size ? byte == (unsigned char)text[grammar->count] : byte == '0' || byte == '1';
+        return byte == '\r' ? enter(grammar, SERVER_GRAMMAR_LINE_LF)
+                            : "the request line does not end after HTTP/1.1";
+    bool is_right = grammar->count < size ? byte == (unsigned char)text[grammar->count]
+                                          : byte == '0' || byte == '1';
     if (!is_right) return "the version is neither HTTP/1.1 nor HTTP/1.0";
     grammar->is_http10 = byte == '0';
     grammar->count++;
@@ -138,12 +144,13 @@ static const char *line_lf(struct server_grammar *grammar, unsigned char byte)
     return byte == '\n' ? NULL : "a CR stands without its LF";
 }
 
-/* --- headers and trailers ----------------------------------------------------------------------------------------- */
+/* --- headers and trailers --------------------------------------------------------------------- */
 
 static const char *field(struct server_grammar *grammar, unsigned char byte)
 {
     if (byte == '\r') return enter(grammar, SERVER_GRAMMAR_END_LF);
-    if (byte == ' ' || byte == '\t') return "a header is folded, or the first one begins with a blank";
+    if (byte == ' ' || byte == '\t')
+        return "a header is folded, or the first one begins with a blank";
     if (!is_token(byte)) return "a header line begins with no name";
     if (grammar->headers++ == SERVER_GRAMMAR_HEADERS_MOST)
         return "the request has more than " QUOTE(SERVER_GRAMMAR_HEADERS_MOST) " headers";
@@ -166,7 +173,9 @@ static const char *name(struct server_grammar *grammar, unsigned char byte)
         grammar->value[0] = '\0';
         return enter(grammar, SERVER_GRAMMAR_VALUE);
     }
-    if (!is_token(byte)) return "the name of a header holds a byte that it can't, or a blank stands before its colon";
+    if (!is_token(byte))
+        return "the name of a header holds a byte that it can't, or a blank stands before its "
+               "colon";
     keep(grammar->name, grammar->count++, byte);
     return grammar->count > NAME_MOST ? "the name of a header is too long" : find_excess(grammar);
 }
@@ -175,9 +184,11 @@ static const char *take_length(struct server_grammar *grammar)
 {
     size_t digits = strspn(grammar->value, "0123456789");
     if (grammar->has_length) return "Content-Length stands twice";
-    if (digits == 0 || digits > 18 || grammar->value[digits]) return "Content-Length is not a decimal number of bytes";
+    if (digits == 0 || digits > 18 || grammar->value[digits])
+        return "Content-Length is not a decimal number of bytes";
     grammar->has_length = true;
-    for (size_t i = 0; i < digits; i++) grammar->left = 10 * grammar->left + (uint64_t)(grammar->value[i] - '0');
+    for (size_t i = 0; i < digits; i++)
+        grammar->left = 10 * grammar->left + (uint64_t)(grammar->value[i] - '0');
     return NULL;
 }
 
@@ -193,7 +204,8 @@ static const char *take_coding(struct server_grammar *grammar)
 /* A header is whole; its value is known up to blanks before it. */
 static const char *take_field(struct server_grammar *grammar)
 {
-    if (grammar->in_trailer && grammar->header) return "a trailer can't say how a request is framed";
+    if (grammar->in_trailer && grammar->header)
+        return "a trailer can't say how a request is framed";
     switch (grammar->header) {
     case SERVER_GRAMMAR_LENGTH:
         return take_length(grammar);
@@ -214,7 +226,8 @@ static const char *value(struct server_grammar *grammar, unsigned char byte)
         return fault ? fault : enter(grammar, SERVER_GRAMMAR_VALUE_LF);
     }
     if (!(classes[byte] & IN_VALUE)) return "the value of a header holds a control character";
-    if (grammar->count || (byte != ' ' && byte != '\t')) keep(grammar->value, grammar->count++, byte);
+    if (grammar->count || (byte != ' ' && byte != '\t'))
+        keep(grammar->value, grammar->count++, byte);
     return find_excess(grammar);
 }
 
@@ -228,20 +241,22 @@ static const char *end_lf(struct server_grammar *grammar, unsigned char byte)
 {
     if (byte != '\n') return "a CR stands without its LF";
     if (grammar->in_trailer) return enter(grammar, SERVER_GRAMMAR_START);
-    if (grammar->has_length && grammar->is_chunked) return "Content-Length and Transfer-Encoding exclude each other";
+    if (grammar->has_length && grammar->is_chunked)
+        return "Content-Length and Transfer-Encoding exclude each other";
     grammar->heads++;
     return enter(grammar, grammar->is_chunked ? SERVER_GRAMMAR_CHUNK_SIZE
                           : grammar->left     ? SERVER_GRAMMAR_BODY
                                               : SERVER_GRAMMAR_START);
 }
 
-/* --- chunks ------------------------------------------------------------------------------------------------------- */
+/* --- chunks ----------------------------------------------------------------------------------- */
 
 static const char *chunk_size(struct server_grammar *grammar, unsigned char byte)
 {
     if (byte < 0x80 && isxdigit(byte)) {
         if (grammar->count++ == SIZE_DIGITS) return "the size of a chunk has too many digits";
-        grammar->left = grammar->left << 4 | (uint64_t)(isdigit(byte) ? byte - '0' : tolower(byte) - 'a' + 10);
+        grammar->left =
+            grammar->left << 4 | (uint64_t)(isdigit(byte) ? byte - '0' : tolower(byte) - 'a' + 10);
         return NULL;
     }
     if (!grammar->count) return "a chunk begins with no size";
@@ -249,13 +264,15 @@ static const char *chunk_size(struct server_grammar *grammar, unsigned char byte
         grammar->extra++;
         return enter(grammar, SERVER_GRAMMAR_CHUNK_EXTENSION);
     }
-    return byte == '\r' ? enter(grammar, SERVER_GRAMMAR_CHUNK_SIZE_LF) : "the size of a chunk is no hexadecimal number";
+    return byte == '\r' ? enter(grammar, SERVER_GRAMMAR_CHUNK_SIZE_LF)
+                        : "the size of a chunk is no hexadecimal number";
 }
 
 static const char *chunk_extension(struct server_grammar *grammar, unsigned char byte)
 {
     if (byte == '\r') return enter(grammar, SERVER_GRAMMAR_CHUNK_SIZE_LF);
-    if ((byte < ' ' && byte != '\t') || byte >= 0x7f) return "the extension of a chunk holds a byte that it can't";
+    if ((byte < ' ' && byte != '\t') || byte >= 0x7f)
+        return "the extension of a chunk holds a byte that it can't";
     return ++grammar->extra > EXTENSION_BYTES ? "the extensions of chunks are too long" : NULL;
 }
 
@@ -280,7 +297,7 @@ static const char *chunk_lf(struct server_grammar *grammar, unsigned char byte)
     return enter(grammar, SERVER_GRAMMAR_CHUNK_SIZE);
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static const struct {
     step_function step; /* NULL: bytes that are counted only */
@@ -312,18 +329,22 @@ static size_t skip(struct server_grammar *grammar, size_t size)
     size_t skipped = grammar->left < size ? (size_t)grammar->left : size;
     grammar->left -= skipped;
     if (!grammar->left)
-        enter(grammar, grammar->state == SERVER_GRAMMAR_BODY ? SERVER_GRAMMAR_START : SERVER_GRAMMAR_CHUNK_CR);
+        enter(grammar, grammar->state == SERVER_GRAMMAR_BODY ? SERVER_GRAMMAR_START
+                                                             : SERVER_GRAMMAR_CHUNK_CR);
     return skipped;
 }
 
-/* Passes over bytes of a target, or of a value that says nothing here, as their steps would, up to where those would look for an excess;
- * returns how many. */
+/* Passes over bytes of a target, or of a value that says nothing here, as their steps would, up to
+ * where those would look for an excess; returns how many. */
 static size_t run(struct server_grammar *grammar, const char *bytes, size_t size)
 {
-    bool is_target = grammar->state == SERVER_GRAMMAR_TARGET, is_value = grammar->state == SERVER_GRAMMAR_VALUE,
-         is_other = grammar->header == SERVER_GRAMMAR_OTHER || grammar->header == SERVER_GRAMMAR_HOST;
+    bool is_target = grammar->state == SERVER_GRAMMAR_TARGET,
+         is_value = grammar->state == SERVER_GRAMMAR_VALUE,
+         is_other =
+             grammar->header == SERVER_GRAMMAR_OTHER || grammar->header == SERVER_GRAMMAR_HOST;
     if (!is_target && !(is_value && is_other)) return 0;
-    unsigned class = is_target ? IN_TARGET : IN_VALUE, before = grammar->count + (is_target ? 0 : grammar->head),
+    unsigned class = is_target ? IN_TARGET : IN_VALUE,
+             before = grammar->count + (is_target ? 0 : grammar->head),
              most = is_target ? SERVER_GRAMMAR_TARGET_MOST : SERVER_GRAMMAR_HEAD_MOST;
     size_t passed = 0, room = before < most ? most - before : 0;
     if (room > size) room = size;
@@ -336,7 +357,8 @@ static size_t run(struct server_grammar *grammar, const char *bytes, size_t size
 /* Passes over the version that nearly all requests have. */
 static size_t pass_version(struct server_grammar *grammar, const char *bytes, size_t size)
 {
-    if (grammar->state != SERVER_GRAMMAR_VERSION || grammar->count || size < VERSION_BYTES) return 0;
+    if (grammar->state != SERVER_GRAMMAR_VERSION || grammar->count || size < VERSION_BYTES)
+        return 0;
     if (memcmp(bytes, "HTTP/1.1", VERSION_BYTES) != 0) return 0;
     grammar->count = VERSION_BYTES;
     return VERSION_BYTES;
@@ -365,11 +387,12 @@ size_t server_grammar_follow(struct server_grammar *grammar, const char *bytes, 
 
 bool server_grammar_is_in_head(const struct server_grammar *grammar)
 {
-    return grammar->state > SERVER_GRAMMAR_START && grammar->state <= SERVER_GRAMMAR_END_LF && !grammar->in_trailer;
+    return grammar->state > SERVER_GRAMMAR_START && grammar->state <= SERVER_GRAMMAR_END_LF &&
+           !grammar->in_trailer;
 }
 
-/* libmicrohttpd 0.9.75 answers a wrong Content-Length itself, and writes that answer's head twice; with a coding it does not read
- * the length. */
+/* libmicrohttpd 0.9.75 answers a wrong Content-Length itself, and writes that answer's head twice;
+ * with a coding it does not read the length. */
 static const char *end_value(const struct server_grammar *grammar)
 {
     return grammar->header == SERVER_GRAMMAR_LENGTH ? "\r\nTransfer-Encoding: chunked\r\n\r\n"
@@ -379,11 +402,14 @@ static const char *end_value(const struct server_grammar *grammar)
 const char *server_grammar_ending(const struct server_grammar *grammar)
 {
     const char *ending = states[grammar->state].ending;
-    bool is_field = grammar->state >= SERVER_GRAMMAR_FIELD && grammar->state <= SERVER_GRAMMAR_END_LF;
-    if (grammar->in_trailer && is_field) return grammar->state == SERVER_GRAMMAR_FIELD ? "@\r\n" : "\r\n@\r\n\r\n";
+    bool is_field =
+        grammar->state >= SERVER_GRAMMAR_FIELD && grammar->state <= SERVER_GRAMMAR_END_LF;
+    if (grammar->in_trailer && is_field)
+        return grammar->state == SERVER_GRAMMAR_FIELD ? "@\r\n" : "\r\n@\r\n\r\n";
     if (grammar->state == SERVER_GRAMMAR_VALUE) return end_value(grammar);
     if (grammar->state == SERVER_GRAMMAR_CHUNK_SIZE_LF && grammar->extra)
         return ""; /* the library looks for a LF only */
-    if (grammar->state == SERVER_GRAMMAR_VERSION && grammar->count == VERSION_BYTES) return "\r\n\r\n";
+    if (grammar->state == SERVER_GRAMMAR_VERSION && grammar->count == VERSION_BYTES)
+        return "\r\n\r\n";
     return grammar->state == SERVER_GRAMMAR_TARGET && grammar->count ? " HTTP/1.1\r\n\r\n" : ending;
 }

@@ -9,8 +9,8 @@ static char *append(char *at, const char *text, size_t size)
     return (char *)memcpy(at, text, size) + size;
 }
 
-void server_header_block_join(struct server_header_block *block, const struct server_response *response,
-                              const char *date)
+void server_header_block_join(struct server_header_block *block,
+                              const struct server_response *response, const char *date)
 {
     char *at = append(block->value, date, strlen(date));
     for (uint32_t i = 0; i < response->header_count; i++) {

@@ -1,5 +1,5 @@
-/* Header block: all headers of an answer as one, Date, whose value holds the other lines: what the HTTP library takes a tenth of the
- * time for that it takes for each on its own.
+/* Header block: all headers of an answer as one, Date, whose value holds the other lines: what the
+ * HTTP library takes a tenth of the time for that it takes for each on its own.
  *
  *     server_header_block_join(&block, response, server_date());
  *     ... give the library the header Date and block.value, which hold no line breaks yet ...
@@ -16,12 +16,13 @@
 struct server_header_block {
     uint32_t break_count;
     size_t breaks[SERVER_RESPONSE_HEADERS]; /* where lines end in the value: two blanks for now */
-    char value[SERVER_HEADER_VALUE + SERVER_RESPONSE_HEADERS * (SERVER_HEADER_NAME + 4 + SERVER_HEADER_VALUE)];
+    char value[SERVER_HEADER_VALUE +
+               SERVER_RESPONSE_HEADERS * (SERVER_HEADER_NAME + 4 + SERVER_HEADER_VALUE)];
 };
 
 /* Makes the value, NUL-terminated. */
-void server_header_block_join(struct server_header_block *block, const struct server_response *response,
-                              const char *date);
+void server_header_block_join(struct server_header_block *block,
+                              const struct server_response *response, const char *date);
 
 /* Ends the lines in a copy of the value. */
 void server_header_block_break(const struct server_header_block *block, char *value);

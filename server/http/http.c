@@ -1,22 +1,21 @@
 /* See http.h. The only file that includes microhttpd.h.
  *
- * DESIGN. A call is one request on one connection, begun when its request line has been read and ended when the
- * library says that it is over; the next one has its memory.
- *     HEAD    the library shows the headers: the router begins
- *     BODY    the library brings the body, piece by piece; then the router ends
- *     PARKED  the connection is suspended, a worker has the exchange; its transport's finish resumes the
- *             connection, and then the answer is queued
- *     DONE    the answer is with the library
+ * DESIGN. A call is one request on one connection, begun when its request line has been read and
+ * ended when the library says that it is over; the next one has its memory. HEAD    the library
+ * shows the headers: the router begins BODY    the library brings the body, piece by piece; then
+ * the router ends PARKED  the connection is suspended, a worker has the exchange; its transport's
+ * finish resumes the connection, and then the answer is queued DONE    the answer is with the
+ * library
  *
- * A body that comes as it happens is read when the library can write; when there is nothing to read, the connection is
- * suspended until there is (events.h).
+ * A body that comes as it happens is read when the library can write; when there is nothing to
+ * read, the connection is suspended until there is (events.h).
  *
- * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must not be stopped
- * while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone, and the server ends all streams and
- * waits for all deferred exchanges before it stops.
+ * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must
+ * not be stopped while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone,
+ * and the server ends all streams and waits for all deferred exchanges before it stops.
  *
- * It can answer during an upload only in the first call, before any byte of the body: what is found out later is
- * answered after it. */
+ * It can answer during an upload only in the first call, before any byte of the body: what is found
+ * out later is answered after it. */
 #include "server/http/http.h"
 
 #include <microhttpd.h>
@@ -42,10 +41,13 @@
 #include "server/http/tls.h"
 #include "server/work/traffic.h"
 
-#define CONNECTION_MEMORY (16 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
-#define SILENCE_SECONDS   30u /* without a byte, in the middle of a body; on a unix socket of a long answer, too */
-#define LONG_ANSWER                                                                                                    \
-    65536 /* bytes: shorter ones are in the kernel's buffers at once, and need no timer of the library's */
+/* headers, and the buffer that bodies pass through; cleared at each request */
+#define CONNECTION_MEMORY (16 * 1024)
+/* without a byte, in the middle of a body; on a unix socket of a long answer, too */
+#define SILENCE_SECONDS 30u
+#define LONG_ANSWER                                                                                \
+    65536 /* bytes: shorter ones are in the kernel's buffers at once, and need no timer of the     \
+             library's */
 #define SPARE_DESCRIPTORS 64u
 #define GONE_INTERVAL_NS  UINT64_C(20000000)  /* between two looks at a client's socket */
 #define STREAM_BLOCK      1024                /* bytes of a stream that are asked for at a time */
@@ -81,7 +83,7 @@ struct server_http {
     uint32_t threads;
 };
 
-/* --- the transport ------------------------------------------------------------------------------------------------ */
+/* --- the transport ---------------------------------------------------------------------------- */
 
 static struct call *call_of(struct server_exchange *exchange)
 {
@@ -96,13 +98,15 @@ static void finish(struct server_exchange *exchange)
 
 static int socket_of(struct MHD_Connection *connection)
 {
-    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     return info ? info->connect_fd : -1;
 }
 
 static const struct sockaddr *peer_of(struct MHD_Connection *connection)
 {
-    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
     return info ? info->client_addr : NULL;
 }
 
@@ -117,17 +121,19 @@ static bool is_gone(struct server_exchange *exchange)
 {
     struct call *call = call_of(exchange);
     uint64_t now = gd_now_ns();
-    if (now - atomic_load_explicit(&call->looked_ns, memory_order_relaxed) < GONE_INTERVAL_NS) return false;
+    if (now - atomic_load_explicit(&call->looked_ns, memory_order_relaxed) < GONE_INTERVAL_NS)
+        return false;
     if (has_hung_up(call)) return true;
     atomic_store_explicit(&call->looked_ns, now, memory_order_relaxed);
     return false;
 }
 
-/* --- from the library to the exchange ----------------------------------------------------------------------------- */
+/* --- from the library to the exchange --------------------------------------------------------- */
 
 static struct line *line_of(struct MHD_Connection *connection)
 {
-    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info ? info->socket_context : NULL;
 }
 
@@ -136,8 +142,8 @@ static struct line *open_line(const struct server_http *http, struct MHD_Connect
     bool is_encrypted = http->server->tls != NULL;
     struct line *line = malloc(sizeof *line);
     if (!line) return NULL;
-    line->wire =
-        server_connections_open(http->server->connections, socket_of(connection), peer_of(connection), is_encrypted);
+    line->wire = server_connections_open(http->server->connections, socket_of(connection),
+                                         peer_of(connection), is_encrypted);
     if (line->wire) return line;
     free(line);
     return NULL;
@@ -167,15 +173,18 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
     struct server_http *http = user;
     struct line *line = line_of(connection);
     if (!line) return NULL;
-    line->call = (struct call){.transport = {.finish = finish, .is_gone = is_gone, .can_stream = true},
-                               .exchange = &line->exchange,
-                               .connection = connection,
-                               .http = http,
-                               .wire = line->wire,
-                               .number = line->wire->requests++};
-    if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target)) return NULL;
+    line->call =
+        (struct call){.transport = {.finish = finish, .is_gone = is_gone, .can_stream = true},
+                      .exchange = &line->exchange,
+                      .connection = connection,
+                      .http = http,
+                      .wire = line->wire,
+                      .number = line->wire->requests++};
+    if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target))
+        return NULL;
     server_traffic_note(line->exchange.started_ns);
-    server_place_http(http->threads, server_workers_are_busy(http->server->workers), line->exchange.started_ns);
+    server_place_http(http->threads, server_workers_are_busy(http->server->workers),
+                      line->exchange.started_ns);
     server_connection_ask(line->wire);
     return &line->call;
 }
@@ -187,19 +196,21 @@ static size_t on_escapes(void *user, struct MHD_Connection *connection, char *te
     return strlen(text);
 }
 
-/* The library's timer for silence, which it sets anew with every byte, is on only in bodies and, on unix sockets, in long answers: whether a client
- * takes one is looked at elsewhere (connections.h), since the library writes nothing for as long as the kernel's buffers are full. */
+/* The library's timer for silence, which it sets anew with every byte, is on only in bodies and, on
+ * unix sockets, in long answers: whether a client takes one is looked at elsewhere (connections.h),
+ * since the library writes nothing for as long as the kernel's buffers are full. */
 static void watch_silence(struct call *call, bool is_on)
 {
     if (call->is_watched == is_on) return;
-    MHD_set_connection_option(call->connection, MHD_CONNECTION_OPTION_TIMEOUT, is_on ? SILENCE_SECONDS : 0u);
+    MHD_set_connection_option(call->connection, MHD_CONNECTION_OPTION_TIMEOUT,
+                              is_on ? SILENCE_SECONDS : 0u);
     call->is_watched = is_on;
 }
 
 static void log_broken_body(const struct call *call)
 {
-    server_log_message(SERVER_LOG_INFO, "malformed", "the body of %s %s: %s", call->exchange->method,
-                       call->exchange->path, call->wire->grammar.fault);
+    server_log_message(SERVER_LOG_INFO, "malformed", "the body of %s %s: %s",
+                       call->exchange->method, call->exchange->path, call->wire->grammar.fault);
 }
 
 /* The library has answered it, or hung up. */
@@ -216,23 +227,25 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     *context = NULL;
 }
 
-/* What the grammar found out about the request, or a request that it has not seen: then the library reads in a way that
- * is not watched (wire.h), and nothing it says can be trusted. */
+/* What the grammar found out about the request, or a request that it has not seen: then the library
+ * reads in a way that is not watched (wire.h), and nothing it says can be trusted. */
 static const char *find_fault(const struct call *call)
 {
     const struct server_grammar *grammar = &call->wire->grammar;
     if (call->number < grammar->heads) return NULL;
-    return grammar->fault ? grammar->fault : "the request came in on a way that is not watched; tell the operator";
+    return grammar->fault ? grammar->fault
+                          : "the request came in on a way that is not watched; tell the operator";
 }
 
-static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char *name, const char *value)
+static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char *name,
+                                 const char *value)
 {
     (void)kind;
     server_exchange_add_header(user, name, value);
     return MHD_YES;
 }
 
-/* --- from the exchange to the library ----------------------------------------------------------------------------- */
+/* --- from the exchange to the library --------------------------------------------------------- */
 
 static void pause_call(void *user)
 {
@@ -262,8 +275,9 @@ static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
 
 static struct MHD_Response *make_streamed(struct call *call)
 {
-    server_stream_attach(call->exchange->response.stream,
-                         (struct server_stream_reader){pause_call, resume_call, is_call_gone, call});
+    server_stream_attach(
+        call->exchange->response.stream,
+        (struct server_stream_reader){pause_call, resume_call, is_call_gone, call});
     return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, call, NULL);
 }
 
@@ -276,7 +290,9 @@ static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
     const struct {
         const char *bytes;
         size_t size;
-    } parts[] = {{reply->body, reply->size - lent->size - tail}, {lent->bytes, lent->size}, {lent->tail, tail}};
+    } parts[] = {{reply->body, reply->size - lent->size - tail},
+                 {lent->bytes, lent->size},
+                 {lent->tail, tail}};
     for (int i = 0; i < 3; i++) {
         size_t left = position < parts[i].size ? parts[i].size - (size_t)position : 0;
         if (left) {
@@ -300,17 +316,20 @@ static struct MHD_Response *make_whole(struct server_response *reply)
 {
     if (reply->lent.bytes || reply->size >= LARGE_ANSWER) return make_large(reply);
     struct MHD_Response *response =
-        reply->owned ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
-                     : MHD_create_response_from_buffer(reply->size, (void *)reply->body, MHD_RESPMEM_PERSISTENT);
+        reply->owned
+            ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
+            : MHD_create_response_from_buffer(reply->size, (void *)reply->body,
+                                              MHD_RESPMEM_PERSISTENT);
     if (response) reply->owned = NULL; /* the library's now */
     return response;
 }
 
-static enum MHD_Result on_response_header(void *user, enum MHD_ValueKind kind, const char *name, const char *value)
+static enum MHD_Result on_response_header(void *user, enum MHD_ValueKind kind, const char *name,
+                                          const char *value)
 {
     (void)kind;
-    if (strcmp(name, MHD_HTTP_HEADER_DATE) == 0)
-        server_header_block_break(user, (char *)value); /* the library's copy, which it writes as it is */
+    if (strcmp(name, MHD_HTTP_HEADER_DATE) == 0) /* the library's copy, which it writes as it is */
+        server_header_block_break(user, (char *)value);
     return MHD_YES;
 }
 
@@ -327,7 +346,8 @@ static struct MHD_Response *make_response(struct call *call)
     struct server_response *reply = &call->exchange->response;
     struct MHD_Response *response = reply->stream ? make_streamed(call) : make_whole(reply);
     if (!response) return NULL;
-    /* in this order: 0.9.75 forgets that there is a Date when it gets a Connection, and adds another */
+    /* in this order: 0.9.75 forgets that there is a Date when it gets a Connection, and adds
+     * another */
     if (reply->close) MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
     if (add_headers(response, reply)) return response;
     MHD_destroy_response(response);
@@ -348,7 +368,8 @@ static enum MHD_Result answer(struct call *call)
     call->phase = PHASE_DONE;
     struct MHD_Response *response = make_response(call);
     if (!response) return MHD_NO;
-    server_metrics_count(exchange->server->metrics, exchange->match.route, reply->status, nanoseconds);
+    server_metrics_count(exchange->server->metrics, exchange->match.route, reply->status,
+                         nanoseconds);
     server_metrics_count_problem(exchange->server->metrics, reply->problem);
     server_request_log(exchange, peer_of(call->connection), nanoseconds);
     server_connection_answer(call->wire, reply->size, reply->stream != NULL, now);
@@ -358,7 +379,7 @@ static enum MHD_Result answer(struct call *call)
     return result;
 }
 
-/* --- the phases --------------------------------------------------------------------------------------------------- */
+/* --- the phases ------------------------------------------------------------------------------- */
 
 static enum MHD_Result begin(struct call *call, const char *method, const char *version)
 {
@@ -391,8 +412,9 @@ static enum MHD_Result end(struct call *call)
     return MHD_YES;
 }
 
-static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url, const char *method,
-                                  const char *version, const char *upload, size_t *upload_size, void **context)
+static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *upload,
+                                  size_t *upload_size, void **context)
 {
     (void)user, (void)connection, (void)url;
     struct call *call = *context;
@@ -402,7 +424,8 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
         return begin(call, method, version);
     case PHASE_BODY:
         if (!*upload_size) return end(call);
-        if (!server_body_append(&call->exchange->body, &call->http->server->budget, upload, *upload_size))
+        if (!server_body_append(&call->exchange->body, &call->http->server->budget, upload,
+                                *upload_size))
             return MHD_NO;
         *upload_size = 0;
         return MHD_YES;
@@ -414,23 +437,28 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
     return MHD_YES;
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
-/* As many connections as descriptors allow, up to the configured limit, which bounds their memory. */
+/* As many connections as descriptors allow, up to the configured limit, which bounds their memory.
+ */
 static unsigned connection_limit(const struct server_config *config)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= config->max_connections + SPARE_DESCRIPTORS)
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 ||
+        limit.rlim_cur >= config->max_connections + SPARE_DESCRIPTORS)
         return (unsigned)config->max_connections;
-    unsigned descriptors = (unsigned)limit.rlim_cur,
-             most = descriptors > 2 * SPARE_DESCRIPTORS ? descriptors - SPARE_DESCRIPTORS : descriptors / 2;
-    server_log_message(SERVER_LOG_WARN, "descriptors",
-                       "%u connections at once at most: the limit of open files is %u; raise it by ulimit -n", most,
-                       descriptors);
+    unsigned descriptors = (unsigned)limit.rlim_cur, most = descriptors > 2 * SPARE_DESCRIPTORS
+                                                                ? descriptors - SPARE_DESCRIPTORS
+                                                                : descriptors / 2;
+    server_log_message(
+        SERVER_LOG_WARN, "descriptors",
+        "%u connections at once at most: the limit of open files is %u; raise it by ulimit -n",
+        most, descriptors);
     return most;
 }
 
-/* However few connections there can be, one address leaves a quarter of them to others; 0: no limit. */
+/* However few connections there can be, one address leaves a quarter of them to others; 0: no
+ * limit. */
 static unsigned address_limit(const struct server_config *config, unsigned most)
 {
     unsigned wanted = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
@@ -477,20 +505,22 @@ static struct MHD_Daemon *start_library(struct server_http *http)
     const struct MHD_OptionItem plain[] = {{MHD_OPTION_END, 0, NULL}};
     unsigned most = connection_limit(config);
     server_connections_limit(http->server->connections, most);
-    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
+    unsigned flags =
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
     if (http->server->tls) flags |= MHD_USE_TLS;
-    return MHD_start_daemon(flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
-                            MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE,
-                            http->threads > 1 ? http->threads : 0u, MHD_OPTION_CONNECTION_LIMIT, most,
-                            MHD_OPTION_PER_IP_CONNECTION_LIMIT, address_limit(config, most),
-                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION,
-                            on_connection, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http,
-                            MHD_OPTION_UNESCAPE_CALLBACK, on_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
-                            http, MHD_OPTION_ARRAY, http->server->tls ? encrypted : plain, MHD_OPTION_END);
+    return MHD_start_daemon(
+        flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
+        MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE,
+        http->threads > 1 ? http->threads : 0u, MHD_OPTION_CONNECTION_LIMIT, most,
+        MHD_OPTION_PER_IP_CONNECTION_LIMIT, address_limit(config, most),
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION,
+        on_connection, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http,
+        MHD_OPTION_UNESCAPE_CALLBACK, on_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
+        http, MHD_OPTION_ARRAY, http->server->tls ? encrypted : plain, MHD_OPTION_END);
 }
 
-struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,
-                                      size_t error_size)
+struct server_http *server_http_start(struct server *server, int listening, uint32_t threads,
+                                      char *error, size_t error_size)
 {
     struct server_http *http = create(server, listening, threads);
     if (http) http->daemon = start_library(http);
@@ -501,10 +531,10 @@ struct server_http *server_http_start(struct server *server, int listening, uint
     return NULL;
 }
 
-/* MHD_quiesce_daemon and a thread of the library that wakes at that moment both take the listening socket out of the
- * thread's epoll set, and the second of the two aborts the program (0.9.75; one stop in three thousand, as measured).
- * So the socket is closed under the library's number for it, where a silent one takes its place: the kernel itself takes
- * a closed socket out of every set. */
+/* MHD_quiesce_daemon and a thread of the library that wakes at that moment both take the listening
+ * socket out of the thread's epoll set, and the second of the two aborts the program (0.9.75; one
+ * stop in three thousand, as measured). So the socket is closed under the library's number for it,
+ * where a silent one takes its place: the kernel itself takes a closed socket out of every set. */
 void server_http_quiesce(struct server_http *http)
 {
     (void)dup2(http->silent[0], http->listening);

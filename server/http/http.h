@@ -1,4 +1,5 @@
-/* HTTP: the boundary to libmicrohttpd. Turns connections into exchanges and replies into responses; knows no route. */
+/* HTTP: the boundary to libmicrohttpd. Turns connections into exchanges and replies into responses;
+ * knows no route. */
 #ifndef SERVER_HTTP_HTTP_H
 #define SERVER_HTTP_HTTP_H
 
@@ -9,9 +10,10 @@
 struct server;
 struct server_http;
 
-/* Serves the listening socket, which becomes its own, with `threads` threads. NULL with a sentence in `error`. */
-struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,
-                                      size_t error_size);
+/* Serves the listening socket, which becomes its own, with `threads` threads. NULL with a sentence
+ * in `error`. */
+struct server_http *server_http_start(struct server *server, int listening, uint32_t threads,
+                                      char *error, size_t error_size);
 
 /* Takes no new connections from now on; those that are open go on. */
 void server_http_quiesce(struct server_http *http);

@@ -6,7 +6,8 @@
 
 #define SPACE " \t"
 
-/* End of the element of a list that begins at `text`: the next comma that is not within quotes, or the end. */
+/* End of the element of a list that begins at `text`: the next comma that is not within quotes, or
+ * the end. */
 static const char *element_end(const char *text)
 {
     bool is_quoted = false;
@@ -45,7 +46,8 @@ bool server_prefers(const struct server_exchange *exchange, const char *preferen
 {
     for (uint32_t i = 0; i < exchange->header_count; i++) {
         const struct server_named_value *header = &exchange->headers[i];
-        if (strcasecmp(header->name, "Prefer") == 0 && lists(header->value, preference)) return true;
+        if (strcasecmp(header->name, "Prefer") == 0 && lists(header->value, preference))
+            return true;
     }
     return false;
 }

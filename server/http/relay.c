@@ -12,7 +12,8 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-#define MESSAGE_MOST 32768 /* bytes that are taken at a time: less than a stream's message may have */
+/* bytes that are taken at a time: less than a stream's message may have */
+#define MESSAGE_MOST 32768
 
 struct server_relay {
     struct server *server;
@@ -27,7 +28,7 @@ struct server_relay {
     atomic_uint_least64_t version; /* changes with every byte that can be taken */
 };
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 struct server_relay *server_relay_create(struct server *server, bool is_packed)
 {
@@ -60,7 +61,7 @@ void server_relay_release(struct server_relay *relay)
     free(relay);
 }
 
-/* --- the reader's end, under the events' lock --------------------------------------------------------------------- */
+/* --- the reader's end, under the events' lock ------------------------------------------------- */
 
 static size_t left_in(const struct server_relay *relay)
 {
@@ -94,7 +95,8 @@ static bool tell(void *user, struct proto_writer *writer)
     pthread_mutex_lock(&relay->lock);
     take(relay, writer);
     bool is_last = relay->is_ended && left_in(relay) == 0;
-    if (is_last && !relay->is_whole) writer->failure = PROTO_WRITER_NO_MEMORY; /* the end, and not its own */
+    /* the end, and not its own */
+    if (is_last && !relay->is_whole) writer->failure = PROTO_WRITER_NO_MEMORY;
     bool goes_on = !is_last || !relay->is_whole;
     pthread_mutex_unlock(&relay->lock);
     return goes_on;
@@ -112,16 +114,20 @@ static void close_stream(void *user)
 
 struct server_stream *server_relay_open(struct server_relay *relay)
 {
-    const struct server_event_source source = {
-        .version = version, .tell = tell, .release = close_stream, .user = relay, .is_content = true};
+    const struct server_event_source source = {.version = version,
+                                               .tell = tell,
+                                               .release = close_stream,
+                                               .user = relay,
+                                               .is_content = true};
     struct server_stream *stream = server_stream_open(relay->server->events, &source);
     if (stream) retain(relay);
     return stream;
 }
 
-/* --- the writer's end --------------------------------------------------------------------------------------------- */
+/* --- the writer's end ------------------------------------------------------------------------- */
 
-/* Under the lock. What waits is moved to the front before the buffer would grow by what was taken. */
+/* Under the lock. What waits is moved to the front before the buffer would grow by what was taken.
+ */
 static void append(struct server_relay *relay, const char *text, size_t size, bool is_last)
 {
     struct proto_writer *waiting = &relay->waiting;
@@ -160,7 +166,8 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
     if (is_ahead) {
         relay->parked = job;
         is_ahead = server_workers_park(relay->server->workers, job);
-        if (!is_ahead) atomic_store(&relay->is_over, true); /* the daemon ends, and the client does not read */
+        /* the daemon ends, and the client does not read */
+        if (!is_ahead) atomic_store(&relay->is_over, true);
     }
     pthread_mutex_unlock(&relay->lock);
     server_relay_release(relay);

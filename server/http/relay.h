@@ -3,8 +3,8 @@
  *     relay = server_relay_create(server, is_packed);
  *     stream = server_relay_open(relay);               for server_reply_stream
  *     server_relay_write(relay, text, size);           the worker, again and again
- *     if (server_relay_wait(relay, job)) return;       ... too far ahead of its client: the job is parked
- *     server_relay_end(relay, true);                   ... when all is written
+ *     if (server_relay_wait(relay, job)) return;       ... too far ahead of its client: the job is
+ * parked server_relay_end(relay, true);                   ... when all is written
  *     server_relay_release(relay);
  *
  * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex
@@ -37,7 +37,8 @@ struct server_stream *server_relay_open(struct server_relay *relay);
 /* Hands on the text. Without memory the answer is cut. */
 void server_relay_write(struct server_relay *relay, const char *text, size_t size);
 
-/* Parks the job when too much waits: true, and it is not the caller's any more. False: there is room, or nobody reads. */
+/* Parks the job when too much waits: true, and it is not the caller's any more. False: there is
+ * room, or nobody reads. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job);
 
 /* Nothing more comes; not whole: the client is to see that it was cut. */

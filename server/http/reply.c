@@ -16,12 +16,14 @@
 #define PROBLEM_MOST 65536 /* bytes of a problem's text: far more than any has */
 #define JSON         "application/json"
 #define PROBLEM_JSON "application/problem+json"
-#define EXPOSED_HEADERS                                                                                                \
-    "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
-#define DATA_POLICY "default-src 'none'; frame-ancestors 'none'" /* shown as a document, data loads nothing */
+#define EXPOSED_HEADERS                                                                            \
+    "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, " \
+    "X-Request-Id"
+/* shown as a document, data loads nothing */
+#define DATA_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type, const void *body,
-                     void *owned, size_t size)
+static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type,
+                     const void *body, void *owned, size_t size)
 {
     struct server_response *response = &exchange->response;
     response->status = status;
@@ -42,7 +44,8 @@ static void add_header(struct server_response *response, const char *name, const
     response->headers[response->header_count++].name = name;
 }
 
-void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
+void server_reply_header(struct server_exchange *exchange, const char *name, const char *format,
+                         ...)
 {
     struct server_response *response = &exchange->response;
     if (response->header_count == SERVER_RESPONSE_HEADERS) return;
@@ -90,11 +93,13 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
 
 /* Counts a body of that size as an answer's: what is counted as work in flight for it is not any
  * more. */
-static bool hold_answer(struct server_exchange *exchange, size_t size, struct proto_problem *problem)
+static bool hold_answer(struct server_exchange *exchange, size_t size,
+                        struct proto_problem *problem)
 {
     struct server_budget *budget = &exchange->server->budget;
     struct proto_writer counting = {.maximum = budget->largest_answer};
-    size_t counted = proto_writer_counted(size), flight = size < exchange->held ? size : exchange->held;
+    size_t counted = proto_writer_counted(size),
+           flight = size < exchange->held ? size : exchange->held;
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, flight);
     exchange->held -= flight;
     if (size > budget->largest_answer)
@@ -120,8 +125,8 @@ void *server_reply_allocate(struct server_exchange *exchange, size_t size)
     return NULL;
 }
 
-void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
-                        size_t size)
+void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type,
+                        void *bytes, size_t size)
 {
     struct proto_problem problem;
     if (exchange->response.held || hold_answer(exchange, size, &problem)) {
@@ -153,7 +158,9 @@ static void set_text(struct server_exchange *exchange, unsigned status, const ch
     bool is_counted = writer->account != NULL;
     char *text = proto_writer_take(writer, &size);
     exchange->response.held = proto_writer_counted(size);
-    if (!is_counted) server_budget_adjust(&exchange->server->budget, SERVER_BUDGET_ANSWERS, 0, exchange->response.held);
+    if (!is_counted)
+        server_budget_adjust(&exchange->server->budget, SERVER_BUDGET_ANSWERS, 0,
+                             exchange->response.held);
     set_body(exchange, status, media_type, text, text, size);
 }
 
@@ -181,7 +188,8 @@ void server_reply_lent(struct server_exchange *exchange, unsigned status, const 
     exchange->response.size += lent->size + strlen(lent->tail);
 }
 
-void server_reply_json(struct server_exchange *exchange, unsigned status, struct proto_writer *writer)
+void server_reply_json(struct server_exchange *exchange, unsigned status,
+                       struct proto_writer *writer)
 {
     server_reply_text(exchange, status, JSON, writer);
 }
@@ -199,11 +207,13 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     exchange->response.problem = problem->code;
     if (problem->allow[0]) server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
     if (problem->challenge) add_header(&exchange->response, "WWW-Authenticate", problem->challenge);
-    if (problem->retry_after) server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
+    if (problem->retry_after)
+        server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
     set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);
 }
 
-void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code, const char *format, ...)
+void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code,
+                          const char *format, ...)
 {
     char sentence[PROTO_PROBLEM_DETAIL];
     struct proto_problem problem;
@@ -232,7 +242,8 @@ bool server_reply_takes_gzip(const struct server_exchange *exchange)
     if (!gzip) return false;
     size_t size = strcspn(gzip, ",");
     const char *quality = strcasestr(gzip, "q=0");
-    return !quality || quality >= gzip + size || strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
+    return !quality || quality >= gzip + size ||
+           strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
 }
 
 void server_reply_coding(struct server_exchange *exchange, bool is_packed)
@@ -256,9 +267,10 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
     }
 }
 
-/* --- sealing ------------------------------------------------------------------------------------------------------ */
+/* --- sealing ---------------------------------------------------------------------------------- */
 
-static struct server_response_header *response_header(struct server_response *response, const char *name)
+static struct server_response_header *response_header(struct server_response *response,
+                                                      const char *name)
 {
     for (uint32_t i = 0; i < response->header_count; i++)
         if (strcmp(response->headers[i].name, name) == 0) return &response->headers[i];
@@ -285,7 +297,8 @@ static void name_packed_form(struct server_response *response)
     header->size = strlen(header->value);
 }
 
-/* The client has the body already: the answer goes without, under the tag of the form that he has. */
+/* The client has the body already: the answer goes without, under the tag of the form that he has.
+ */
 static void reply_known(struct server_exchange *exchange, enum server_etag_form form)
 {
     struct server_response *response = &exchange->response;
@@ -295,7 +308,8 @@ static void reply_known(struct server_exchange *exchange, enum server_etag_form 
     if (form == SERVER_ETAG_PACKED) name_packed_form(response);
 }
 
-/* RFC 9110, 13.2.2, of a GET that would be answered with 200, or is with 304: what If-Match and If-None-Match make of it. */
+/* RFC 9110, 13.2.2, of a GET that would be answered with 200, or is with 304: what If-Match and
+ * If-None-Match make of it. */
 static void apply_conditions(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
@@ -307,8 +321,9 @@ static void apply_conditions(struct server_exchange *exchange)
     enum server_etag_form known = server_precondition_known(&precondition, tag);
     if (!server_precondition_matches(&precondition, tag)) {
         server_reply_drop_body(exchange);
-        server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
-                             "the resource is not in the version that If-Match names; get its ETag and try again");
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
+            "the resource is not in the version that If-Match names; get its ETag and try again");
     } else if (known) {
         reply_known(exchange, known);
     }
@@ -337,7 +352,8 @@ static void compress(struct server_exchange *exchange)
     add_header(response, "Content-Encoding", "gzip");
 }
 
-/* What a page of a listed origin may see of the answer. Caches keep the answers to different origins apart. */
+/* What a page of a listed origin may see of the answer. Caches keep the answers to different
+ * origins apart. */
 static void allow_origin(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
@@ -353,12 +369,16 @@ void server_reply_seal(struct server_exchange *exchange)
     if (is_packable(response)) add_header(response, "Vary", "Accept-Encoding");
     apply_conditions(exchange);
     compress(exchange);
-    if (response->status != 304 && response_header(response, "Content-Encoding")) name_packed_form(response);
+    if (response->status != 304 && response_header(response, "Content-Encoding"))
+        name_packed_form(response);
     if (response->media_type) add_header(response, "Content-Type", response->media_type);
     allow_origin(exchange);
     add_header(response, "X-Request-Id", exchange->request_id);
     add_header(response, "X-Content-Type-Options", "nosniff");
-    add_header(response, "Content-Security-Policy", response->policy ? response->policy : DATA_POLICY);
-    add_header(response, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
-    if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed)) response->close = true;
+    add_header(response, "Content-Security-Policy",
+               response->policy ? response->policy : DATA_POLICY);
+    add_header(response, "Cache-Control",
+               response_header(response, "ETag") ? "no-cache" : "no-store");
+    if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed))
+        response->close = true;
 }

@@ -19,7 +19,8 @@ static bool is_suspicious(unsigned status)
 static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
 {
     if (!peer || (peer->sa_family != AF_INET && peer->sa_family != AF_INET6)) return NULL;
-    socklen_t size = peer->sa_family == AF_INET6 ? sizeof(struct sockaddr_in6) : sizeof(struct sockaddr_in);
+    socklen_t size =
+        peer->sa_family == AF_INET6 ? sizeof(struct sockaddr_in6) : sizeof(struct sockaddr_in);
     return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
 }
 
@@ -34,10 +35,12 @@ static struct kind kind_of(const struct server_exchange *exchange, uint64_t nano
     uint64_t slow_ms = exchange->server->config.slow_ms;
     bool is_slow = slow_ms && nanoseconds >= slow_ms * 1000000;
     if (exchange->response.status == 500) return (struct kind){"request", SERVER_LOG_ERROR};
-    return is_slow ? (struct kind){"slow_request", SERVER_LOG_WARN} : (struct kind){"request", SERVER_LOG_INFO};
+    return is_slow ? (struct kind){"slow_request", SERVER_LOG_WARN}
+                   : (struct kind){"request", SERVER_LOG_INFO};
 }
 
-void server_request_log(const struct server_exchange *exchange, const struct sockaddr *peer, uint64_t nanoseconds)
+void server_request_log(const struct server_exchange *exchange, const struct sockaddr *peer,
+                        uint64_t nanoseconds)
 {
     const struct server_response *response = &exchange->response;
     struct server_log_line line;

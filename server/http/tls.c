@@ -1,7 +1,8 @@
 /* See tls.h.
  *
- * DESIGN. A handshake borrows the identity that is in force when it begins. A reload puts another in force and retires the one
- * before, which is freed at a reload that comes later than any handshake can last (connections.h). */
+ * DESIGN. A handshake borrows the identity that is in force when it begins. A reload puts another
+ * in force and retires the one before, which is freed at a reload that comes later than any
+ * handshake can last (connections.h). */
 #include "server/http/tls.h"
 
 #include <gnutls/abstract.h>
@@ -35,7 +36,7 @@ struct server_tls {
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of `in_force` */
 static struct identity *in_force;
 
-/* --- an identity -------------------------------------------------------------------------------------------------- */
+/* --- an identity ------------------------------------------------------------------------------ */
 
 static void free_identity(struct identity *identity)
 {
@@ -69,7 +70,8 @@ static bool load_chain(struct identity *identity, const char *path, char *error,
     gnutls_datum_t text;
     unsigned count = CHAIN_MOST;
     if (!read_text(path, &text, error, error_size)) return false;
-    int code = gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
+    int code =
+        gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
     free(text.data);
     if (code < 0) return complain(error, error_size, path, code);
     identity->count = count;
@@ -81,7 +83,8 @@ static bool load_key(struct identity *identity, const char *path, char *error, s
     gnutls_datum_t text;
     if (!read_text(path, &text, error, error_size)) return false;
     int code = gnutls_privkey_init(&identity->key);
-    if (code == 0) code = gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
+    if (code == 0)
+        code = gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
     gnutls_memset(text.data, 0, text.size);
     free(text.data);
     return code == 0 || complain(error, error_size, path, code);
@@ -93,9 +96,11 @@ static bool belong_together(const struct identity *identity)
     unsigned char certificate[64], key[64];
     size_t certificate_size = sizeof certificate, key_size = sizeof key;
     gnutls_pubkey_t public = NULL;
-    bool same = gnutls_pubkey_init(&public) == 0 && gnutls_pubkey_import_privkey(public, identity->key, 0, 0) == 0 &&
+    bool same = gnutls_pubkey_init(&public) == 0 &&
+                gnutls_pubkey_import_privkey(public, identity->key, 0, 0) == 0 &&
                 gnutls_pubkey_get_key_id(public, 0, key, &key_size) == 0 &&
-                gnutls_pubkey_get_key_id(identity->chain[0].pubkey, 0, certificate, &certificate_size) == 0 &&
+                gnutls_pubkey_get_key_id(identity->chain[0].pubkey, 0, certificate,
+                                         &certificate_size) == 0 &&
                 key_size == certificate_size && memcmp(key, certificate, key_size) == 0;
     if (public) gnutls_pubkey_deinit(public);
     return same;
@@ -105,11 +110,11 @@ static struct identity *load_identity(const struct server_tls *tls, char *error,
 {
     struct identity *identity = calloc(1, sizeof *identity);
     if (!identity) return NULL;
-    bool ok =
-        load_chain(identity, tls->certificate, error, error_size) && load_key(identity, tls->key, error, error_size);
+    bool ok = load_chain(identity, tls->certificate, error, error_size) &&
+              load_key(identity, tls->key, error, error_size);
     if (ok && !belong_together(identity)) {
-        snprintf(error, error_size, "the key of '%s' is not that of the certificate of '%s'", tls->key,
-                 tls->certificate);
+        snprintf(error, error_size, "the key of '%s' is not that of the certificate of '%s'",
+                 tls->key, tls->certificate);
         ok = false;
     }
     if (ok) return identity;
@@ -117,13 +122,15 @@ static struct identity *load_identity(const struct server_tls *tls, char *error,
     return NULL;
 }
 
-/* --- for the library ---------------------------------------------------------------------------------------------- */
+/* --- for the library -------------------------------------------------------------------------- */
 
-static int retrieve(gnutls_session_t session, const gnutls_datum_t *authorities, int authority_count,
-                    const gnutls_pk_algorithm_t *algorithms, int algorithm_count, gnutls_pcert_st **chain,
-                    unsigned *count, gnutls_privkey_t *key)
+static int retrieve(gnutls_session_t session, const gnutls_datum_t *authorities,
+                    int authority_count, const gnutls_pk_algorithm_t *algorithms,
+                    int algorithm_count, gnutls_pcert_st **chain, unsigned *count,
+                    gnutls_privkey_t *key)
 {
-    (void)session, (void)authorities, (void)authority_count, (void)algorithms, (void)algorithm_count;
+    (void)session, (void)authorities, (void)authority_count, (void)algorithms,
+        (void)algorithm_count;
     pthread_mutex_lock(&lock);
     struct identity *identity = in_force;
     pthread_mutex_unlock(&lock);
@@ -140,7 +147,7 @@ void *server_tls_retrieve(void)
     return (void *)function;
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static struct identity *exchange(struct identity *identity)
 {
@@ -180,7 +187,8 @@ bool server_tls_reload(struct server_tls *tls, char *error, size_t error_size)
     return true;
 }
 
-struct server_tls *server_tls_open(const char *certificate, const char *key, char *error, size_t error_size)
+struct server_tls *server_tls_open(const char *certificate, const char *key, char *error,
+                                   size_t error_size)
 {
     struct server_tls *tls = calloc(1, sizeof *tls);
     if (!tls) return NULL;

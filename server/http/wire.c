@@ -39,7 +39,7 @@ static struct server_connection *find(int descriptor)
     return atomic_load_explicit(&watched[descriptor], memory_order_relaxed);
 }
 
-/* --- the filter --------------------------------------------------------------------------------------------------- */
+/* --- the filter ------------------------------------------------------------------------------- */
 
 static size_t give_ending(struct server_connection *connection, char *bytes, size_t size)
 {
@@ -49,8 +49,10 @@ static size_t give_ending(struct server_connection *connection, char *bytes, siz
     return given;
 }
 
-/* Takes `size` bytes that came into a buffer of `capacity`; returns how many the library gets. 0: an end that needs no ending. */
-static size_t filter(struct server_connection *connection, char *bytes, size_t size, size_t capacity)
+/* Takes `size` bytes that came into a buffer of `capacity`; returns how many the library gets. 0:
+ * an end that needs no ending. */
+static size_t filter(struct server_connection *connection, char *bytes, size_t size,
+                     size_t capacity)
 {
     size_t right = server_grammar_follow(&connection->grammar, bytes, size);
     server_connection_received(connection);
@@ -59,15 +61,18 @@ static size_t filter(struct server_connection *connection, char *bytes, size_t s
     return right + give_ending(connection, bytes + right, capacity - right);
 }
 
-/* What is still to be read of a faulty connection, if any; then the library waits in vain, or sees the end. */
-static size_t read_faulty(struct server_connection *connection, char *bytes, size_t capacity, bool *is_end)
+/* What is still to be read of a faulty connection, if any; then the library waits in vain, or sees
+ * the end. */
+static size_t read_faulty(struct server_connection *connection, char *bytes, size_t capacity,
+                          bool *is_end)
 {
     size_t given = give_ending(connection, bytes, capacity);
     *is_end = !given && !*server_grammar_ending(&connection->grammar);
     return given;
 }
 
-/* A client whose bytes are left unread when its connection is closed may lose the answer to a reset. */
+/* A client whose bytes are left unread when its connection is closed may lose the answer to a
+ * reset. */
 static void drain(int descriptor)
 {
     char bytes[4096];
@@ -75,14 +80,16 @@ static void drain(int descriptor)
         if (recvfrom(descriptor, bytes, sizeof bytes, MSG_DONTWAIT, NULL, NULL) <= 0) return;
 }
 
-/* --- what the library calls --------------------------------------------------------------------------------------- */
+/* --- what the library calls ------------------------------------------------------------------- */
 
 /* As recv(2). */
-__attribute__((visibility("default"))) ssize_t recv(int descriptor, void *bytes, size_t capacity, int flags)
+__attribute__((visibility("default"))) ssize_t recv(int descriptor, void *bytes, size_t capacity,
+                                                    int flags)
 {
     struct server_connection *connection = find(descriptor);
     bool is_end = false;
-    if (!connection || connection->is_encrypted) return recvfrom(descriptor, bytes, capacity, flags, NULL, NULL);
+    if (!connection || connection->is_encrypted)
+        return recvfrom(descriptor, bytes, capacity, flags, NULL, NULL);
     if (connection->ending) {
         size_t given = read_faulty(connection, bytes, capacity, &is_end);
         if (given || is_end) return (ssize_t)given;
@@ -98,13 +105,16 @@ __attribute__((visibility("default"))) ssize_t recv(int descriptor, void *bytes,
     return (ssize_t)given;
 }
 
-/* As accept4(2). The library's thread that has no connection tries again at once when there is no descriptor left, for as long as that lasts
- * (others wait for one of theirs to end): so a failure for want of them takes a moment. */
-__attribute__((visibility("default"))) int accept4(int descriptor, struct sockaddr *address, socklen_t *size, int flags)
+/* As accept4(2). The library's thread that has no connection tries again at once when there is no
+ * descriptor left, for as long as that lasts (others wait for one of theirs to end): so a failure
+ * for want of them takes a moment. */
+__attribute__((visibility("default"))) int accept4(int descriptor, struct sockaddr *address,
+                                                   socklen_t *size, int flags)
 {
     const struct timespec moment = {.tv_nsec = ACCEPT_PAUSE_NS};
     int client = (int)syscall(SYS_accept4, descriptor, address, size, flags);
-    if (client >= 0 || (errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM)) return client;
+    if (client >= 0 || (errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM))
+        return client;
     int error = errno;
     nanosleep(&moment, NULL);
     errno = error;
@@ -120,8 +130,8 @@ static void find_record_recv(void)
 }
 
 /* As GnuTLS documents it. */
-__attribute__((visibility("default"))) ssize_t gnutls_record_recv(gnutls_session_t session, void *bytes,
-                                                                  size_t capacity)
+__attribute__((visibility("default"))) ssize_t gnutls_record_recv(gnutls_session_t session,
+                                                                  void *bytes, size_t capacity)
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     struct server_connection *connection = find(gnutls_transport_get_int(session));
@@ -132,5 +142,6 @@ __attribute__((visibility("default"))) ssize_t gnutls_record_recv(gnutls_session
         return given || is_end ? (ssize_t)given : GNUTLS_E_AGAIN;
     }
     ssize_t size = library_record_recv(session, bytes, capacity);
-    return connection && size > 0 ? (ssize_t)filter(connection, bytes, (size_t)size, capacity) : size;
+    return connection && size > 0 ? (ssize_t)filter(connection, bytes, (size_t)size, capacity)
+                                  : size;
 }

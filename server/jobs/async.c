@@ -11,16 +11,16 @@
 #include "server/router.h"
 #include "server/server.h"
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void refuse_answer(struct server_exchange *exchange, size_t bytes)
 {
     server_reply_drop_body(exchange);
-    server_reply_refusal(
-        exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-        "the answer of %zu bytes is more than can be kept for jobs at this moment; ask for less of it, "
-        "ask without Prefer: respond-async, or raise --memory-budget",
-        bytes);
+    server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                         "the answer of %zu bytes is more than can be kept for jobs at this "
+                         "moment; ask for less of it, "
+                         "ask without Prefer: respond-async, or raise --memory-budget",
+                         bytes);
 }
 
 /* Nobody looks at the answer before the state says that it is there. */
@@ -33,7 +33,7 @@ static void keep_answer(struct server_async *job, struct server_exchange *exchan
     (void)server_kept_take(&job->kept, response); /* a refusal has no headers */
 }
 
-/* --- the transport ------------------------------------------------------------------------------------------------ */
+/* --- the transport ---------------------------------------------------------------------------- */
 
 static struct server_async *job_of(struct server_exchange *exchange)
 {
@@ -48,7 +48,8 @@ static void begin(struct server_exchange *exchange)
 static void report(struct server_exchange *exchange, double part)
 {
     struct server_async *job = job_of(exchange);
-    unsigned step = part > 0 ? part < 1 ? (unsigned)(part * SERVER_ASYNC_STEPS) : SERVER_ASYNC_STEPS : 0;
+    unsigned step =
+        part > 0 ? part < 1 ? (unsigned)(part * SERVER_ASYNC_STEPS) : SERVER_ASYNC_STEPS : 0;
     unsigned before = atomic_load_explicit(&job->progress, memory_order_relaxed);
     while (step > before && !atomic_compare_exchange_weak(&job->progress, &before, step)) continue;
 }
@@ -58,7 +59,8 @@ static bool is_gone(struct server_exchange *exchange)
     return atomic_load_explicit(&exchange->job.is_unwanted, memory_order_relaxed);
 }
 
-static void log_end(const struct server_async *job, const struct server_exchange *exchange, enum proto_job_state state)
+static void log_end(const struct server_async *job, const struct server_exchange *exchange,
+                    enum proto_job_state state)
 {
     struct server_log_line line;
     bool is_internal = exchange->response.status == 500;
@@ -89,7 +91,7 @@ static void finish(struct server_exchange *exchange)
     server_async_release(job);
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 struct server_async *server_async_retain(struct server_async *job)
 {
@@ -116,11 +118,13 @@ struct server_async *server_async_create(struct server_jobs *jobs, struct server
     const char *key = server_grant_name(&exchange->grant);
     snprintf(job->tenant, sizeof job->tenant, "%s", exchange->tenant);
     snprintf(job->key, sizeof job->key, "%s", key ? key : "");
-    job->transport = (struct server_transport){.finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
+    job->transport = (struct server_transport){
+        .finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
     job->budget = &exchange->server->budget;
     if (server_budget_take(job->budget, SERVER_BUDGET_RECORDS, sizeof *job + exchange->target_size))
         job->own = sizeof *job + exchange->target_size;
-    if (job->own && asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0) job->request = NULL;
+    if (job->own && asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0)
+        job->request = NULL;
     if (job->request) job->exchange = server_exchange_detach(exchange, &job->transport);
     if (job->exchange) job->exchange->job.is_patient = true;
     if (job->exchange) return job;

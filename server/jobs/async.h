@@ -1,10 +1,12 @@
 /* Async: one operation that was accepted to be answered later (jobs.h), and its answer.
  *
- * DESIGN. It is a transport (exchange.h): it carries an exchange of its own, made from the one that asked for it, through the
- * router's dispatch, the handler and the workers, as a connection would, and keeps what it is answered with. So handlers
- * know nothing of jobs, and a job parks on the same flights and loads as everybody else.
+ * DESIGN. It is a transport (exchange.h): it carries an exchange of its own, made from the one that
+ * asked for it, through the router's dispatch, the handler and the workers, as a connection would,
+ * and keeps what it is answered with. So handlers know nothing of jobs, and a job parks on the same
+ * flights and loads as everybody else.
  *
- * Ownership: counted, once for the table of jobs, once for its exchange, once for each that looks at it. */
+ * Ownership: counted, once for the table of jobs, once for its exchange, once for each that looks
+ * at it. */
 #ifndef SERVER_JOBS_ASYNC_H
 #define SERVER_JOBS_ASYNC_H
 
@@ -44,11 +46,12 @@ struct server_async {
 struct server_async *server_async_retain(struct server_async *job);
 void server_async_release(struct server_async *job); /* NULL is harmless */
 
-/* --- for the table of jobs ---------------------------------------------------------------------------------------- */
+/* --- for the table of jobs -------------------------------------------------------------------- */
 
-/* A job of a request whose body is there, with a reference and without an id yet. The exchange can be answered, but its body and
- * parameters are the job's. NULL without memory. */
-struct server_async *server_async_create(struct server_jobs *jobs, struct server_exchange *exchange);
+/* A job of a request whose body is there, with a reference and without an id yet. The exchange can
+ * be answered, but its body and parameters are the job's. NULL without memory. */
+struct server_async *server_async_create(struct server_jobs *jobs,
+                                         struct server_exchange *exchange);
 
 /* Sends it on its way, or gives up one that is not to go: then it is released. */
 void server_async_run(struct server_async *job);

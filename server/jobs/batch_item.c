@@ -17,9 +17,10 @@ struct server_batch_item *server_batch_item_of(struct server_exchange *exchange)
     return (struct server_batch_item *)exchange->transport;
 }
 
-/* --- what it asks ------------------------------------------------------------------------------------------------- */
+/* --- what it asks ----------------------------------------------------------------------------- */
 
-static bool set_body(struct server_exchange *exchange, const struct proto_writer *body, struct proto_problem *problem)
+static bool set_body(struct server_exchange *exchange, const struct proto_writer *body,
+                     struct proto_problem *problem)
 {
     struct server_budget *budget = &exchange->server->budget;
     return proto_writer_check(body, problem) &&
@@ -29,7 +30,8 @@ static bool set_body(struct server_exchange *exchange, const struct proto_writer
 }
 
 /* What a client would send. */
-static bool set_request(struct server_batch_item *item, const struct proto_writer *body, struct proto_problem *problem)
+static bool set_request(struct server_batch_item *item, const struct proto_writer *body,
+                        struct proto_problem *problem)
 {
     struct server_exchange *exchange = item->exchange;
     exchange->method = "POST";
@@ -37,14 +39,15 @@ static bool set_request(struct server_batch_item *item, const struct proto_write
     exchange->tenant = item->claim.tenant;
     server_exchange_add_header(exchange, "Content-Type", CONTENT_TYPE);
     if (item->tag[0]) server_exchange_add_header(exchange, "If-Match", item->tag);
-    snprintf(exchange->request_id, sizeof exchange->request_id, "%s-%u", item->claim.id, (unsigned)item->claim.item);
-    return proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path, &exchange->match,
-                            problem) &&
+    snprintf(exchange->request_id, sizeof exchange->request_id, "%s-%u", item->claim.id,
+             (unsigned)item->claim.item);
+    return proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
+                            &exchange->match, problem) &&
            set_body(exchange, body, problem);
 }
 
-static bool make_exchange(struct server_batch_item *item, struct server *server, const struct proto_many *many,
-                          struct proto_problem *problem)
+static bool make_exchange(struct server_batch_item *item, struct server *server,
+                          const struct proto_many *many, struct proto_problem *problem)
 {
     struct proto_writer body;
     char target[PROTO_MESH_NAME + 64];
@@ -53,24 +56,25 @@ static bool make_exchange(struct server_batch_item *item, struct server *server,
     const char *question = proto_many_ask(many, number, &body);
     snprintf(target, sizeof target, "/v1/meshes/%s/%s", proto_many_mesh(many, number), question);
     item->exchange = server_exchange_create(server, &item->transport, target);
-    bool is_made =
-        item->exchange ? set_request(item, &body, problem) : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    bool is_made = item->exchange ? set_request(item, &body, problem)
+                                  : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     proto_writer_free(&body);
     if (!is_made) server_exchange_destroy(item->exchange);
     return is_made;
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static bool is_gone(struct server_exchange *exchange)
 {
     return atomic_load_explicit(&exchange->job.is_unwanted, memory_order_relaxed);
 }
 
-struct server_batch_item *server_batch_item_create(struct server *server, const struct proto_many *many,
+struct server_batch_item *server_batch_item_create(struct server *server,
+                                                   const struct proto_many *many,
                                                    const struct server_batch_claim *claim,
-                                                   void (*finish)(struct server_exchange *exchange), void *owner,
-                                                   struct proto_problem *problem)
+                                                   void (*finish)(struct server_exchange *exchange),
+                                                   void *owner, struct proto_problem *problem)
 {
     struct server_batch_item *item = calloc(1, sizeof *item);
     if (!item) {

@@ -1,7 +1,8 @@
-/* Batch item: an item of a batch under way on this daemon: what it asks as an exchange of its own, then its answer.
+/* Batch item: an item of a batch under way on this daemon: what it asks as an exchange of its own,
+ * then its answer.
  *
- * The exchange goes through the router's dispatch, a handler and the workers as a connection's does; `finish` is called when it is
- * answered, by whichever thread that is. */
+ * The exchange goes through the router's dispatch, a handler and the workers as a connection's
+ * does; `finish` is called when it is answered, by whichever thread that is. */
 #ifndef SERVER_JOBS_BATCH_ITEM_H
 #define SERVER_JOBS_BATCH_ITEM_H
 
@@ -18,15 +19,18 @@ struct server_batch_item {
     struct server_exchange *exchange; /* NULL: answered */
     unsigned status;                  /* 0: not answered */
     char *answer;                     /* NULL: none, or no memory for it */
-    size_t size, held;                /* of the answer: bytes, and how many SERVER_BUDGET_ANSWERS counts */
-    struct server_budget *budget;     /* that counts them */
+    /* of the answer: bytes, and how many SERVER_BUDGET_ANSWERS counts */
+    size_t size, held;
+    struct server_budget *budget; /* that counts them */
 };
 
-/* An item with its exchange; `many` is the batch's, and borrowed for the call. NULL with the problem. */
-struct server_batch_item *server_batch_item_create(struct server *server, const struct proto_many *many,
+/* An item with its exchange; `many` is the batch's, and borrowed for the call. NULL with the
+ * problem. */
+struct server_batch_item *server_batch_item_create(struct server *server,
+                                                   const struct proto_many *many,
                                                    const struct server_batch_claim *claim,
-                                                   void (*finish)(struct server_exchange *exchange), void *owner,
-                                                   struct proto_problem *problem);
+                                                   void (*finish)(struct server_exchange *exchange),
+                                                   void *owner, struct proto_problem *problem);
 void server_batch_item_free(struct server_batch_item *item); /* its exchange has been destroyed */
 
 struct server_batch_item *server_batch_item_of(struct server_exchange *exchange);

@@ -6,10 +6,14 @@
 #include <time.h>
 
 const char *const server_batch_queue_tables[] = {
-    "CREATE TABLE IF NOT EXISTS batches (id TEXT PRIMARY KEY, tenant TEXT NOT NULL, document BLOB NOT NULL,"
-    " etag TEXT NOT NULL, items INTEGER NOT NULL, created INTEGER NOT NULL, cancelled INTEGER NOT NULL DEFAULT 0)",
-    "CREATE TABLE IF NOT EXISTS items (batch TEXT NOT NULL, item INTEGER NOT NULL, lease INTEGER NOT NULL DEFAULT 0,"
-    " node TEXT NOT NULL DEFAULT '', attempts INTEGER NOT NULL DEFAULT 0, status INTEGER NOT NULL DEFAULT 0,"
+    "CREATE TABLE IF NOT EXISTS batches (id TEXT PRIMARY KEY, tenant TEXT NOT NULL, document BLOB "
+    "NOT NULL,"
+    " etag TEXT NOT NULL, items INTEGER NOT NULL, created INTEGER NOT NULL, cancelled INTEGER NOT "
+    "NULL DEFAULT 0)",
+    "CREATE TABLE IF NOT EXISTS items (batch TEXT NOT NULL, item INTEGER NOT NULL, lease INTEGER "
+    "NOT NULL DEFAULT 0,"
+    " node TEXT NOT NULL DEFAULT '', attempts INTEGER NOT NULL DEFAULT 0, status INTEGER NOT NULL "
+    "DEFAULT 0,"
     " answer BLOB, PRIMARY KEY (batch, item)) WITHOUT ROWID",
     "CREATE INDEX IF NOT EXISTS items_waiting ON items (batch, item) WHERE status = 0",
     "CREATE INDEX IF NOT EXISTS batches_of_tenants ON batches (tenant, id)", NULL};
@@ -28,10 +32,11 @@ static void copy_text(char *to, size_t size, const struct server_sql_value *valu
     snprintf(to, size, "%s", value->type == SERVER_SQL_TEXT ? value->bytes : "");
 }
 
-/* --- batches ------------------------------------------------------------------------------------------------------ */
+/* --- batches ---------------------------------------------------------------------------------- */
 
 /* Items first: those without a batch are nobody's. */
-enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const struct server_batch_order *order)
+enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
+                                                 const struct server_batch_order *order)
 {
     const struct server_sql_value id = server_sql_text(order->batch->id),
                                   items = server_sql_integer(order->batch->items);
@@ -44,14 +49,17 @@ enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, c
                                              server_sql_integer(order->batch->created)};
     enum server_store_outcome outcome =
         sql->run(sql,
-                 "WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT number + 1 FROM numbers"
+                 "WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT "
+                 "number + 1 FROM numbers"
                  " WHERE number + 1 < $2)"
-                 " INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true ON CONFLICT (batch, item) "
+                 " INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true ON "
+                 "CONFLICT (batch, item) "
                  "DO NOTHING",
                  those, COUNT(those), NULL, NULL);
     if (outcome) return outcome;
     return sql->run(sql,
-                    "INSERT INTO batches (id, tenant, document, etag, items, created) VALUES ($1, $2, $3, $4, $5, $6)"
+                    "INSERT INTO batches (id, tenant, document, etag, items, created) VALUES ($1, "
+                    "$2, $3, $4, $5, $6)"
                     " ON CONFLICT (id) DO NOTHING",
                     batch, COUNT(batch), NULL, NULL);
 }
@@ -62,11 +70,13 @@ static bool on_count(void *user, const struct server_sql_value *row)
     return true;
 }
 
-enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant, int64_t *count)
+enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
+                                                   int64_t *count)
 {
     const struct server_sql_value whose = server_sql_text(tenant);
     *count = 0;
-    return sql->run(sql, "SELECT count(*) FROM batches WHERE tenant = $1", &whose, 1, on_count, count);
+    return sql->run(sql, "SELECT count(*) FROM batches WHERE tenant = $1", &whose, 1, on_count,
+                    count);
 }
 
 struct listing {
@@ -87,29 +97,31 @@ static bool on_batch(void *user, const struct server_sql_value *row)
     return listing->count < listing->most;
 }
 
-#define SHOWN                                                                                                          \
-    "SELECT id, items, created, cancelled,"                                                                            \
-    " (SELECT count(*) FROM items WHERE batch = id AND status > 0),"                                                   \
+#define SHOWN                                                                                      \
+    "SELECT id, items, created, cancelled,"                                                        \
+    " (SELECT count(*) FROM items WHERE batch = id AND status > 0),"                               \
     " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
 
-enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant, const char *id,
-                                                  struct server_batch *out)
+enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
+                                                  const char *id, struct server_batch *out)
 {
     const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(id)};
     struct listing listing = {out, 0, 1};
-    enum server_store_outcome outcome =
-        sql->run(sql, SHOWN "WHERE tenant = $1 AND id = $2", values, COUNT(values), on_batch, &listing);
+    enum server_store_outcome outcome = sql->run(sql, SHOWN "WHERE tenant = $1 AND id = $2", values,
+                                                 COUNT(values), on_batch, &listing);
     return !outcome && !listing.count ? SERVER_STORE_ABSENT : outcome;
 }
 
-enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant, const char *after,
-                                                  uint32_t most, struct server_batch *out, uint32_t *count)
+enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
+                                                  const char *after, uint32_t most,
+                                                  struct server_batch *out, uint32_t *count)
 {
     const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(after),
                                               server_sql_integer(most)};
     struct listing listing = {out, 0, most};
-    enum server_store_outcome outcome = sql->run(sql, SHOWN "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3",
-                                                 values, COUNT(values), on_batch, &listing);
+    enum server_store_outcome outcome =
+        sql->run(sql, SHOWN "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3", values,
+                 COUNT(values), on_batch, &listing);
     *count = listing.count;
     return outcome;
 }
@@ -130,8 +142,8 @@ static bool on_document(void *user, const struct server_sql_value *row)
     return false;
 }
 
-enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id, void **document,
-                                                      size_t *size)
+enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
+                                                      void **document, size_t *size)
 {
     const struct server_sql_value which = server_sql_text(id);
     struct document found = {0};
@@ -145,14 +157,17 @@ enum server_store_outcome server_batch_queue_document(struct server_store_sql *s
     return SERVER_STORE_DONE;
 }
 
-enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id, int64_t after,
-                                                     uint32_t most, server_sql_visit *visit, void *user)
+enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id,
+                                                     int64_t after, uint32_t most,
+                                                     server_sql_visit *visit, void *user)
 {
-    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(after), server_sql_integer(most)};
-    return sql->run(sql,
-                    "SELECT item, status, answer FROM items WHERE batch = $1 AND item > $2 AND status > 0"
-                    " ORDER BY item LIMIT $3",
-                    values, COUNT(values), visit, user);
+    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(after),
+                                              server_sql_integer(most)};
+    return sql->run(
+        sql,
+        "SELECT item, status, answer FROM items WHERE batch = $1 AND item > $2 AND status > 0"
+        " ORDER BY item LIMIT $3",
+        values, COUNT(values), visit, user);
 }
 
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
@@ -164,11 +179,13 @@ enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
     const struct server_sql_value which = server_sql_text(id);
-    enum server_store_outcome outcome = sql->run(sql, "DELETE FROM batches WHERE id = $1", &which, 1, NULL, NULL);
-    return outcome ? outcome : sql->run(sql, "DELETE FROM items WHERE batch = $1", &which, 1, NULL, NULL);
+    enum server_store_outcome outcome =
+        sql->run(sql, "DELETE FROM batches WHERE id = $1", &which, 1, NULL, NULL);
+    return outcome ? outcome
+                   : sql->run(sql, "DELETE FROM items WHERE batch = $1", &which, 1, NULL, NULL);
 }
 
-/* --- items -------------------------------------------------------------------------------------------------------- */
+/* --- items ------------------------------------------------------------------------------------ */
 
 static bool on_claim(void *user, const struct server_sql_value *row)
 {
@@ -189,11 +206,13 @@ static bool on_owner(void *user, const struct server_sql_value *row)
 
 /* An item that waits, of the first of those tenants that has one, of its oldest batch; none:
  * `*out` stays as it is. */
-static enum server_store_outcome claim_of(struct server_store_sql *sql, const char *node, const char *tenants,
-                                          const char *after, struct server_batch_claim *out)
+static enum server_store_outcome claim_of(struct server_store_sql *sql, const char *node,
+                                          const char *tenants, const char *after,
+                                          struct server_batch_claim *out)
 {
     int64_t now = now_ms();
-    const struct server_sql_value values[] = {server_sql_integer(now), server_sql_integer(now + SERVER_BATCH_LEASE),
+    const struct server_sql_value values[] = {server_sql_integer(now),
+                                              server_sql_integer(now + SERVER_BATCH_LEASE),
                                               server_sql_text(node), server_sql_text(after)};
     char text[1024];
     snprintf(text, sizeof text,
@@ -208,7 +227,8 @@ static enum server_store_outcome claim_of(struct server_store_sql *sql, const ch
     return sql->run(sql, text, values, COUNT(values), on_claim, out);
 }
 
-enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node, const char *after,
+enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
+                                                   const char *after,
                                                    struct server_batch_claim *out)
 {
     struct server_batch_claim claim = {.id = ""};
@@ -217,50 +237,58 @@ enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql,
     if (outcome) return outcome;
     if (!claim.id[0]) return SERVER_STORE_ABSENT;
     const struct server_sql_value which = server_sql_text(claim.id);
-    outcome = sql->run(sql, "SELECT tenant, etag FROM batches WHERE id = $1", &which, 1, on_owner, &claim);
+    outcome = sql->run(sql, "SELECT tenant, etag FROM batches WHERE id = $1", &which, 1, on_owner,
+                       &claim);
     if (!outcome) *out = claim;
     return outcome;
 }
 
-enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id, int64_t item,
-                                                   const char *node)
+enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id,
+                                                   int64_t item, const char *node)
 {
-    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item), server_sql_text(node),
+    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item),
+                                              server_sql_text(node),
                                               server_sql_integer(now_ms() + SERVER_BATCH_LEASE)};
     int64_t renewed = -1;
-    enum server_store_outcome outcome =
-        sql->run(sql,
-                 "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0"
-                 " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0) RETURNING item",
-                 values, COUNT(values), on_count, &renewed);
+    enum server_store_outcome outcome = sql->run(
+        sql,
+        "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0"
+        " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0) RETURNING item",
+        values, COUNT(values), on_count, &renewed);
     return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
 }
 
 enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql,
-                                                    const struct server_batch_claim *claim, const char *node,
-                                                    bool was_tried, int64_t pause_ms)
+                                                    const struct server_batch_claim *claim,
+                                                    const char *node, bool was_tried,
+                                                    int64_t pause_ms)
 {
-    const struct server_sql_value values[] = {server_sql_text(claim->id), server_sql_integer(claim->item),
-                                              server_sql_text(node),
-                                              server_sql_integer(pause_ms ? now_ms() + pause_ms : 0),
-                                              server_sql_integer(was_tried ? claim->attempts : claim->attempts - 1)};
-    return sql->run(sql,
-                    "UPDATE items SET lease = $4, node = '', attempts = $5 WHERE batch = $1 AND item = $2"
-                    " AND node = $3 AND status = 0",
-                    values, COUNT(values), NULL, NULL);
+    const struct server_sql_value values[] = {
+        server_sql_text(claim->id), server_sql_integer(claim->item), server_sql_text(node),
+        server_sql_integer(pause_ms ? now_ms() + pause_ms : 0),
+        server_sql_integer(was_tried ? claim->attempts : claim->attempts - 1)};
+    return sql->run(
+        sql,
+        "UPDATE items SET lease = $4, node = '', attempts = $5 WHERE batch = $1 AND item = $2"
+        " AND node = $3 AND status = 0",
+        values, COUNT(values), NULL, NULL);
 }
 
 enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql)
 {
-    return sql->run(sql, "UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0", NULL, 0, NULL, NULL);
+    return sql->run(sql, "UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0", NULL, 0, NULL,
+                    NULL);
 }
 
-enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id, int64_t item,
-                                                    unsigned status, const void *answer, size_t size)
+enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id,
+                                                    int64_t item, unsigned status,
+                                                    const void *answer, size_t size)
 {
-    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item), server_sql_integer(status),
+    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item),
+                                              server_sql_integer(status),
                                               server_sql_bytes(answer, size)};
-    return sql->run(
-        sql, "UPDATE items SET status = $3, answer = $4, lease = 0 WHERE batch = $1 AND item = $2 AND status = 0",
-        values, COUNT(values), NULL, NULL);
+    return sql->run(sql,
+                    "UPDATE items SET status = $3, answer = $4, lease = 0 WHERE batch = $1 AND "
+                    "item = $2 AND status = 0",
+                    values, COUNT(values), NULL, NULL);
 }

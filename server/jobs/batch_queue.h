@@ -1,13 +1,15 @@
-/* Batch queue: batches (proto/many.h) as rows: what they ask, and each item's lease and answer. Whichever daemon has time takes the next
- * item.
+/* Batch queue: batches (proto/many.h) as rows: what they ask, and each item's lease and answer.
+ * Whichever daemon has time takes the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled
  *     items    batch, item, lease, node, attempts, status, answer
  *
- * DESIGN. At least once: who takes an item has it for LEASE, and renews that while it works; the item of one who is gone is taken by
- * another. An answer is written once: the first that comes stays. So each statement can be run again, and a daemon that was slow
- * or cut off does no harm. Leases are in the time of the daemons' own clocks, which may differ by much less than a lease; if they differ
- * by more an item is worked on twice. An item whose daemon has died over it too often is given up.
+ * DESIGN. At least once: who takes an item has it for LEASE, and renews that while it works; the
+ * item of one who is gone is taken by another. An answer is written once: the first that comes
+ * stays. So each statement can be run again, and a daemon that was slow or cut off does no harm.
+ * Leases are in the time of the daemons' own clocks, which may differ by much less than a lease; if
+ * they differ by more an item is worked on twice. An item whose daemon has died over it too often
+ * is given up.
  *
  * Thread-safe. Outcomes as store_sql.h. */
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
@@ -23,7 +25,8 @@
 
 #define SERVER_BATCH_QUEUE_FILE "batches.db" /* where a data folder has it */
 
-/* The statements that make the tables in SQLite, NULL-terminated (PostgreSQL's: store_postgres_schema.c). */
+/* The statements that make the tables in SQLite, NULL-terminated (PostgreSQL's:
+ * store_postgres_schema.c). */
 extern const char *const server_batch_queue_tables[];
 
 struct server_batch {
@@ -43,26 +46,30 @@ struct server_batch_order {
 };
 
 /* Adds a batch. Once: the second time changes nothing. */
-enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const struct server_batch_order *order);
+enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
+                                                 const struct server_batch_order *order);
 
 /* How many batches the tenant has. */
-enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant, int64_t *count);
+enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
+                                                   int64_t *count);
 
 /* The tenant's batch; ABSENT. */
-enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant, const char *id,
-                                                  struct server_batch *out);
+enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
+                                                  const char *id, struct server_batch *out);
 
 /* Up to `most` of the tenant's batches with ids after `after` ("": from the first). */
-enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant, const char *after,
-                                                  uint32_t most, struct server_batch *out, uint32_t *count);
+enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
+                                                  const char *after, uint32_t most,
+                                                  struct server_batch *out, uint32_t *count);
 
 /* The document of a batch, malloc'ed; ABSENT. */
-enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id, void **document,
-                                                      size_t *size);
+enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
+                                                      void **document, size_t *size);
 
 /* Shows the answers of items after `after`, in their order: item, status, answer. */
-enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id, int64_t after,
-                                                     uint32_t most, server_sql_visit *visit, void *user);
+enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id,
+                                                     int64_t after, uint32_t most,
+                                                     server_sql_visit *visit, void *user);
 
 /* No more items are begun. */
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
@@ -76,23 +83,26 @@ struct server_batch_claim {
 /* Takes the next item. Tenants take turns: it is of the first tenant behind `after` (the one
  * that the item before was of) that has an item to be done, and of its oldest batch. ABSENT:
  * there is none for now. */
-enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node, const char *after,
+enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
+                                                   const char *after,
                                                    struct server_batch_claim *out);
 
 /* ABSENT: the item is another's, answered, or not wanted any more. */
-enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id, int64_t item,
-                                                   const char *node);
+enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id,
+                                                   int64_t item, const char *node);
 
 /* Gives all items back that are not answered: at the start of the only daemon that there is. */
 enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 
 /* Gives an item back, for whoever has time after `pause_ms`. `was_tried`: the attempt counts. */
 enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql,
-                                                    const struct server_batch_claim *claim, const char *node,
-                                                    bool was_tried, int64_t pause_ms);
+                                                    const struct server_batch_claim *claim,
+                                                    const char *node, bool was_tried,
+                                                    int64_t pause_ms);
 
 /* The item's answer, unless it has one. */
-enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id, int64_t item,
-                                                    unsigned status, const void *answer, size_t size);
+enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id,
+                                                    int64_t item, unsigned status,
+                                                    const void *answer, size_t size);
 
 #endif

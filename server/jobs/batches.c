@@ -38,7 +38,7 @@ struct server_batches {
     atomic_uint_least64_t answered, returned;
 };
 
-/* --- the queue's database ----------------------------------------------------------------------------------------- */
+/* --- the queue's database --------------------------------------------------------------------- */
 
 static bool local_path(const struct server_config *config, char path[SERVER_DISK_PATH])
 {
@@ -61,13 +61,15 @@ static void open_sql(struct server_batches *batches, char *error, size_t error_s
     }
     (void)local_path(config, path);
     batches->sql = server_store_sql_local_open(path, server_batch_queue_tables, error, error_size);
-    if (batches->sql) (void)server_batch_queue_return_all(batches->sql); /* whose daemon has ended */
+    /* whose daemon has ended */
+    if (batches->sql) (void)server_batch_queue_return_all(batches->sql);
     if (!batches->sql && !atomic_exchange(&batches->cant_open, true))
         server_log_message(SERVER_LOG_ERROR, "batches_unavailable", "%s", error);
     if (batches->sql) atomic_store(&batches->cant_open, false);
 }
 
-struct server_store_sql *server_batches_sql(struct server_batches *batches, char *error, size_t error_size)
+struct server_store_sql *server_batches_sql(struct server_batches *batches, char *error,
+                                            size_t error_size)
 {
     pthread_mutex_lock(&batches->lock);
     if (!batches->sql) open_sql(batches, error, error_size);
@@ -90,7 +92,7 @@ static bool has_queue(struct server_batches *batches)
     return server_batches_sql(batches, error, sizeof error) != NULL;
 }
 
-/* --- an item's answer --------------------------------------------------------------------------------------------- */
+/* --- an item's answer ------------------------------------------------------------------------- */
 
 static void finish(struct server_exchange *exchange)
 {
@@ -114,7 +116,8 @@ static bool was_refused(const struct server_batch_item *item)
 /* Time or memory ran out: another daemon, or another moment, may have more; but not for ever. */
 static bool may_get_through(const struct server_batch_item *item)
 {
-    return (item->status == 504 || item->status == 507) && item->claim.attempts < SERVER_BATCH_TRIES;
+    return (item->status == 504 || item->status == 507) &&
+           item->claim.attempts < SERVER_BATCH_TRIES;
 }
 
 static void settle(struct server_batches *batches, const struct server_batch_item *item)
@@ -126,7 +129,8 @@ static void settle(struct server_batches *batches, const struct server_batch_ite
         atomic_fetch_add(&batches->returned, 1);
         return;
     }
-    if (!server_batch_queue_answer(batches->sql, claim->id, claim->item, item->status, item->answer, item->size))
+    if (!server_batch_queue_answer(batches->sql, claim->id, claim->item, item->status, item->answer,
+                                   item->size))
         atomic_fetch_add(&batches->answered, 1);
 }
 
@@ -152,7 +156,7 @@ static void settle_all(struct server_batches *batches)
     }
 }
 
-/* --- leases ------------------------------------------------------------------------------------------------------- */
+/* --- leases ----------------------------------------------------------------------------------- */
 
 /* By the thread, which alone takes items out of the list. */
 static void renew(struct server_batches *batches)
@@ -164,8 +168,8 @@ static void renew(struct server_batches *batches)
     struct server_batch_item *item = batches->items;
     pthread_mutex_unlock(&batches->lock);
     for (; item; item = item->next) {
-        if (server_batch_queue_renew(batches->sql, item->claim.id, item->claim.item, batches->node) !=
-            SERVER_STORE_ABSENT)
+        if (server_batch_queue_renew(batches->sql, item->claim.id, item->claim.item,
+                                     batches->node) != SERVER_STORE_ABSENT)
             continue;
         pthread_mutex_lock(&batches->lock);
         server_batch_item_give_up(item);
@@ -173,7 +177,7 @@ static void renew(struct server_batches *batches)
     }
 }
 
-/* --- beginning ---------------------------------------------------------------------------------------------------- */
+/* --- beginning -------------------------------------------------------------------------------- */
 
 /* What the batch asks, read once for its items one after the other. */
 static bool learn(struct server_batches *batches, const char *id, struct proto_problem *problem)
@@ -183,7 +187,8 @@ static bool learn(struct server_batches *batches, const char *id, struct proto_p
     if (batches->many.document && strcmp(batches->asked, id) == 0) return true;
     proto_many_free(&batches->many);
     if (server_batch_queue_document(batches->sql, id, &text, &size))
-        return proto_problem_set(problem, PROTO_PROBLEM_STORE_UNAVAILABLE, "the batch can't be read");
+        return proto_problem_set(problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
+                                 "the batch can't be read");
     bool is_read = proto_many_read(text, size, &batches->many, problem);
     if (is_read) snprintf(batches->asked, sizeof batches->asked, "%s", id);
     free(text);
@@ -199,7 +204,8 @@ static void add(struct server_batches *batches, struct server_batch_item *item)
     atomic_fetch_add(&batches->running, 1);
 }
 
-/* An item that was begun so often, each time by a daemon that did not live to tell, or that can't be asked. */
+/* An item that was begun so often, each time by a daemon that did not live to tell, or that can't
+ * be asked. */
 static void refuse(struct server_batches *batches, const struct server_batch_claim *claim,
                    const struct proto_problem *problem)
 {
@@ -218,9 +224,11 @@ static void begin(struct server_batches *batches, const struct server_batch_clai
     struct server_batch_item *item = NULL;
     if (claim->attempts > SERVER_BATCH_TRIES)
         (void)proto_problem_set(&problem, PROTO_PROBLEM_INTERNAL,
-                                "this item was begun %d times, and no daemon lived to answer it", SERVER_BATCH_TRIES);
+                                "this item was begun %d times, and no daemon lived to answer it",
+                                SERVER_BATCH_TRIES);
     else if (learn(batches, claim->id, &problem))
-        item = server_batch_item_create(batches->server, &batches->many, claim, finish, batches, &problem);
+        item = server_batch_item_create(batches->server, &batches->many, claim, finish, batches,
+                                        &problem);
     if (item) {
         add(batches, item);
         server_batch_item_run(item);
@@ -234,12 +242,14 @@ static bool has_time(const struct server_batches *batches)
 {
     struct server_workers_load load = server_workers_load(batches->server->workers);
     uint32_t most = load.threads > 1 ? load.threads - 1 : 1;
-    return !atomic_load(&batches->is_draining) && load.queued == 0 && atomic_load(&batches->running) < most;
+    return !atomic_load(&batches->is_draining) && load.queued == 0 &&
+           atomic_load(&batches->running) < most;
 }
 
 static bool claim_next(struct server_batches *batches, struct server_batch_claim *claim)
 {
-    if (server_batch_queue_claim(batches->sql, batches->node, batches->last_tenant, claim)) return false;
+    if (server_batch_queue_claim(batches->sql, batches->node, batches->last_tenant, claim))
+        return false;
     memcpy(batches->last_tenant, claim->tenant, sizeof batches->last_tenant);
     return true;
 }
@@ -250,7 +260,7 @@ static void begin_some(struct server_batches *batches)
     while (has_time(batches) && claim_next(batches, &claim)) begin(batches, &claim);
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static void work(void *user, struct server_thread *thread)
 {
@@ -267,7 +277,8 @@ static void work(void *user, struct server_thread *thread)
 static void name_node(char node[NODE])
 {
     unsigned char bytes[NODE / 2];
-    if (getrandom(bytes, sizeof bytes, 0) < (ssize_t)sizeof bytes) memcpy(bytes, &(uint64_t){gd_now_ns()}, 8);
+    if (getrandom(bytes, sizeof bytes, 0) < (ssize_t)sizeof bytes)
+        memcpy(bytes, &(uint64_t){gd_now_ns()}, 8);
     for (size_t i = 0; i < sizeof bytes; i++) sprintf(node + 2 * i, "%02x", bytes[i]);
 }
 
@@ -290,7 +301,8 @@ void server_batches_drain(struct server_batches *batches)
 {
     atomic_store(&batches->is_draining, true);
     pthread_mutex_lock(&batches->lock);
-    for (struct server_batch_item *item = batches->items; item; item = item->next) server_batch_item_give_up(item);
+    for (struct server_batch_item *item = batches->items; item; item = item->next)
+        server_batch_item_give_up(item);
     pthread_mutex_unlock(&batches->lock);
 }
 
@@ -310,7 +322,8 @@ void server_batches_destroy(struct server_batches *batches)
 const char *server_batches_health(struct server_batches *batches)
 {
     bool cant_open = batches && atomic_load(&batches->cant_open);
-    return cant_open ? "the database of batches can't be opened: see the log, mend the data folder" : NULL;
+    return cant_open ? "the database of batches can't be opened: see the log, mend the data folder"
+                     : NULL;
 }
 
 void server_batches_wake(struct server_batches *batches)

@@ -1,12 +1,15 @@
-/* Batches: many-source work that any daemon of a store can take a part in, item by item (batch_queue.h). This one's part.
+/* Batches: many-source work that any daemon of a store can take a part in, item by item
+ * (batch_queue.h). This one's part.
  *
- * DESIGN. A thread of its own takes items from the queue while workers have time, and gives each to them as an exchange of its own,
- * which goes through the router's dispatch, a handler and the workers as a job's does (jobs.h); so what an item is answered is what a client would
- * have been. The answer comes back to the thread, which alone speaks to the queue about items: it renews their leases, writes answers,
- * and returns what could not be done just now (503, 507). At a drain all items under way are given back.
+ * DESIGN. A thread of its own takes items from the queue while workers have time, and gives each to
+ * them as an exchange of its own, which goes through the router's dispatch, a handler and the
+ * workers as a job's does (jobs.h); so what an item is answered is what a client would have been.
+ * The answer comes back to the thread, which alone speaks to the queue about items: it renews their
+ * leases, writes answers, and returns what could not be done just now (503, 507). At a drain all
+ * items under way are given back.
  *
- * The queue is in the store's database: PostgreSQL's, or SQLite's in a file of the data folder, which the first batch makes; or,
- * for a store in memory, in memory. */
+ * The queue is in the store's database: PostgreSQL's, or SQLite's in a file of the data folder,
+ * which the first batch makes; or, for a store in memory, in memory. */
 #ifndef SERVER_JOBS_BATCHES_H
 #define SERVER_JOBS_BATCHES_H
 
@@ -25,7 +28,8 @@ void server_batches_drain(struct server_batches *batches);
 void server_batches_destroy(struct server_batches *batches);
 
 /* The queue's database. NULL with a sentence: it can't be opened. By workers. */
-struct server_store_sql *server_batches_sql(struct server_batches *batches, char *error, size_t error_size);
+struct server_store_sql *server_batches_sql(struct server_batches *batches, char *error,
+                                            size_t error_size);
 
 /* NULL, or a sentence: batches can't be had. Thread-safe; NULL is harmless. */
 const char *server_batches_health(struct server_batches *batches);
@@ -40,6 +44,7 @@ struct server_batches_statistics {
     uint64_t answered, returned; /* items, since the start */
     uint32_t running;
 };
-struct server_batches_statistics server_batches_statistics(struct server_batches *batches); /* NULL: all zero */
+/* NULL: all zero */
+struct server_batches_statistics server_batches_statistics(struct server_batches *batches);
 
 #endif

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct server_holding *server_holdings_of(struct server_holdings *holdings, const char *tenant, const char *key)
+struct server_holding *server_holdings_of(struct server_holdings *holdings, const char *tenant,
+                                          const char *key)
 {
     struct server_holding **link = &holdings->first;
     int order;
@@ -43,7 +44,8 @@ struct candidate { /* the key with the most of a tenant that has something to gi
 
 /* The candidate of the tenant whose holdings begin there; `*end` is the next tenant's first. */
 static struct candidate weigh_tenant(struct server_holding *from, enum server_measure measure,
-                                     struct server_holding *newcomer, uint64_t more, struct server_holding **end)
+                                     struct server_holding *newcomer, uint64_t more,
+                                     struct server_holding **end)
 {
     struct candidate best = {0};
     struct server_holding *at = from;
@@ -59,13 +61,15 @@ static struct candidate weigh_tenant(struct server_holding *from, enum server_me
     return best;
 }
 
-struct server_holding *server_holdings_largest(const struct server_holdings *holdings, enum server_measure measure,
+struct server_holding *server_holdings_largest(const struct server_holdings *holdings,
+                                               enum server_measure measure,
                                                struct server_holding *newcomer, uint64_t more)
 {
     struct candidate best = {0};
     for (struct server_holding *at = holdings->first; at;) {
         struct candidate candidate = weigh_tenant(at, measure, newcomer, more, &at);
-        if (candidate.holding && (!best.holding || candidate.tenants > best.tenants)) best = candidate;
+        if (candidate.holding && (!best.holding || candidate.tenants > best.tenants))
+            best = candidate;
     }
     return best.holding;
 }

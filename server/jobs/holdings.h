@@ -16,8 +16,9 @@ enum server_measure { SERVER_MEASURE_JOBS, SERVER_MEASURE_BYTES, SERVER_MEASURES
 struct server_holding {
     struct server_holding *next;
     char tenant[SERVER_CREDENTIAL_NAME], key[SERVER_CREDENTIAL_NAME]; /* "" without keys */
-    uint64_t amounts[SERVER_MEASURES];                                /* jobs, and bytes of their answers */
-    uint64_t active;                                                  /* jobs that have not ended */
+    /* jobs, and bytes of their answers */
+    uint64_t amounts[SERVER_MEASURES];
+    uint64_t active; /* jobs that have not ended */
 };
 
 struct server_holdings {          /* all zero: none */
@@ -25,7 +26,8 @@ struct server_holdings {          /* all zero: none */
 };
 
 /* The key's; NULL without memory. */
-struct server_holding *server_holdings_of(struct server_holdings *holdings, const char *tenant, const char *key);
+struct server_holding *server_holdings_of(struct server_holdings *holdings, const char *tenant,
+                                          const char *key);
 
 /* Frees a holding of no jobs. */
 void server_holdings_drop(struct server_holdings *holdings, struct server_holding *holding);
@@ -33,7 +35,8 @@ void server_holdings_drop(struct server_holdings *holdings, struct server_holdin
 /* Whose ended jobs make way for so much more of `newcomer`: the key with the most of the tenant
  * with the most, of those that have something to give. The newcomer itself, if it has the most,
  * even if it has nothing to give. */
-struct server_holding *server_holdings_largest(const struct server_holdings *holdings, enum server_measure measure,
+struct server_holding *server_holdings_largest(const struct server_holdings *holdings,
+                                               enum server_measure measure,
                                                struct server_holding *newcomer, uint64_t more);
 
 /* Jobs of a tenant that have not ended. */

@@ -32,7 +32,7 @@ struct server_jobs {
     uint64_t ended[PROTO_JOB_STATE_COUNT];
 };
 
-/* --- states ------------------------------------------------------------------------------------------------------- */
+/* --- states ----------------------------------------------------------------------------------- */
 
 struct proto_job server_jobs_look(struct server_async *job)
 {
@@ -76,13 +76,14 @@ enum proto_job_state server_jobs_end(struct server_async *job)
 {
     pthread_mutex_lock(&job->jobs->lock);
     job->exchange = NULL;
-    if (job->state != PROTO_JOB_CANCELLED) end(job, job->kept.answer.status < 400 ? PROTO_JOB_DONE : PROTO_JOB_FAILED);
+    if (job->state != PROTO_JOB_CANCELLED)
+        end(job, job->kept.answer.status < 400 ? PROTO_JOB_DONE : PROTO_JOB_FAILED);
     enum proto_job_state state = job->state;
     pthread_mutex_unlock(&job->jobs->lock);
     return state;
 }
 
-/* --- the table, under the lock ------------------------------------------------------------------------------------ */
+/* --- the table, under the lock ---------------------------------------------------------------- */
 
 /* The place of the first job whose id is not below `id`. */
 static uint32_t place_of(const struct server_jobs *jobs, const char *id)
@@ -104,7 +105,8 @@ static void drop(struct server_jobs *jobs, struct server_async *job)
     struct server_holding *holding = job->holding;
     job->holding = NULL;
     holding->amounts[SERVER_MEASURE_BYTES] -= job->held;
-    if (--holding->amounts[SERVER_MEASURE_JOBS] == 0) server_holdings_drop(&jobs->holdings, holding);
+    if (--holding->amounts[SERVER_MEASURE_JOBS] == 0)
+        server_holdings_drop(&jobs->holdings, holding);
     server_async_release(job);
 }
 
@@ -118,10 +120,11 @@ static void remove_at(struct server_jobs *jobs, uint32_t place)
 
 /* Drops the oldest ended job of the key that has the most, the newcomer's more included. False:
  * that is the newcomer, and it has none. */
-static bool make_way(struct server_jobs *jobs, enum server_measure measure, struct server_holding *newcomer,
-                     uint64_t more)
+static bool make_way(struct server_jobs *jobs, enum server_measure measure,
+                     struct server_holding *newcomer, uint64_t more)
 {
-    const struct server_holding *largest = server_holdings_largest(&jobs->holdings, measure, newcomer, more);
+    const struct server_holding *largest =
+        server_holdings_largest(&jobs->holdings, measure, newcomer, more);
     for (uint32_t i = 0; i < jobs->count; i++) {
         const struct server_async *job = jobs->list[i];
         if (job->holding != largest || !proto_job_has_ended(job->state)) continue;
@@ -132,7 +135,8 @@ static bool make_way(struct server_jobs *jobs, enum server_measure measure, stru
     return false;
 }
 
-static bool is_expired(const struct server_jobs *jobs, const struct server_async *job, uint64_t now_ns)
+static bool is_expired(const struct server_jobs *jobs, const struct server_async *job,
+                       uint64_t now_ns)
 {
     uint64_t ttl_ns = jobs->server->config.job_ttl_s * UINT64_C(1000000000);
     return proto_job_has_ended(job->state) &&
@@ -149,7 +153,8 @@ static void name(struct server_jobs *jobs, struct server_async *job)
     if (serial <= jobs->last_serial) serial = jobs->last_serial + 1;
     jobs->last_serial = serial;
     if (getrandom(&digits, sizeof digits, 0) < 0) digits = gd_now_ns();
-    snprintf(job->id, sizeof job->id, "%012llx%012llx", (unsigned long long)(serial & RANDOM_DIGITS),
+    snprintf(job->id, sizeof job->id, "%012llx%012llx",
+             (unsigned long long)(serial & RANDOM_DIGITS),
              (unsigned long long)(digits & RANDOM_DIGITS));
     job->created = (int64_t)now.tv_sec;
 }
@@ -158,23 +163,28 @@ static void name(struct server_jobs *jobs, struct server_async *job)
 static bool refuse_more(const struct server_jobs *jobs, uint64_t own, struct proto_problem *problem)
 {
     bool is_shared = jobs->server->access != NULL;
-    (void)proto_problem_set(problem, PROTO_PROBLEM_OVERLOADED,
-                            "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
-                            (unsigned long long)(is_shared ? own : jobs->active), is_shared ? " of yours" : "");
+    (void)proto_problem_set(
+        problem, PROTO_PROBLEM_OVERLOADED,
+        "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
+        (unsigned long long)(is_shared ? own : jobs->active), is_shared ? " of yours" : "");
     problem->retry_after = 1;
     return false;
 }
 
 /* Is there a place for one more job of the holding, which counts it already? */
-static bool has_place(struct server_jobs *jobs, struct server_holding *holding, struct proto_problem *problem)
+static bool has_place(struct server_jobs *jobs, struct server_holding *holding,
+                      struct proto_problem *problem)
 {
-    uint64_t own = server_holdings_active(&jobs->holdings, holding->tenant), others = jobs->active - own;
+    uint64_t own = server_holdings_active(&jobs->holdings, holding->tenant),
+             others = jobs->active - own;
     bool has_share = !jobs->server->access || !own || 2 * own + others < jobs->most;
-    if (has_share && (jobs->count < jobs->most || make_way(jobs, SERVER_MEASURE_JOBS, holding, 0))) return true;
+    if (has_share && (jobs->count < jobs->most || make_way(jobs, SERVER_MEASURE_JOBS, holding, 0)))
+        return true;
     return refuse_more(jobs, own, problem);
 }
 
-static void insert(struct server_jobs *jobs, struct server_holding *holding, struct server_async *job)
+static void insert(struct server_jobs *jobs, struct server_holding *holding,
+                   struct server_async *job)
 {
     name(jobs, job);
     job->holding = holding;
@@ -197,7 +207,7 @@ static bool add(struct server_jobs *jobs, struct server_async *job, struct proto
     return has_room;
 }
 
-/* --- memory of the answers ---------------------------------------------------------------------------------------- */
+/* --- memory of the answers -------------------------------------------------------------------- */
 
 /* Under the lock: counts the bytes as held by the job. A job that is not in the table any more
  * is nobody's. */
@@ -240,7 +250,7 @@ void server_jobs_give(struct server_jobs *jobs, size_t bytes)
     atomic_fetch_sub(&jobs->held, bytes);
 }
 
-/* --- in ----------------------------------------------------------------------------------------------------------- */
+/* --- in --------------------------------------------------------------------------------------- */
 
 struct server_async *server_jobs_start(struct server_jobs *jobs, struct server_exchange *exchange,
                                        struct proto_problem *problem)
@@ -262,16 +272,17 @@ struct server_async *server_jobs_start(struct server_jobs *jobs, struct server_e
     return job;
 }
 
-/* --- found, ended, dropped ---------------------------------------------------------------------------------------- */
+/* --- found, ended, dropped -------------------------------------------------------------------- */
 
 /* Under the lock: may the tenant know of the job? */
-static bool is_known(const struct server_jobs *jobs, const struct server_async *job, const char *tenant,
-                     uint64_t now_ns)
+static bool is_known(const struct server_jobs *jobs, const struct server_async *job,
+                     const char *tenant, uint64_t now_ns)
 {
     return strcmp(job->tenant, tenant) == 0 && !is_expired(jobs, job, now_ns);
 }
 
-struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tenant, const char *id, size_t size)
+struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tenant, const char *id,
+                                      size_t size)
 {
     char text[SERVER_ASYNC_ID];
     if (size != SERVER_ASYNC_ID - 1) return NULL;
@@ -286,8 +297,8 @@ struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tena
     return is_found ? job : NULL;
 }
 
-uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const char *after, uint32_t most,
-                          struct server_async **out)
+uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const char *after,
+                          uint32_t most, struct server_async **out)
 {
     uint32_t count = 0;
     uint64_t now = gd_now_ns();
@@ -295,7 +306,8 @@ uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const ch
     uint32_t place = after ? place_of(jobs, after) : 0;
     if (after && place < jobs->count && strcmp(jobs->list[place]->id, after) == 0) place++;
     for (; place < jobs->count && count < most; place++)
-        if (is_known(jobs, jobs->list[place], tenant, now)) out[count++] = server_async_retain(jobs->list[place]);
+        if (is_known(jobs, jobs->list[place], tenant, now))
+            out[count++] = server_async_retain(jobs->list[place]);
     pthread_mutex_unlock(&jobs->lock);
     return count;
 }
@@ -338,7 +350,8 @@ void server_jobs_drain(struct server_jobs *jobs)
     pthread_mutex_lock(&jobs->lock);
     jobs->is_draining = true;
     for (uint32_t i = 0; i < jobs->count; i++)
-        if (jobs->list[i]->state == PROTO_JOB_QUEUED) atomic_store(&jobs->list[i]->exchange->job.is_unwanted, true);
+        if (jobs->list[i]->state == PROTO_JOB_QUEUED)
+            atomic_store(&jobs->list[i]->exchange->job.is_unwanted, true);
     pthread_mutex_unlock(&jobs->lock);
 }
 
@@ -357,13 +370,14 @@ struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs, c
     if (!jobs) return statistics;
     pthread_mutex_lock(&jobs->lock);
     for (uint32_t i = 0; i < jobs->count; i++)
-        if (!tenant || strcmp(jobs->list[i]->tenant, tenant) == 0) statistics.now[jobs->list[i]->state]++;
+        if (!tenant || strcmp(jobs->list[i]->tenant, tenant) == 0)
+            statistics.now[jobs->list[i]->state]++;
     if (!tenant) memcpy(statistics.ended, jobs->ended, sizeof statistics.ended);
     pthread_mutex_unlock(&jobs->lock);
     return statistics;
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 struct server_jobs *server_jobs_create(struct server *server)
 {

@@ -1,7 +1,8 @@
 /* Jobs: the table of operations that were accepted to be answered later (202); async.h is one of
  * them. What workers run is smaller: job.h.
  *
- *     job = server_jobs_start(jobs, exchange, &problem);     the request of the exchange becomes a job
+ *     job = server_jobs_start(jobs, exchange, &problem);     the request of the exchange becomes a
+ * job
  *     ... server_jobs_look(job);                             how it is getting on
  *     server_async_release(job);
  *
@@ -30,18 +31,20 @@ struct server_jobs *server_jobs_create(struct server *server);
 /* No exchange is deferred any more. NULL is harmless. */
 void server_jobs_destroy(struct server_jobs *jobs);
 
-/* Makes a job of a request whose body is there, and begins it; the caller has a reference. The exchange can be answered, but its
- * body and parameters are the job's. NULL with overloaded, draining or insufficient_memory. */
+/* Makes a job of a request whose body is there, and begins it; the caller has a reference. The
+ * exchange can be answered, but its body and parameters are the job's. NULL with overloaded,
+ * draining or insufficient_memory. */
 struct server_async *server_jobs_start(struct server_jobs *jobs, struct server_exchange *exchange,
                                        struct proto_problem *problem);
 
 /* The tenant's job of that id, for the caller to release; NULL: he has none, or none any more. */
-struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tenant, const char *id, size_t size);
+struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tenant, const char *id,
+                                      size_t size);
 
-/* At most `most` of the tenant's jobs, whose ids follow `after` (NULL: from the first), for the caller to release; returns how
- * many. */
-uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const char *after, uint32_t most,
-                          struct server_async **out);
+/* At most `most` of the tenant's jobs, whose ids follow `after` (NULL: from the first), for the
+ * caller to release; returns how many. */
+uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const char *after,
+                          uint32_t most, struct server_async **out);
 
 /* Cancels a job that has not ended, removes one that has. */
 void server_jobs_cancel(struct server_jobs *jobs, struct server_async *job);
@@ -63,12 +66,12 @@ struct server_jobs_statistics {
 /* Of a tenant (NULL: of all, and only then `ended`). `jobs` NULL: all zero. */
 struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs, const char *tenant);
 
-/* --- one job ------------------------------------------------------------------------------------------------------ */
+/* --- one job ---------------------------------------------------------------------------------- */
 
 /* How it is getting on. What the pointers point to lives as long as the caller's reference. */
 struct proto_job server_jobs_look(struct server_async *job);
 
-/* --- for a job on its way (async.c) ------------------------------------------------------------------------------- */
+/* --- for a job on its way (async.c) ----------------------------------------------------------- */
 
 /* Queued, it is running from now on. */
 void server_jobs_begin(struct server_async *job);

@@ -20,7 +20,8 @@ static bool copy_headers(struct server_kept *kept, const struct server_response 
     for (uint32_t i = 0; i < count; i++) {
         if (!is_kept(response->headers[i].name)) continue;
         strcpy(at, response->headers[i].value);
-        kept->headers[kept->answer.header_count++] = (struct proto_job_header){response->headers[i].name, at};
+        kept->headers[kept->answer.header_count++] =
+            (struct proto_job_header){response->headers[i].name, at};
         at += strlen(at) + 1;
     }
     return true;

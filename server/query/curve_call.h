@@ -1,4 +1,5 @@
-/* Curve call: one long call of the engine (call.h) about a curve of the request, which is made first, with the mesh's landmarks. */
+/* Curve call: one long call of the engine (call.h) about a curve of the request, which is made
+ * first, with the mesh's landmarks. */
 #ifndef SERVER_QUERY_CURVE_CALL_H
 #define SERVER_QUERY_CURVE_CALL_H
 
@@ -7,9 +8,11 @@
 
 struct server_curve_call {
     const struct proto_located_curve *curve;
-    /* What is made of the curve, which it may take the points of. On success `*kept` bytes are held by the query. */
-    enum gd_status (*make)(struct server_query *query, struct gd_curve *curve, const struct gd_control *control,
-                           struct gd_detail *detail, size_t *kept);
+    /* What is made of the curve, which it may take the points of. On success `*kept` bytes are held
+     * by the query. */
+    enum gd_status (*make)(struct server_query *query, struct gd_curve *curve,
+                           const struct gd_control *control, struct gd_detail *detail,
+                           size_t *kept);
     size_t grant;     /* bytes that most such calls need */
     double share;     /* of the work, to make the curve */
     const char *what; /* needs the memory */

@@ -13,7 +13,8 @@ struct server_distinct { /* all zero is an empty one */
 };
 
 /* In an order of their own. False without memory. O(n log n). */
-bool server_distinct_find(const struct gd_point *points, uint32_t count, struct server_distinct *out);
+bool server_distinct_find(const struct gd_point *points, uint32_t count,
+                          struct server_distinct *out);
 void server_distinct_free(struct server_distinct *distinct); /* a second time is harmless */
 
 #endif

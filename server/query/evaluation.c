@@ -14,16 +14,19 @@
 
 #define EACH (PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT)
 
-/* --- distances ---------------------------------------------------------------------------------------------------- */
+/* --- distances -------------------------------------------------------------------------------- */
 
-/* A partial field knows nothing of what is beyond; that there is no path to another component is known without. */
-static void tell_components(const struct server_evaluation *evaluation, const bool *has_seed, double *distances)
+/* A partial field knows nothing of what is beyond; that there is no path to another component is
+ * known without. */
+static void tell_components(const struct server_evaluation *evaluation, const bool *has_seed,
+                            double *distances)
 {
     const struct gd_mesh *mesh = evaluation->points.mesh;
     double most = evaluation->field.request.radius;
     for (uint32_t i = 0; i < evaluation->points.count; i++) {
         if (distances[i] <= most) continue;
-        distances[i] = has_seed[gd_point_component(mesh, &evaluation->points.points[i])] ? NAN : INFINITY;
+        distances[i] =
+            has_seed[gd_point_component(mesh, &evaluation->points.points[i])] ? NAN : INFINITY;
     }
 }
 
@@ -41,11 +44,13 @@ static enum gd_status limit_distances(const struct server_evaluation *evaluation
     return GD_OK;
 }
 
-/* --- one point ---------------------------------------------------------------------------------------------------- */
+/* --- one point -------------------------------------------------------------------------------- */
 
-/* The shortest path goes back the way that the gradient goes on. At a member there is none: the distance grows in all directions. */
-static enum gd_status find_gradient(const struct server_evaluation *evaluation, const struct gd_field *field,
-                                    const struct gd_point *point, struct proto_result *result)
+/* The shortest path goes back the way that the gradient goes on. At a member there is none: the
+ * distance grows in all directions. */
+static enum gd_status find_gradient(const struct server_evaluation *evaluation,
+                                    const struct gd_field *field, const struct gd_point *point,
+                                    struct proto_result *result)
 {
     const struct gd_mesh *mesh = evaluation->points.mesh;
     struct gd_vec3 gradient;
@@ -59,10 +64,12 @@ static enum gd_status find_gradient(const struct server_evaluation *evaluation, 
     return GD_OK;
 }
 
-/* The nearest member, and the point of it: of a point's that is the point, of a segment's it is where the path ends. *path: traced where it is needed. Of
- * several that are as near, the path need not end in the one that the field tells. */
-static enum gd_status find_nearest(const struct server_evaluation *evaluation, const struct gd_field *field,
-                                   const struct gd_point *point, struct proto_result *result, struct gd_path *path)
+/* The nearest member, and the point of it: of a point's that is the point, of a segment's it is
+ * where the path ends. *path: traced where it is needed. Of several that are as near, the path need
+ * not end in the one that the field tells. */
+static enum gd_status find_nearest(const struct server_evaluation *evaluation,
+                                   const struct gd_field *field, const struct gd_point *point,
+                                   struct proto_result *result, struct gd_path *path)
 {
     const struct proto_located_set *set = evaluation->field.set;
     enum gd_status status = GD_OK;
@@ -79,9 +86,11 @@ static enum gd_status find_nearest(const struct server_evaluation *evaluation, c
     return GD_OK;
 }
 
-/* A result with what is wanted besides the distance; its path, if it has one, is `path`, to be freed. */
-static enum gd_status complete(const struct server_evaluation *evaluation, const struct gd_field *field,
-                               const struct gd_point *point, struct proto_result *result, struct gd_path *path)
+/* A result with what is wanted besides the distance; its path, if it has one, is `path`, to be
+ * freed. */
+static enum gd_status complete(const struct server_evaluation *evaluation,
+                               const struct gd_field *field, const struct gd_point *point,
+                               struct proto_result *result, struct gd_path *path)
 {
     enum gd_status status = GD_OK;
     if (!isfinite(result->distance)) return GD_OK;
@@ -93,46 +102,50 @@ static enum gd_status complete(const struct server_evaluation *evaluation, const
     return status;
 }
 
-static enum gd_status write_result(struct server_evaluation *evaluation, const struct gd_field *field, uint32_t i,
-                                   double distance)
+static enum gd_status write_result(struct server_evaluation *evaluation,
+                                   const struct gd_field *field, uint32_t i, double distance)
 {
     struct gd_path path = {0};
     struct proto_result result = {.distance = distance};
-    enum gd_status status = complete(evaluation, field, &evaluation->points.points[i], &result, &path);
+    enum gd_status status =
+        complete(evaluation, field, &evaluation->points.points[i], &result, &path);
     if (!status) {
-        proto_result_encode(&evaluation->field.query.draft, evaluation->points.mesh, evaluation->field.set, &result,
-                            evaluation->wanted, evaluation->field.query.options.geometry);
+        proto_result_encode(&evaluation->field.query.draft, evaluation->points.mesh,
+                            evaluation->field.set, &result, evaluation->wanted,
+                            evaluation->field.query.options.geometry);
         status = server_query_check_draft(&evaluation->field.query);
     }
     gd_path_free(&path);
     return status;
 }
 
-/* --- all of them -------------------------------------------------------------------------------------------------- */
+/* --- all of them ------------------------------------------------------------------------------ */
 
-static enum gd_status write_results(struct server_evaluation *evaluation, const struct gd_field *field,
-                                    const double *distances, struct server_monitor *part)
+static enum gd_status write_results(struct server_evaluation *evaluation,
+                                    const struct gd_field *field, const double *distances,
+                                    struct server_monitor *part)
 {
     const struct gd_control control = server_exchange_control(part);
     enum gd_status status = GD_OK;
     proto_results_begin(&evaluation->field.query.draft);
     for (uint32_t i = 0; i < evaluation->points.count && !status; i++) {
         status = write_result(evaluation, field, i, distances[i]);
-        if (!status) status = gd_control_check(&control, (double)(i + 1) / evaluation->points.count);
+        if (!status)
+            status = gd_control_check(&control, (double)(i + 1) / evaluation->points.count);
     }
     proto_results_end(&evaluation->field.query.draft);
     return status;
 }
 
-static enum gd_status evaluate(struct server_evaluation *evaluation, const struct gd_field *field, double *distances,
-                               const struct server_monitor *part)
+static enum gd_status evaluate(struct server_evaluation *evaluation, const struct gd_field *field,
+                               double *distances, const struct server_monitor *part)
 {
     double share = evaluation->wanted & EACH ? DISTANCE_SHARE : 1 - DISTANCE_SHARE;
     struct server_monitor first = server_monitor_portion(part, 0, share),
                           second = server_monitor_portion(part, share, 1 - share);
     const struct gd_control control = server_exchange_control(&first);
-    enum gd_status status =
-        gd_field_distances(field, evaluation->points.points, evaluation->points.count, &control, distances);
+    enum gd_status status = gd_field_distances(field, evaluation->points.points,
+                                               evaluation->points.count, &control, distances);
     if (!status) status = limit_distances(evaluation, distances);
     if (!status) status = write_results(evaluation, field, distances, &second);
     return status;
@@ -148,7 +161,7 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     return server_query_end_draft(&query->query, status, WHAT, problem);
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
 static bool is_quick(const struct server_evaluation *evaluation)
 {
@@ -156,14 +169,16 @@ static bool is_quick(const struct server_evaluation *evaluation)
     const struct proto_located_set *set = evaluation->field.set;
     bool traces = evaluation->wanted & PROTO_RESULT_FIELD_PATH || !set || set->has_segments;
     if (!traces) return count <= QUICK_POINTS;
-    return count <= QUICK_PATHS && gd_mesh_summary(evaluation->points.mesh)->faces <= QUICK_PATH_FACES;
+    return count <= QUICK_PATHS &&
+           gd_mesh_summary(evaluation->points.mesh)->faces <= QUICK_PATH_FACES;
 }
 
-bool server_evaluation_locate(struct server_evaluation *evaluation, const struct proto_evaluation *wanted,
-                              struct proto_problem *problem)
+bool server_evaluation_locate(struct server_evaluation *evaluation,
+                              const struct proto_evaluation *wanted, struct proto_problem *problem)
 {
     const struct server_query *query = &evaluation->field.query;
-    if (!proto_points_locate(query->surface->mesh, &wanted->points, &evaluation->points, problem)) return false;
+    if (!proto_points_locate(query->surface->mesh, &wanted->points, &evaluation->points, problem))
+        return false;
     evaluation->wanted = proto_evaluation_wanted(wanted, &query->options);
     evaluation->field.is_quick = is_quick(evaluation);
     evaluation->field.answer = answer;

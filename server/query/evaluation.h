@@ -1,4 +1,5 @@
-/* Evaluation: the results of many points, from the field of a set: what distance-to-set and a field's evaluate have in common. */
+/* Evaluation: the results of many points, from the field of a set: what distance-to-set and a
+ * field's evaluate have in common. */
 #ifndef SERVER_QUERY_EVALUATION_H
 #define SERVER_QUERY_EVALUATION_H
 
@@ -12,8 +13,8 @@ struct server_evaluation {
 };
 
 /* Puts the points on the mesh. */
-bool server_evaluation_locate(struct server_evaluation *evaluation, const struct proto_evaluation *wanted,
-                              struct proto_problem *problem);
+bool server_evaluation_locate(struct server_evaluation *evaluation,
+                              const struct proto_evaluation *wanted, struct proto_problem *problem);
 
 /* A step of the kind, besides those of field_query.h; the answer is the draft. */
 void server_evaluation_release(struct server_query *query);

@@ -5,7 +5,8 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/team.h"
 
-#define BYTES_AN_EDGE 1024 /* while two threads build it; what is kept of it: 50 on flat meshes, 200 to 400 on scans */
+/* while two threads build it; what is kept of it: 50 on flat meshes, 200 to 400 on scans */
+#define BYTES_AN_EDGE 1024
 #define BYTES_A_FIELD ((size_t)1 << 20) /* of any size: the queue, and what is taken in advance */
 
 size_t server_field_build_grant(const struct gd_mesh *mesh)
@@ -24,10 +25,11 @@ struct build {
 static enum gd_status build(void *user, const struct gd_control *control, size_t *kept)
 {
     struct build *wanted = user;
-    enum gd_status status =
-        wanted->nearer
-            ? gd_field_resume(wanted->nearer, wanted->request.radius, control, wanted->executor, wanted->out, NULL)
-            : gd_field_build(wanted->mesh, &wanted->request, control, wanted->executor, wanted->out, NULL);
+    enum gd_status status = wanted->nearer
+                                ? gd_field_resume(wanted->nearer, wanted->request.radius, control,
+                                                  wanted->executor, wanted->out, NULL)
+                                : gd_field_build(wanted->mesh, &wanted->request, control,
+                                                 wanted->executor, wanted->out, NULL);
     if (!status) *kept = gd_field_memsize(*wanted->out);
     return status;
 }
@@ -55,12 +57,16 @@ static enum gd_status call(struct server_monitor *part, struct build *wanted)
     return status;
 }
 
-/* Where there is no room beside the nearer field, or rounding has spoilt it, the farther one is built from its seeds. */
+/* Where there is no room beside the nearer field, or rounding has spoilt it, the farther one is
+ * built from its seeds. */
 enum gd_status server_field_build_request(struct server_monitor *part, const struct gd_mesh *mesh,
-                                          const struct gd_field_request *request, struct gd_field **out)
+                                          const struct gd_field_request *request,
+                                          struct gd_field **out)
 {
-    const struct server_cached *nearer = part->flight ? server_cache_find_nearer(part->flight) : NULL;
-    struct build wanted = {.mesh = mesh, .request = *request, .nearer = nearer ? nearer->field : NULL, .out = out};
+    const struct server_cached *nearer =
+        part->flight ? server_cache_find_nearer(part->flight) : NULL;
+    struct build wanted = {
+        .mesh = mesh, .request = *request, .nearer = nearer ? nearer->field : NULL, .out = out};
     enum gd_status status = call(part, &wanted);
     server_cache_unpin(nearer);
     if (!nearer || (status != GD_BUDGET && status != GD_INTERNAL)) return status;

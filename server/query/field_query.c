@@ -12,18 +12,19 @@
 #define SET_SHARE   0.2 /* of the work, when the set is to be put on the mesh, */
 #define BUILD_SHARE 0.9 /* and when the field is not there */
 
-/* --- which field -------------------------------------------------------------------------------------------------- */
+/* --- which field ------------------------------------------------------------------------------ */
 
-void server_field_query_of_located(struct server_field_query *query, const struct proto_located_set *set,
-                                   double max_distance)
+void server_field_query_of_located(struct server_field_query *query,
+                                   const struct proto_located_set *set, double max_distance)
 {
     query->set = set;
-    query->request =
-        (struct gd_field_request){.seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
+    query->request = (struct gd_field_request){
+        .seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
 }
 
 /* The pending set is on the mesh. */
-static bool take(struct server_field_query *query, struct proto_located_set *located, struct proto_problem *problem)
+static bool take(struct server_field_query *query, struct proto_located_set *located,
+                 struct proto_problem *problem)
 {
     query->own_set = located;
     proto_set_free(&query->pending);
@@ -31,15 +32,17 @@ static bool take(struct server_field_query *query, struct proto_located_set *loc
     return !query->located || query->located(query, problem);
 }
 
-bool server_field_query_of_set(struct server_field_query *query, struct proto_set *set, double max_distance,
-                               struct proto_problem *problem)
+bool server_field_query_of_set(struct server_field_query *query, struct proto_set *set,
+                               double max_distance, struct proto_problem *problem)
 {
     struct proto_located_set *located;
     query->pending = *set;
     query->max_distance = max_distance;
     *set = (struct proto_set){0};
     if (!proto_set_is_quick(&query->pending)) return true;
-    if (proto_set_locate(query->query.surface->mesh, &query->pending, NULL, NULL, &located, problem)) return false;
+    if (proto_set_locate(query->query.surface->mesh, &query->pending, NULL, NULL, &located,
+                         problem))
+        return false;
     return take(query, located, problem);
 }
 
@@ -51,8 +54,8 @@ static bool resolve(struct server_field_query *query, struct proto_problem *prob
     return take(query, located, problem);
 }
 
-static struct server_resource *find_resource(struct server_record *record, const char *text, size_t length,
-                                             struct proto_problem *problem)
+static struct server_resource *find_resource(struct server_record *record, const char *text,
+                                             size_t length, struct proto_problem *problem)
 {
     struct server_catalogue *catalogue = server_record_catalogue(record);
     struct server_resource *resource = NULL;
@@ -66,12 +69,14 @@ static struct server_resource *find_resource(struct server_record *record, const
         proto_problem_set(problem, PROTO_PROBLEM_NOT_FOUND,
                           "this mesh has no field of that id; post its set to get one");
     if (finding == SERVER_CATALOGUE_FORGOT)
-        proto_problem_set(problem, PROTO_PROBLEM_FIELD_EVICTED,
-                          "the field was evicted and its set is no longer known; post the set again");
+        proto_problem_set(
+            problem, PROTO_PROBLEM_FIELD_EVICTED,
+            "the field was evicted and its set is no longer known; post the set again");
     return resource;
 }
 
-struct server_resource *server_find_resource(const struct server_exchange *exchange, struct server_record *record,
+struct server_resource *server_find_resource(const struct server_exchange *exchange,
+                                             struct server_record *record,
                                              struct proto_problem *problem)
 {
     const struct proto_capture *capture = &exchange->match.captures[1];
@@ -88,23 +93,27 @@ static bool use_resource(struct server_field_query *query, struct server_resourc
     return true;
 }
 
-/* --- from the field ----------------------------------------------------------------------------------------------- */
+/* --- from the field --------------------------------------------------------------------------- */
 
-/* The cached field may reach farther than the query's, which is answered as if it did not. `begun`: the part of the query's work that is done. */
-static enum server_query_turn answer_by(struct server_field_query *query, const struct server_cached *cached,
-                                        double begun, struct proto_problem *problem)
+/* The cached field may reach farther than the query's, which is answered as if it did not. `begun`:
+ * the part of the query's work that is done. */
+static enum server_query_turn answer_by(struct server_field_query *query,
+                                        const struct server_cached *cached, double begun,
+                                        struct proto_problem *problem)
 {
     struct server_monitor part = server_query_monitor(&query->query, begun, 1 - begun);
     double radius = query->request.radius;
     struct gd_field *within = NULL;
     enum gd_status status = radius > 0 ? gd_field_within(cached->field, radius, &within) : GD_OK;
     if (status) return server_query_fail(&query->query, status, WHAT, problem);
-    enum server_query_turn turn = query->answer(query, within ? within : cached->field, &part, problem);
+    enum server_query_turn turn =
+        query->answer(query, within ? within : cached->field, &part, problem);
     gd_field_release(within);
     return turn;
 }
 
-static enum server_query_turn answer_by_pin(struct server_field_query *query, struct proto_problem *problem)
+static enum server_query_turn answer_by_pin(struct server_field_query *query,
+                                            struct proto_problem *problem)
 {
     const struct server_cached *pin = query->pin;
     query->pin = NULL;
@@ -127,7 +136,8 @@ static enum server_query_turn fly(struct server_field_query *query, struct proto
     struct gd_field *field;
     part.flight = flight;
     query->flight = NULL;
-    enum gd_status status = server_field_build_request(&part, query->query.surface->mesh, &query->request, &field);
+    enum gd_status status =
+        server_field_build_request(&part, query->query.surface->mesh, &query->request, &field);
     if (status) {
         server_cache_fail(flight, status);
         return server_query_fail(&query->query, status, WHAT, problem);
@@ -139,34 +149,39 @@ static enum server_query_turn fly(struct server_field_query *query, struct proto
     return turn;
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
 static enum server_cache_turn claim(struct server_field_query *query, enum gd_status *why)
 {
-    return server_cache_claim(query->query.surface->shelf, &query->request, &query->query.exchange->job, &query->flight,
-                              why);
+    return server_cache_claim(query->query.surface->shelf, &query->request,
+                              &query->query.exchange->job, &query->flight, why);
 }
 
 bool server_field_query_of_resource(struct server_field_query *query, struct proto_problem *problem)
 {
-    return use_resource(query, server_find_resource(query->query.exchange, query->query.surface->record, problem));
+    return use_resource(
+        query, server_find_resource(query->query.exchange, query->query.surface->record, problem));
 }
 
-bool server_field_query_of_id(struct server_field_query *query, const char *id, struct proto_problem *problem)
+bool server_field_query_of_id(struct server_field_query *query, const char *id,
+                              struct proto_problem *problem)
 {
-    if (use_resource(query, find_resource(query->query.surface->record, id, strlen(id), problem))) return true;
+    if (use_resource(query, find_resource(query->query.surface->record, id, strlen(id), problem)))
+        return true;
     proto_problem_at(problem, "field");
     return false;
 }
 
-enum server_query_turn server_field_query_glance(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_field_query_glance(struct server_query *query,
+                                                 struct proto_problem *problem)
 {
     struct server_field_query *own = (struct server_field_query *)query;
     if (!own->set) return SERVER_QUERY_AGAIN;
     return look(own) && own->is_quick ? answer_by_pin(own, problem) : SERVER_QUERY_AGAIN;
 }
 
-/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in the queue. */
+/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in
+ * the queue. */
 bool server_field_query_join(struct server_query *query)
 {
     struct server_field_query *own = (struct server_field_query *)query;
@@ -174,11 +189,13 @@ bool server_field_query_join(struct server_query *query)
     return own->set && !own->pin && claim(own, &why) == SERVER_CACHE_WAIT;
 }
 
-enum server_query_turn server_field_query_solve(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_field_query_solve(struct server_query *query,
+                                                struct proto_problem *problem)
 {
     struct server_field_query *own = (struct server_field_query *)query;
     enum gd_status why;
-    if (!own->set && !(own->prepare ? own->prepare : resolve)(own, problem)) return SERVER_QUERY_FAILED;
+    if (!own->set && !(own->prepare ? own->prepare : resolve)(own, problem))
+        return SERVER_QUERY_FAILED;
     if (own->flight) return fly(own, problem);
     if (own->pin || look(own)) return answer_by_pin(own, problem);
     switch (claim(own, &why)) {

@@ -1,4 +1,5 @@
-/* Form: what an answer can be had as besides JSON: a file for another program. By ?format=, or else by Accept. */
+/* Form: what an answer can be had as besides JSON: a file for another program. By ?format=, or else
+ * by Accept. */
 #ifndef SERVER_QUERY_FORM_H
 #define SERVER_QUERY_FORM_H
 
@@ -15,16 +16,19 @@ struct server_form {
 
 enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST }; /* and on: forms[0], … */
 
-/* The form that the request wants; JSON at a tie. `forms` may be NULL; `has_bytes`: float64 is one, by Accept alone. False with the problem. */
-bool server_form_choose(struct server_exchange *exchange, const struct server_form *forms, bool has_bytes,
-                        unsigned *out, struct proto_problem *problem);
+/* The form that the request wants; JSON at a tie. `forms` may be NULL; `has_bytes`: float64 is one,
+ * by Accept alone. False with the problem. */
+bool server_form_choose(struct server_exchange *exchange, const struct server_form *forms,
+                        bool has_bytes, unsigned *out, struct proto_problem *problem);
 
 /* Reads ?mesh=, which only forms that have it take. */
-bool server_form_wants_mesh(const struct proto_parameters *parameters, const struct server_form *forms, unsigned form,
-                            bool *out, struct proto_problem *problem);
+bool server_form_wants_mesh(const struct proto_parameters *parameters,
+                            const struct server_form *forms, unsigned form, bool *out,
+                            struct proto_problem *problem);
 
-/* Names of query-string parameters with those of forms behind them; `forms` NULL: `names` themselves. `out` has room for `most`. */
-const char *const *server_form_parameters(const char *const *names, const struct server_form *forms, const char **out,
-                                          unsigned most);
+/* Names of query-string parameters with those of forms behind them; `forms` NULL: `names`
+ * themselves. `out` has room for `most`. */
+const char *const *server_form_parameters(const char *const *names, const struct server_form *forms,
+                                          const char **out, unsigned most);
 
 #endif

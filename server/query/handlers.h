@@ -1,5 +1,6 @@
-/* Handlers: one function an operation of proto/openapi.yaml; the generated route table points to them. Each is
- * called by an HTTP thread with a whole request, and ends with a reply or with server_exchange_defer (exchange.h). */
+/* Handlers: one function an operation of proto/openapi.yaml; the generated route table points to
+ * them. Each is called by an HTTP thread with a whole request, and ends with a reply or with
+ * server_exchange_defer (exchange.h). */
 #ifndef SERVER_QUERY_HANDLERS_H
 #define SERVER_QUERY_HANDLERS_H
 
@@ -119,7 +120,8 @@ void server_handle_get_batch(struct server_exchange *exchange);
 void server_handle_delete_batch(struct server_exchange *exchange);
 void server_handle_get_batch_results(struct server_exchange *exchange);
 
-/* jobs.c: any operation that takes Prefer: respond-async, asked for with it. Called like the others. */
+/* jobs.c: any operation that takes Prefer: respond-async, asked for with it. Called like the
+ * others. */
 void server_handle_async(struct server_exchange *exchange);
 
 #endif

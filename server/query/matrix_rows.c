@@ -12,10 +12,13 @@
 #include "server/surfaces/landmarks.h"
 #include "server/query/pair_search.h"
 
-#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* so many searches take half as long as a field */
-#define BYTES_A_COLUMN 16                          /* of an evaluation, see gd_field_distances */
-#define BYTES_AN_EDGE  96                          /* of a row without wedges: 7 to 30, see gd_field_distances_only */
-#define BYTES_A_ROW    ((size_t)1 << 20)           /* of one on any mesh: the queue, and what is taken in advance */
+/* so many searches take half as long as a field */
+#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2)
+#define BYTES_A_COLUMN 16 /* of an evaluation, see gd_field_distances */
+/* of a row without wedges: 7 to 30, see gd_field_distances_only */
+#define BYTES_AN_EDGE 96
+/* of one on any mesh: the queue, and what is taken in advance */
+#define BYTES_A_ROW ((size_t)1 << 20)
 
 struct matrix {
     const struct server_monitor *part;
@@ -27,8 +30,9 @@ struct matrix {
     double *distances;                    /* rows x columns */
     bool *is_left;                        /* per row: it found too little memory while others ran */
     bool is_alone;                        /* one row at a time */
-    atomic_size_t grant;                  /* bytes that were enough for the rows so far, see server_call */
-    atomic_int status;                    /* the first failure */
+    /* bytes that were enough for the rows so far, see server_call */
+    atomic_size_t grant;
+    atomic_int status; /* the first failure */
 };
 
 /* One row on its way. */
@@ -39,7 +43,7 @@ struct row {
     struct server_monitor monitor;
 };
 
-/* --- what a row is told ------------------------------------------------------------------------------------------- */
+/* --- what a row is told ----------------------------------------------------------------------- */
 
 /* Tells the exchange, and the row that another one has failed. */
 static bool on_progress(void *user, double fraction)
@@ -58,12 +62,13 @@ static struct gd_control control_of(struct row *row)
     return control;
 }
 
-/* --- a row from a field ------------------------------------------------------------------------------------------- */
+/* --- a row from a field ----------------------------------------------------------------------- */
 
 static bool is_apart(const struct row *row, uint32_t column)
 {
     const struct gd_mesh *mesh = row->matrix->surface->mesh;
-    return gd_point_component(mesh, row->point) != gd_point_component(mesh, &row->matrix->columns->points[column]);
+    return gd_point_component(mesh, row->point) !=
+           gd_point_component(mesh, &row->matrix->columns->points[column]);
 }
 
 /* Why there are no distances, and to points that are too far. */
@@ -77,10 +82,12 @@ static void tell_reasons(const struct row *row)
     }
 }
 
-static enum gd_status measure(const struct row *row, const struct gd_field *field, const struct gd_control *control)
+static enum gd_status measure(const struct row *row, const struct gd_field *field,
+                              const struct gd_control *control)
 {
     const struct server_distinct *columns = row->matrix->columns;
-    enum gd_status status = gd_field_distances(field, columns->points, columns->count, control, row->distances);
+    enum gd_status status =
+        gd_field_distances(field, columns->points, columns->count, control, row->distances);
     if (!status) tell_reasons(row);
     return status;
 }
@@ -108,7 +115,8 @@ static enum gd_status measure_points(void *user, const struct gd_control *contro
     const struct gd_field_request request = request_of(row, &seed);
     struct gd_field *field;
     *kept = 0;
-    enum gd_status status = gd_field_build(row->matrix->surface->mesh, &request, control, NULL, &field, NULL);
+    enum gd_status status =
+        gd_field_build(row->matrix->surface->mesh, &request, control, NULL, &field, NULL);
     if (status) return status;
     learn(row, control);
     status = measure(row, field, control);
@@ -116,7 +124,8 @@ static enum gd_status measure_points(void *user, const struct gd_control *contro
     return status;
 }
 
-/* By no field at all: of a vertex the distance is known without the wedges, which are most of a field's memory. */
+/* By no field at all: of a vertex the distance is known without the wedges, which are most of a
+ * field's memory. */
 static enum gd_status measure_vertices(void *user, const struct gd_control *control, size_t *kept)
 {
     const struct row *row = user;
@@ -125,8 +134,9 @@ static enum gd_status measure_vertices(void *user, const struct gd_control *cont
     const struct gd_field_request request = request_of(row, &seed);
     double *distances = malloc(gd_mesh_summary(mesh)->index_count * sizeof *distances);
     *kept = 0;
-    enum gd_status status =
-        distances ? gd_field_distances_only(mesh, &request, control, distances, NULL) : GD_NO_MEMORY;
+    enum gd_status status = distances
+                                ? gd_field_distances_only(mesh, &request, control, distances, NULL)
+                                : GD_NO_MEMORY;
     if (!status) {
         learn(row, control);
         for (uint32_t i = 0; i < row->matrix->columns->count; i++)
@@ -147,7 +157,8 @@ static enum gd_status row_by_propagation(struct row *row)
                                      .control = control_of(row),
                                      .grant = atomic_load(&matrix->grant),
                                      .aside = is_plain ? summary->index_count * sizeof(double)
-                                                       : (size_t)matrix->columns->count * BYTES_A_COLUMN};
+                                                       : (size_t)matrix->columns->count *
+                                                             BYTES_A_COLUMN};
     return server_call_make(row->monitor.exchange->server, &call);
 }
 
@@ -156,7 +167,8 @@ static bool row_from_cache(struct row *row, enum gd_status *status)
 {
     struct gd_seed seed;
     const struct gd_field_request request = request_of(row, &seed);
-    const struct server_cached *cached = server_cache_find_field(row->matrix->surface->shelf, &request);
+    const struct server_cached *cached =
+        server_cache_find_field(row->matrix->surface->shelf, &request);
     if (!cached) return false;
     struct gd_control control = control_of(row);
     *status = measure(row, cached->field, &control);
@@ -164,17 +176,19 @@ static bool row_from_cache(struct row *row, enum gd_status *status)
     return true;
 }
 
-/* --- a row by searches -------------------------------------------------------------------------------------------- */
+/* --- a row by searches ------------------------------------------------------------------------ */
 
 static enum gd_status search(const struct row *row, uint32_t column)
 {
     const struct matrix *matrix = row->matrix;
     double share = row->monitor.share / matrix->columns->count;
-    struct server_monitor monitor = {
-        .exchange = row->monitor.exchange, .begun = row->monitor.begun + share * column, .share = share};
+    struct server_monitor monitor = {.exchange = row->monitor.exchange,
+                                     .begun = row->monitor.begun + share * column,
+                                     .share = share};
     struct gd_pair_answer answer;
-    enum gd_status status = server_pair_search(&monitor, matrix->surface->mesh, row->point,
-                                               &matrix->columns->points[column], false, matrix->landmarks, &answer);
+    enum gd_status status =
+        server_pair_search(&monitor, matrix->surface->mesh, row->point,
+                           &matrix->columns->points[column], false, matrix->landmarks, &answer);
     if (!status) row->distances[column] = answer.distance;
     return status;
 }
@@ -184,7 +198,8 @@ static enum gd_status row_by_searches(const struct row *row)
     const struct matrix *matrix = row->matrix;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < matrix->columns->count && !status; i++) {
-        const struct server_cached *cached = server_cache_find(matrix->surface->shelf, &matrix->columns->points[i]);
+        const struct server_cached *cached =
+            server_cache_find(matrix->surface->shelf, &matrix->columns->points[i]);
         if (!cached || gd_field_distance(cached->field, row->point, &row->distances[i]) != GD_OK)
             status = search(row, i);
         server_cache_unpin(cached);
@@ -192,7 +207,7 @@ static enum gd_status row_by_searches(const struct row *row)
     return status;
 }
 
-/* --- rows --------------------------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static bool is_all_apart(const struct row *row)
 {
@@ -218,41 +233,45 @@ static void run_row(void *user, uint32_t number)
 {
     struct matrix *matrix = user;
     double share = (matrix->part->share > 0 ? matrix->part->share : 1) / matrix->rows->count;
-    struct row row = {
-        .matrix = matrix,
-        .point = &matrix->rows->points[number],
-        .distances = matrix->distances + (size_t)number * matrix->columns->count,
-        .monitor = {.exchange = matrix->part->exchange, .begun = matrix->part->begun + share * number, .share = share}};
+    struct row row = {.matrix = matrix,
+                      .point = &matrix->rows->points[number],
+                      .distances = matrix->distances + (size_t)number * matrix->columns->count,
+                      .monitor = {.exchange = matrix->part->exchange,
+                                  .begun = matrix->part->begun + share * number,
+                                  .share = share}};
     int none = GD_OK;
     if (atomic_load(&matrix->status) != GD_OK) return;
     enum gd_status status = solve_row(&row);
     matrix->is_left[number] = status == GD_BUDGET && !matrix->is_alone;
-    if (status && !matrix->is_left[number]) atomic_compare_exchange_strong(&matrix->status, &none, (int)status);
+    if (status && !matrix->is_left[number])
+        atomic_compare_exchange_strong(&matrix->status, &none, (int)status);
 }
 
 static enum gd_status run_rows(struct matrix *matrix)
 {
     struct server_executor executor;
     const struct server_exchange *exchange = matrix->part->exchange;
-    gd_executor_run(server_executor_of(&executor, exchange->server->workers, exchange->job.deadline_ns), run_row,
-                    matrix, matrix->rows->count);
+    gd_executor_run(
+        server_executor_of(&executor, exchange->server->workers, exchange->job.deadline_ns),
+        run_row, matrix, matrix->rows->count);
     matrix->is_alone = true;
     for (uint32_t i = 0; i < matrix->rows->count; i++)
         if (matrix->is_left[i]) run_row(matrix, i);
     return (enum gd_status)atomic_load(&matrix->status);
 }
 
-/* --- the matrix --------------------------------------------------------------------------------------------------- */
+/* --- the matrix ------------------------------------------------------------------------------- */
 
 /* From different points to all of them. `is_turned`: the rows are the targets. */
-static void spread(const struct matrix *matrix, const struct server_matrix_request *request, bool is_turned,
-                   double *out)
+static void spread(const struct matrix *matrix, const struct server_matrix_request *request,
+                   bool is_turned, double *out)
 {
     size_t columns = matrix->columns->count;
     const uint32_t *row = matrix->rows->number, *column = matrix->columns->number;
     for (size_t i = 0; i < request->source_count; i++)
         for (size_t j = 0; j < request->target_count; j++)
-            *out++ = matrix->distances[is_turned ? row[j] * columns + column[i] : row[i] * columns + column[j]];
+            *out++ = matrix->distances[is_turned ? row[j] * columns + column[i]
+                                                 : row[i] * columns + column[j]];
 }
 
 /* The columns' vertex indices, by malloc; NULL when one is no vertex, or without memory. */
@@ -275,26 +294,31 @@ static size_t first_grant(const struct gd_mesh *mesh, bool is_plain)
                     : server_field_build_grant(mesh);
 }
 
-static enum gd_status solve(const struct server_monitor *part, const struct server_matrix_request *request,
-                            const struct server_distinct *sources, const struct server_distinct *targets, double *out)
+static enum gd_status solve(const struct server_monitor *part,
+                            const struct server_matrix_request *request,
+                            const struct server_distinct *sources,
+                            const struct server_distinct *targets, double *out)
 {
     bool is_turned = targets->count < sources->count;
-    const struct server_distinct *rows = is_turned ? targets : sources, *columns = is_turned ? sources : targets;
+    const struct server_distinct *rows = is_turned ? targets : sources,
+                                 *columns = is_turned ? sources : targets;
     const struct gd_mesh *mesh = request->surface->mesh;
     struct server *server = part->exchange->server;
     struct server_landmark_set *set =
-        columns->count < FEW_COLUMNS ? server_landmarks_find(server->landmarks, request->surface) : NULL;
+        columns->count < FEW_COLUMNS ? server_landmarks_find(server->landmarks, request->surface)
+                                     : NULL;
     uint32_t *vertices = vertices_of(mesh, columns);
-    struct matrix matrix = {.part = part,
-                            .surface = request->surface,
-                            .rows = rows,
-                            .columns = columns,
-                            .vertices = vertices,
-                            .max_distance = request->max_distance,
-                            .grant = first_grant(mesh, vertices != NULL),
-                            .landmarks = set ? set->landmarks : NULL,
-                            .distances = malloc((size_t)rows->count * columns->count * sizeof *matrix.distances),
-                            .is_left = calloc(rows->count, sizeof *matrix.is_left)};
+    struct matrix matrix = {
+        .part = part,
+        .surface = request->surface,
+        .rows = rows,
+        .columns = columns,
+        .vertices = vertices,
+        .max_distance = request->max_distance,
+        .grant = first_grant(mesh, vertices != NULL),
+        .landmarks = set ? set->landmarks : NULL,
+        .distances = malloc((size_t)rows->count * columns->count * sizeof *matrix.distances),
+        .is_left = calloc(rows->count, sizeof *matrix.is_left)};
     enum gd_status status = matrix.distances && matrix.is_left ? run_rows(&matrix) : GD_NO_MEMORY;
     if (!status) spread(&matrix, request, is_turned, out);
     server_landmark_set_release(set);
@@ -304,8 +328,8 @@ static enum gd_status solve(const struct server_monitor *part, const struct serv
     return status;
 }
 
-enum gd_status server_matrix_solve(const struct server_monitor *part, const struct server_matrix_request *request,
-                                   double *out)
+enum gd_status server_matrix_solve(const struct server_monitor *part,
+                                   const struct server_matrix_request *request, double *out)
 {
     struct server_distinct sources = {0}, targets = {0};
     enum gd_status status = GD_NO_MEMORY;

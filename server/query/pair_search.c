@@ -7,8 +7,11 @@
 
 #include "server/work/budgeted_call.h"
 
-#define BYTES_AN_EDGE  224               /* the arrays of a workspace and the windows of a far pair; see doc/003 */
-#define BYTES_A_SEARCH ((size_t)1 << 20) /* on any mesh: the queue, and what is taken in advance */
+/* the arrays of a workspace and the windows of a far pair; see doc/003 */
+#define BYTES_AN_EDGE 224
+#define BYTES_A_SEARCH                                                                             \
+    ((size_t)1 << 20) /* on any mesh: the queue, and what is taken in advance                      \
+                       */
 
 struct search {
     const struct gd_mesh *mesh;
@@ -22,31 +25,34 @@ static enum gd_status search(void *user, const struct gd_control *control, size_
 {
     const struct search *wanted = user;
     *kept = 0; /* a path is small, and soon gone */
-    return gd_pair_solve(wanted->mesh, wanted->from, wanted->to, wanted->wish, wanted->landmarks, control, wanted->out,
-                         NULL);
+    return gd_pair_solve(wanted->mesh, wanted->from, wanted->to, wanted->wish, wanted->landmarks,
+                         control, wanted->out, NULL);
 }
 
-enum gd_status server_pair_search(struct server_monitor *part, const struct gd_mesh *mesh, const struct gd_point *from,
-                                  const struct gd_point *to, enum gd_pair_wish wish,
-                                  const struct gd_landmarks *landmarks, struct gd_pair_answer *out)
+enum gd_status server_pair_search(struct server_monitor *part, const struct gd_mesh *mesh,
+                                  const struct gd_point *from, const struct gd_point *to,
+                                  enum gd_pair_wish wish, const struct gd_landmarks *landmarks,
+                                  struct gd_pair_answer *out)
 {
     struct server *server = part->exchange->server;
     struct search wanted = {mesh, from, to, wish, landmarks, out};
     const struct server_call call = {.make = search,
                                      .user = &wanted,
                                      .control = server_exchange_control(part),
-                                     .grant = BYTES_A_SEARCH + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
+                                     .grant = BYTES_A_SEARCH +
+                                              (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
     server_metrics_count_search(server->metrics);
     return server_call_make(server, &call);
 }
 
-/* --- routes ------------------------------------------------------------------------------------------------------- */
+/* --- routes ----------------------------------------------------------------------------------- */
 
 /* The leg's first point is the route's last one. */
 static enum gd_status append_path(struct gd_path *route, const struct gd_path *leg)
 {
     uint32_t more = leg->count - 1;
-    struct gd_point *points = realloc(route->points, ((size_t)route->count + more) * sizeof *points);
+    struct gd_point *points =
+        realloc(route->points, ((size_t)route->count + more) * sizeof *points);
     if (!points) return GD_NO_MEMORY;
     memcpy(points + route->count, leg->points + 1, more * sizeof *points);
     route->points = points;

@@ -15,9 +15,10 @@
 
 enum { MOST_PARAMETERS = 24 };
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
-struct server_query *server_query_create(const struct server_query_kind *kind, struct server_exchange *exchange,
+struct server_query *server_query_create(const struct server_query_kind *kind,
+                                         struct server_exchange *exchange,
                                          struct server_surface *surface)
 {
     struct server_query *query = malloc(kind->size);
@@ -39,21 +40,26 @@ void server_query_destroy(struct server_query *query)
     free(query);
 }
 
-enum server_query_turn server_query_glance(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_query_glance(struct server_query *query,
+                                           struct proto_problem *problem)
 {
     return query->kind->glance ? query->kind->glance(query, problem) : SERVER_QUERY_AGAIN;
 }
 
-struct server_monitor server_query_monitor(const struct server_query *query, double begun, double share)
+struct server_monitor server_query_monitor(const struct server_query *query, double begun,
+                                           double share)
 {
-    return (struct server_monitor){
-        .exchange = query->exchange, .begun = query->begun + query->share * begun, .share = query->share * share};
+    return (struct server_monitor){.exchange = query->exchange,
+                                   .begun = query->begun + query->share * begun,
+                                   .share = query->share * share};
 }
 
-struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun, double share)
+struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
+                                             double share)
 {
-    return (struct server_monitor){
-        .exchange = whole->exchange, .begun = whole->begun + whole->share * begun, .share = whole->share * share};
+    return (struct server_monitor){.exchange = whole->exchange,
+                                   .begun = whole->begun + whole->share * begun,
+                                   .share = whole->share * share};
 }
 
 void server_query_count(const struct server_query *query, enum gd_status status)
@@ -61,8 +67,8 @@ void server_query_count(const struct server_query *query, enum gd_status status)
     server_metrics_count_status(query->exchange->server->metrics, status);
 }
 
-enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status, const char *what,
-                                         struct proto_problem *problem)
+enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
+                                         const char *what, struct proto_problem *problem)
 {
     server_query_count(query, status);
     if (status == GD_BUDGET && query->draft.failure)
@@ -74,11 +80,12 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
     return SERVER_QUERY_FAILED;
 }
 
-/* --- what it holds ------------------------------------------------------------------------------------------------ */
+/* --- what it holds ---------------------------------------------------------------------------- */
 
 enum gd_status server_query_take(struct server_query *query, size_t bytes)
 {
-    if (!server_budget_take(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
+    if (!server_budget_take(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes))
+        return GD_BUDGET;
     query->held += bytes;
     return GD_OK;
 }
@@ -103,26 +110,28 @@ static enum gd_status make_and_count(void *user, const struct gd_control *contro
     return status;
 }
 
-enum gd_status server_query_call(struct server_query *query, struct server_monitor *part, server_query_maker *make,
-                                 void *user, size_t grant)
+enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
+                                 server_query_maker *make, void *user, size_t grant)
 {
     struct holding holding = {.make = make, .user = user};
-    const struct server_call call = {
-        .make = make_and_count, .user = &holding, .control = server_exchange_control(part), .grant = grant};
+    const struct server_call call = {.make = make_and_count,
+                                     .user = &holding,
+                                     .control = server_exchange_control(part),
+                                     .grant = grant};
     enum gd_status status = server_call_make(query->exchange->server, &call);
     query->held += holding.kept;
     return status;
 }
 
-/* --- the draft ---------------------------------------------------------------------------------------------------- */
+/* --- the draft -------------------------------------------------------------------------------- */
 
 enum gd_status server_query_check_draft(const struct server_query *query)
 {
     return query->draft.failure ? GD_BUDGET : GD_OK;
 }
 
-enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status, const char *what,
-                                              struct proto_problem *problem)
+enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
+                                              const char *what, struct proto_problem *problem)
 {
     if (status) return server_query_fail(query, status, what, problem);
     return proto_writer_check(&query->draft, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
@@ -136,7 +145,7 @@ void server_query_encode(const struct server_query *query, struct proto_writer *
         proto_write_raw(writer, query->draft.data, query->draft.size);
 }
 
-/* --- a request of its own ----------------------------------------------------------------------------------------- */
+/* --- a request of its own --------------------------------------------------------------------- */
 
 static void reply_bytes(struct server_query *query)
 {
@@ -157,8 +166,8 @@ static void reply_form(struct server_query *query)
         server_reply_problem(query->exchange, &problem);
         return;
     }
-    server_reply_header(query->exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"", query->kind->name,
-                        form->name);
+    server_reply_header(query->exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
+                        query->kind->name, form->name);
     server_reply_bytes(query->exchange, 200, form->media_type, bytes, size);
 }
 
@@ -184,7 +193,8 @@ static void reply_answer(struct server_query *query)
 }
 
 /* False: the exchange is not its own any more. */
-static bool reply_turn(struct server_query *query, enum server_query_turn turn, const struct proto_problem *problem)
+static bool reply_turn(struct server_query *query, enum server_query_turn turn,
+                       const struct proto_problem *problem)
 {
     switch (turn) {
     case SERVER_QUERY_DONE:
@@ -220,10 +230,12 @@ static bool read_query(struct server_query *query, struct proto_problem *problem
     bool has_body = query->exchange->match.route->has_body;
     struct proto_parameters parameters = server_exchange_parameters(query->exchange);
     const char *room[MOST_PARAMETERS];
-    const char *const *names =
-        server_form_parameters(has_body ? NULL : kind->parameters, kind->forms, room, MOST_PARAMETERS);
-    if (!proto_options_parse(&parameters, kind->fields, names, &query->options, problem)) return false;
-    if (kind->forms && !server_form_wants_mesh(&parameters, kind->forms, query->form, &query->with_mesh, problem))
+    const char *const *names = server_form_parameters(has_body ? NULL : kind->parameters,
+                                                      kind->forms, room, MOST_PARAMETERS);
+    if (!proto_options_parse(&parameters, kind->fields, names, &query->options, problem))
+        return false;
+    if (kind->forms &&
+        !server_form_wants_mesh(&parameters, kind->forms, query->form, &query->with_mesh, problem))
         return false;
     if (!has_body) return kind->parse(query, &parameters, problem);
     json_t *document = server_request_document(query->exchange, problem);
@@ -239,7 +251,8 @@ static void free_query(void *query)
     server_query_destroy(query);
 }
 
-/* Replies without an answer to who has it already, so that it need not be found once more: the same question about the same surface. */
+/* Replies without an answer to who has it already, so that it need not be found once more: the same
+ * question about the same surface. */
 static bool is_known(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
@@ -262,7 +275,8 @@ static void begin(struct server_query *query)
     }
     if (is_known(query)) return;
     server_exchange_shorten(exchange, query->options.timeout_ms);
-    enum server_query_turn turn = query->with_mesh ? SERVER_QUERY_AGAIN : server_query_glance(query, &problem);
+    enum server_query_turn turn =
+        query->with_mesh ? SERVER_QUERY_AGAIN : server_query_glance(query, &problem);
     reply_turn(query, turn, &problem);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, work, join);
 }
@@ -280,7 +294,8 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
     struct server_query *query = server_query_create(kind, exchange, surface);
     server_surface_release(surface);
     if (!query) {
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                             "the system is out of memory");
         return;
     }
     query->form = form;

@@ -13,17 +13,20 @@
 
 #define KIND_SEGMENT     1                  /* of the path */
 #define PARSED_UNCOUNTED ((size_t)16 << 10) /* bytes of a text whose document is not counted */
-#define PARSED_TRIMMED   ((size_t)16 << 20) /* bytes of a document after which freed memory is given back to the system */
+/* bytes of a document after which freed memory is given back to the system */
+#define PARSED_TRIMMED ((size_t)16 << 20)
 
 const struct server_kind *server_request_kind(const struct server_exchange *exchange)
 {
     const struct proto_route *route = exchange->match.route;
-    const char *plural = route && route->segment_count > KIND_SEGMENT ? route->segments[KIND_SEGMENT] : NULL;
+    const char *plural =
+        route && route->segment_count > KIND_SEGMENT ? route->segments[KIND_SEGMENT] : NULL;
     const struct server_kind *kind = plural ? server_kind_by_plural(plural) : NULL;
     return kind ? kind : &server_kind_mesh;
 }
 
-bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1], struct server_key *key)
+bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
+                        struct server_key *key)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
     struct proto_problem problem;
@@ -80,8 +83,8 @@ static void reply_absent(struct server_exchange *exchange)
         return;
     }
     server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
-                         "there is no %s of this name; GET /v1/%s lists those that there are", kind->noun,
-                         kind->plural);
+                         "there is no %s of this name; GET /v1/%s lists those that there are",
+                         kind->noun, kind->plural);
 }
 
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out)
@@ -94,7 +97,7 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
     return false;
 }
 
-/* --- what other daemons have changed ------------------------------------------------------------------------------ */
+/* --- what other daemons have changed ---------------------------------------------------------- */
 
 /* By a worker. */
 static bool follow(struct server_exchange *exchange)
@@ -122,10 +125,14 @@ bool server_request_follows_first(struct server_exchange *exchange)
     const struct proto_route *route = exchange->match.route;
     const struct proto_capture *capture = &exchange->match.captures[0];
     char name[PROTO_MESH_NAME + 1];
-    if (!server_registry_is_shared(exchange->server->registry) || route->segment_count <= KIND_SEGMENT) return false;
-    if (!route->segments[KIND_SEGMENT] || !server_kind_by_plural(route->segments[KIND_SEGMENT])) return false;
+    if (!server_registry_is_shared(exchange->server->registry) ||
+        route->segment_count <= KIND_SEGMENT)
+        return false;
+    if (!route->segments[KIND_SEGMENT] || !server_kind_by_plural(route->segments[KIND_SEGMENT]))
+        return false;
     bool names_one = exchange->match.capture_count > 0;
-    if (names_one && capture->length > PROTO_MESH_NAME) return false; /* no name: the handler says so */
+    /* no name: the handler says so */
+    if (names_one && capture->length > PROTO_MESH_NAME) return false;
     if (names_one) snprintf(name, sizeof name, "%.*s", (int)capture->length, capture->text);
     const struct server_key key = {exchange->tenant, server_request_kind(exchange), name};
     if (server_registry_is_fresh(exchange->server->registry, names_one ? &key : NULL)) return false;
@@ -133,7 +140,7 @@ bool server_request_follows_first(struct server_exchange *exchange)
     return true;
 }
 
-/* --- a surface that is not in memory ------------------------------------------------------------------------------ */
+/* --- a surface that is not in memory ---------------------------------------------------------- */
 
 static void rerun(struct server_exchange *exchange, struct server_surface *surface)
 {
@@ -141,9 +148,11 @@ static void rerun(struct server_exchange *exchange, struct server_surface *surfa
     exchange->match.route->handle(exchange);
 }
 
-/* Loads the record, and answers, unless the name is another mesh by now: then there is no reply, and the dispatcher has it
- * looked up again, as who waited does. Only want of memory is the same for all. */
-static void load(struct server_exchange *exchange, struct server_record *record, struct server_load *load)
+/* Loads the record, and answers, unless the name is another mesh by now: then there is no reply,
+ * and the dispatcher has it looked up again, as who waited does. Only want of memory is the same
+ * for all. */
+static void load(struct server_exchange *exchange, struct server_record *record,
+                 struct server_load *load)
 {
     struct server_surface *surface;
     struct proto_problem problem;
@@ -194,9 +203,11 @@ static bool join(struct server_exchange *exchange)
     struct server_listed listed;
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
-    if (!server_request_key(exchange, name, &key) || !server_registry_find(exchange->server->registry, &key, &listed))
+    if (!server_request_key(exchange, name, &key) ||
+        !server_registry_find(exchange->server->registry, &key, &listed))
         return false;
-    bool joined = !listed.surface && server_loads_join(exchange->server->loads, listed.record, &exchange->job);
+    bool joined = !listed.surface &&
+                  server_loads_join(exchange->server->loads, listed.record, &exchange->job);
     server_listed_release(&listed);
     return joined;
 }
@@ -228,7 +239,8 @@ struct server_surface *server_request_surface(struct server_exchange *exchange)
     return NULL;
 }
 
-bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange))
+bool server_request_write(struct server_exchange *exchange,
+                          bool (*work)(struct server_exchange *exchange))
 {
     server_exchange_defer(exchange, work, NULL);
     server_registry_submit(exchange->server->registry, &exchange->job);
@@ -241,12 +253,13 @@ static bool submit_list(struct server_exchange *exchange)
     return true;
 }
 
-void server_request_list(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange))
+void server_request_list(struct server_exchange *exchange,
+                         bool (*work)(struct server_exchange *exchange))
 {
     server_exchange_defer(exchange, work, submit_list);
 }
 
-/* --- bodies and failures ------------------------------------------------------------------------------------------ */
+/* --- bodies and failures ---------------------------------------------------------------------- */
 
 static bool is_json(const char *content_type)
 {
@@ -291,7 +304,8 @@ static json_t *parse_body(struct server_exchange *exchange, struct proto_problem
 
 json_t *server_request_document(struct server_exchange *exchange, struct proto_problem *problem)
 {
-    if (is_json(server_exchange_header(exchange, "Content-Type"))) return parse_body(exchange, problem);
+    if (is_json(server_exchange_header(exchange, "Content-Type")))
+        return parse_body(exchange, problem);
     proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
                       "a query is JSON: send it with the header Content-Type: application/json");
     return NULL;
@@ -304,35 +318,38 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
         reply_absent(exchange);
         break;
     case SERVER_STORE_PRECONDITION:
-        server_reply_refusal(
-            exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
-            "the %s is not in the state that If-Match or If-None-Match asks for; get its ETag and try again",
-            server_request_kind(exchange)->noun);
+        server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
+                             "the %s is not in the state that If-Match or If-None-Match asks for; "
+                             "get its ETag and try again",
+                             server_request_kind(exchange)->noun);
         break;
     case SERVER_STORE_NO_MEMORY:
         server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                             "there is no memory for this; delete meshes, raise --memory-budget, or try again later");
+                             "there is no memory for this; delete meshes, raise --memory-budget, "
+                             "or try again later");
         break;
     case SERVER_STORE_FULL:
-        server_reply_refusal(
-            exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-            "the server's disk is full; nothing was changed: delete surfaces, or try again when there is "
-            "room");
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+                             "the server's disk is full; nothing was changed: delete surfaces, or "
+                             "try again when there is "
+                             "room");
         break;
     case SERVER_STORE_REFUSED:
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-                             "the server's system refuses to write; nothing was changed: tell its operator");
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+            "the server's system refuses to write; nothing was changed: tell its operator");
         break;
     case SERVER_STORE_READ_ONLY:
     case SERVER_STORE_DAMAGED:
-        server_reply_refusal(
-            exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-            "the server's store takes no changes since a write failed; queries go on: tell its operator, "
-            "/readyz says more");
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+                             "the server's store takes no changes since a write failed; queries go "
+                             "on: tell its operator, "
+                             "/readyz says more");
         break;
     case SERVER_STORE_STALE:
     case SERVER_STORE_UNAVAILABLE:
-        reply_out_of_reach(exchange, "and it is not known whether the change was made: to repeat it does no harm");
+        reply_out_of_reach(
+            exchange, "and it is not known whether the change was made: to repeat it does no harm");
         break;
     case SERVER_STORE_DONE:
     case SERVER_STORE_CREATED:

@@ -10,11 +10,13 @@
 /* The kind of surface that the route is about: "/v1/<plural>…". Of any other route: meshes. */
 const struct server_kind *server_request_kind(const struct server_exchange *exchange);
 
-/* What the path names: the key, whose name is written to `name`, which it borrows, has the form that names have; else false,
- * with a problem replied. */
-bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1], struct server_key *key);
+/* What the path names: the key, whose name is written to `name`, which it borrows, has the form
+ * that names have; else false, with a problem replied. */
+bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
+                        struct server_key *key);
 
-/* True when there are no query-string parameters, for operations that have none; else false, with a problem replied. */
+/* True when there are no query-string parameters, for operations that have none; else false, with a
+ * problem replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
 /* The page of a list that the parameters ask for; false: a problem is replied. */
@@ -23,21 +25,24 @@ bool server_request_page(struct server_exchange *exchange, struct proto_page *pa
 /* What is known of the surface that the path names, retained; false: a problem is replied. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
 
-/* The surface that the path names, in memory, retained, if it is what the preconditions of a POST ask for (those of a GET
- * are looked at when its answer is there, reply.c). NULL: the handler is to return at once; a problem is replied, or the
- * exchange is deferred: the surface is loaded by a worker, which then calls the handler again from its beginning. */
+/* The surface that the path names, in memory, retained, if it is what the preconditions of a POST
+ * ask for (those of a GET are looked at when its answer is there, reply.c). NULL: the handler is to
+ * return at once; a problem is replied, or the exchange is deferred: the surface is loaded by a
+ * worker, which then calls the handler again from its beginning. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
 
-/* Of a request about a surface, before its handler is called: true when a worker is to learn first what other daemons have changed, and then
- * calls the handler. Then the exchange is deferred. */
+/* Of a request about a surface, before its handler is called: true when a worker is to learn first
+ * what other daemons have changed, and then calls the handler. Then the exchange is deferred. */
 bool server_request_follows_first(struct server_exchange *exchange);
 
-/* Has `work` done by the registry's writer: the last act of work that has something to store. False: as that work then
- * returns. */
-bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
+/* Has `work` done by the registry's writer: the last act of work that has something to store.
+ * False: as that work then returns. */
+bool server_request_write(struct server_exchange *exchange,
+                          bool (*work)(struct server_exchange *exchange));
 
 /* Runs `work`, which makes a list, on the registry's reader thread. The handler's last act. */
-void server_request_list(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
+void server_request_list(struct server_exchange *exchange,
+                         bool (*work)(struct server_exchange *exchange));
 
 #define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread may make */
 

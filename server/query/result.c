@@ -26,8 +26,9 @@ static void settle(const struct server_query *query, size_t bytes, size_t actual
     query->exchange->held -= bytes;
 }
 
-static bool write(const struct server_query *query, const struct gd_result *result, enum gd_result_format format,
-                  char **bytes, size_t *size, struct proto_problem *problem)
+static bool write(const struct server_query *query, const struct gd_result *result,
+                  enum gd_result_format format, char **bytes, size_t *size,
+                  struct proto_problem *problem)
 {
     size_t cost = gd_result_cost(result);
     if (!hold(query, cost, problem)) return false;
@@ -44,8 +45,9 @@ static size_t polygons_bytes(const struct gd_mesh *mesh)
     return summary->index_count * sizeof(double[3]) + summary->faces * sizeof(uint32_t[3]);
 }
 
-bool server_result_write(const struct server_query *query, const struct gd_result *result, bool with_mesh,
-                         enum gd_result_format format, char **bytes, size_t *size, struct proto_problem *problem)
+bool server_result_write(const struct server_query *query, const struct gd_result *result,
+                         bool with_mesh, enum gd_result_format format, char **bytes, size_t *size,
+                         struct proto_problem *problem)
 {
     const struct gd_mesh *mesh = query->surface->mesh;
     if (!with_mesh) return write(query, result, format, bytes, size, problem);
@@ -62,27 +64,32 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
     return ok;
 }
 
-/* --- lines -------------------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
 /* `first` tells where each path's points are, and how many there are. */
 static bool write_lines(const struct server_query *query, const struct server_result_lines *lines,
-                        const uint32_t *first, char **bytes, size_t *size, struct proto_problem *problem)
+                        const uint32_t *first, char **bytes, size_t *size,
+                        struct proto_problem *problem)
 {
     static const enum gd_result_format formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
     double(*positions)[3] = malloc(first[lines->count] * sizeof *positions);
     if (!positions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < lines->count; i++)
-        gd_points_positions(query->surface->mesh, lines->paths[i].points, lines->paths[i].count, positions + first[i]);
-    const struct gd_result result = {
-        .points = (const double(*)[3])positions, .first = first, .line_count = lines->count, .levels = lines->levels};
-    bool ok = server_result_write(query, &result, query->with_mesh, formats[query->form - SERVER_FORM_FIRST], bytes,
-                                  size, problem);
+        gd_points_positions(query->surface->mesh, lines->paths[i].points, lines->paths[i].count,
+                            positions + first[i]);
+    const struct gd_result result = {.points = (const double(*)[3])positions,
+                                     .first = first,
+                                     .line_count = lines->count,
+                                     .levels = lines->levels};
+    bool ok = server_result_write(query, &result, query->with_mesh,
+                                  formats[query->form - SERVER_FORM_FIRST], bytes, size, problem);
     free(positions);
     return ok;
 }
 
-bool server_result_write_lines(const struct server_query *query, const struct server_result_lines *lines, char **bytes,
-                               size_t *size, struct proto_problem *problem)
+bool server_result_write_lines(const struct server_query *query,
+                               const struct server_result_lines *lines, char **bytes, size_t *size,
+                               struct proto_problem *problem)
 {
     uint32_t count = lines->count, *first = calloc(count + (size_t)1, sizeof *first);
     if (!first) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
@@ -97,13 +104,14 @@ bool server_result_write_lines(const struct server_query *query, const struct se
     return ok;
 }
 
-/* --- as a drawing ------------------------------------------------------------------------------------------------- */
+/* --- as a drawing ----------------------------------------------------------------------------- */
 
-#define STRIP_BYTES_A_POINT 512 /* faces and their gates, twice while they grow; a path goes around few vertices */
+/* faces and their gates, twice while they grow; a path goes around few vertices */
+#define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 
-static bool draw(const struct server_query *query, const struct gd_flat_strip *strip, double length, char **bytes,
-                 size_t *size, struct proto_problem *problem)
+static bool draw(const struct server_query *query, const struct gd_flat_strip *strip, double length,
+                 char **bytes, size_t *size, struct proto_problem *problem)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, query->exchange->server->budget.largest_answer);
@@ -115,8 +123,8 @@ static bool draw(const struct server_query *query, const struct gd_flat_strip *s
     return ok;
 }
 
-bool server_result_write_strip(const struct server_query *query, const struct gd_path *path, char **bytes, size_t *size,
-                               struct proto_problem *problem)
+bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
+                               char **bytes, size_t *size, struct proto_problem *problem)
 {
     size_t cost = STRIP_BYTES_LEAST + (size_t)path->count * STRIP_BYTES_A_POINT;
     struct server_monitor monitor = server_query_monitor(query, 1, 0);
@@ -132,7 +140,7 @@ bool server_result_write_strip(const struct server_query *query, const struct gd
     return ok;
 }
 
-/* --- none --------------------------------------------------------------------------------------------------------- */
+/* --- none ------------------------------------------------------------------------------------- */
 
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why)
 {

@@ -7,8 +7,8 @@
 #include "server/server.h"
 
 enum gd_status server_shortest_path(const struct server_query *query, struct server_monitor *part,
-                                    const struct gd_point *from, const struct gd_point *to, enum gd_pair_wish wish,
-                                    struct gd_pair_answer *out)
+                                    const struct gd_point *from, const struct gd_point *to,
+                                    enum gd_pair_wish wish, struct gd_pair_answer *out)
 {
     struct server_surface *surface = query->surface;
     const struct server_cached *cached = server_cache_find(surface->shelf, from);
@@ -18,8 +18,10 @@ enum gd_status server_shortest_path(const struct server_query *query, struct ser
         server_cache_unpin(cached);
         return status;
     }
-    struct server_landmark_set *set = server_landmarks_find(query->exchange->server->landmarks, surface);
-    enum gd_status status = server_pair_search(part, surface->mesh, from, to, wish, set ? set->landmarks : NULL, out);
+    struct server_landmark_set *set =
+        server_landmarks_find(query->exchange->server->landmarks, surface);
+    enum gd_status status =
+        server_pair_search(part, surface->mesh, from, to, wish, set ? set->landmarks : NULL, out);
     server_landmark_set_release(set);
     return status;
 }

@@ -41,8 +41,8 @@ static bool cut_part(const char **text, size_t *size, char mark, size_t most)
 
 bool server_key_check(const char *text, size_t size)
 {
-    return cut_part(&text, &size, '@', SERVER_TENANT) && cut_part(&text, &size, '+', SERVER_KEY_WORD) &&
-           is_part(text, size, PROTO_MESH_NAME);
+    return cut_part(&text, &size, '@', SERVER_TENANT) &&
+           cut_part(&text, &size, '+', SERVER_KEY_WORD) && is_part(text, size, PROTO_MESH_NAME);
 }
 
 bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out)

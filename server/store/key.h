@@ -1,5 +1,5 @@
-/* Key: what tells a surface from all others: whose it is, of what kind, its name. The names of each kind are its own, and
- * so are those of each tenant.
+/* Key: what tells a surface from all others: whose it is, of what kind, its name. The names of each
+ * kind are its own, and so are those of each tenant.
  *
  * As a text, which the store's rows and the names of its manifests are:
  *
@@ -18,7 +18,8 @@
 
 #define SERVER_TENANT   64 /* most bytes of a tenant, without the NUL */
 #define SERVER_KEY_WORD 16 /* of the word of a kind */
-#define SERVER_KEY_TEXT (SERVER_TENANT + SERVER_KEY_WORD + PROTO_MESH_NAME + 3) /* of the text, with the NUL */
+/* of the text, with the NUL */
+#define SERVER_KEY_TEXT (SERVER_TENANT + SERVER_KEY_WORD + PROTO_MESH_NAME + 3)
 
 struct server_kind;
 
@@ -37,8 +38,8 @@ void server_key_write(const struct server_key *key, char text[SERVER_KEY_TEXT]);
 /* Could `size` bytes be the text of a key, of whatever kind? */
 bool server_key_check(const char *text, size_t size);
 
-/* Reads a text that server_key_write wrote; the strings of `*out` are in `text`, which is cut into them. False: it is none, or
- * its kind is not known. */
+/* Reads a text that server_key_write wrote; the strings of `*out` are in `text`, which is cut into
+ * them. False: it is none, or its kind is not known. */
 bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out);
 
 /* Can this be a tenant: 1 to SERVER_TENANT characters that names may have? */

@@ -4,7 +4,8 @@
 #include "server/store/store.h"
 
 static enum server_store_outcome each(struct server_store *store,
-                                      bool (*visit)(void *user, const struct server_stored *stored), void *user)
+                                      bool (*visit)(void *user, const struct server_stored *stored),
+                                      void *user)
 {
     (void)store, (void)visit, (void)user;
     return SERVER_STORE_DONE;
@@ -17,15 +18,16 @@ static enum server_store_outcome put(struct server_store *store, const struct se
     return SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome keep(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome keep(struct server_store *store,
+                                      const struct server_record *record,
                                       const struct server_content *content)
 {
     (void)store, (void)record, (void)content;
     return SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome forget(struct server_store *store, const struct server_record *record,
-                                        uint64_t *version)
+static enum server_store_outcome forget(struct server_store *store,
+                                        const struct server_record *record, uint64_t *version)
 {
     (void)store, (void)record, (void)version;
     return SERVER_STORE_DONE;

@@ -1,5 +1,6 @@
-/* Options: what an upload asked for, as the text that its record keeps, which is written like a query string:
- * "format=obj&triangulate=true". Each kind of surface reads and writes its own (kind.h). */
+/* Options: what an upload asked for, as the text that its record keeps, which is written like a
+ * query string: "format=obj&triangulate=true". Each kind of surface reads and writes its own
+ * (kind.h). */
 #ifndef SERVER_STORE_OPTIONS_H
 #define SERVER_STORE_OPTIONS_H
 

@@ -58,7 +58,8 @@ static bool put_in(struct server_quarantine *quarantine, const char *object)
     return true;
 }
 
-bool server_quarantine_condemn(struct server_quarantine *quarantine, const char *object, uint64_t turn)
+bool server_quarantine_condemn(struct server_quarantine *quarantine, const char *object,
+                               uint64_t turn)
 {
     pthread_mutex_lock(&quarantine->lock);
     bool is_in = quarantine->turn == turn && put_in(quarantine, object);

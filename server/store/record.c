@@ -18,7 +18,7 @@
 #define SLOT_BYTES    128 /* of the registry, for each */
 #define ETAG_TEXT     (2 * SERVER_SHA256_HEX + SERVER_OPTIONS + SERVER_KEY_WORD + SERVER_TENANT + 64)
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 /* What there is not is not named, so that the tags of version 1 are what they were. */
 static void make_etag(struct server_record *record)
@@ -26,10 +26,12 @@ static void make_etag(struct server_record *record)
     char text[ETAG_TEXT], hex[SERVER_SHA256_HEX];
     int size = snprintf(text, sizeof text, "%s %s", record->sha256, record->options);
     if (record->attachment_sha256[0])
-        size += snprintf(text + size, sizeof text - (size_t)size, " attachment %s", record->attachment_sha256);
+        size += snprintf(text + size, sizeof text - (size_t)size, " attachment %s",
+                         record->attachment_sha256);
     if (record->kind != &server_kind_mesh)
         size += snprintf(text + size, sizeof text - (size_t)size, " kind %s", record->kind->word);
-    if (record->tenant[0]) size += snprintf(text + size, sizeof text - (size_t)size, " tenant %s", record->tenant);
+    if (record->tenant[0])
+        size += snprintf(text + size, sizeof text - (size_t)size, " tenant %s", record->tenant);
     server_sha256(text, (size_t)size, hex);
     snprintf(record->etag, sizeof record->etag, "%.*s", SERVER_ETAG - 1, hex);
 }
@@ -65,7 +67,8 @@ struct server_record *server_record_create(const struct server_origin *origin)
 /* With what the registry has for it. */
 static size_t bytes_of(const struct server_record *record)
 {
-    return sizeof *record + SLOT_BYTES + (record->description ? strlen(record->description) + 1 : 0);
+    return sizeof *record + SLOT_BYTES +
+           (record->description ? strlen(record->description) + 1 : 0);
 }
 
 bool server_record_take(struct server_record *record, struct server_budget *budget)
@@ -93,7 +96,8 @@ void server_record_release(struct server_record *record)
 {
     if (!record || atomic_fetch_sub(&record->references, 1) != 1) return;
     size_t catalogue = atomic_load(&record->catalogue) ? SERVER_CATALOGUE_MEMSIZE : 0;
-    if (record->budget) server_budget_give(record->budget, SERVER_BUDGET_RECORDS, bytes_of(record) + catalogue);
+    if (record->budget)
+        server_budget_give(record->budget, SERVER_BUDGET_RECORDS, bytes_of(record) + catalogue);
     server_catalogue_destroy(atomic_load(&record->catalogue));
     free(record->description);
     free(record);
@@ -101,7 +105,8 @@ void server_record_release(struct server_record *record)
 
 struct server_key server_record_key(const struct server_record *record)
 {
-    return (struct server_key){.tenant = record->tenant, .kind = record->kind, .name = record->name};
+    return (struct server_key){
+        .tenant = record->tenant, .kind = record->kind, .name = record->name};
 }
 
 struct server_catalogue *server_record_catalogue(struct server_record *record)
@@ -111,7 +116,9 @@ struct server_catalogue *server_record_catalogue(struct server_record *record)
     catalogue = server_catalogue_create();
     if (!catalogue) return NULL;
     if (atomic_compare_exchange_strong(&record->catalogue, &none, catalogue)) {
-        if (record->budget) server_budget_adjust(record->budget, SERVER_BUDGET_RECORDS, 0, SERVER_CATALOGUE_MEMSIZE);
+        if (record->budget)
+            server_budget_adjust(record->budget, SERVER_BUDGET_RECORDS, 0,
+                                 SERVER_CATALOGUE_MEMSIZE);
         return catalogue;
     }
     server_catalogue_destroy(catalogue);
@@ -123,30 +130,34 @@ bool server_record_equal(const struct server_record *a, const struct server_reco
     return strcmp(a->key, b->key) == 0 && strcmp(a->etag, b->etag) == 0;
 }
 
-bool server_record_object(const struct server_record *record, enum server_part part, struct server_object *out)
+bool server_record_object(const struct server_record *record, enum server_part part,
+                          struct server_object *out)
 {
     bool is_file = part == SERVER_PART_FILE;
     const char *sha256 = is_file ? record->sha256 : record->attachment_sha256;
     if (!sha256[0]) return false;
-    snprintf(out->id, sizeof out->id, "%s%s%s", sha256, record->tenant[0] ? "." : "", record->tenant);
+    snprintf(out->id, sizeof out->id, "%s%s%s", sha256, record->tenant[0] ? "." : "",
+             record->tenant);
     out->size = is_file ? record->size : record->attachment_size;
     return true;
 }
 
-/* --- to text ------------------------------------------------------------------------------------------------------ */
+/* --- to text ---------------------------------------------------------------------------------- */
 
 /* As snprintf: the bytes that the lines above the checksum have. */
 static int print_lines(const struct server_record *record, char *text, size_t size)
 {
     char attachment[SERVER_SHA256_HEX + 32] = "";
     if (record->attachment_sha256[0])
-        snprintf(attachment, sizeof attachment, "%s %" PRIu64, record->attachment_sha256, record->attachment_size);
+        snprintf(attachment, sizeof attachment, "%s %" PRIu64, record->attachment_sha256,
+                 record->attachment_size);
     return snprintf(text, size,
                     TITLE VERSION "\nkind %s\ntenant %s\nname %s\nsha256 %s\nsize %" PRIu64
                                   "\nattachment %s\ncreated %" PRId64 "\nmemory %" PRIu64
                                   "\noptions %s\ndescription %s\n",
-                    record->kind->word, record->tenant, record->name, record->sha256, record->size, attachment,
-                    record->created, record->memory, record->options, record->description ? record->description : "{}");
+                    record->kind->word, record->tenant, record->name, record->sha256, record->size,
+                    attachment, record->created, record->memory, record->options,
+                    record->description ? record->description : "{}");
 }
 
 char *server_record_write(const struct server_record *record, size_t *size)
@@ -161,7 +172,7 @@ char *server_record_write(const struct server_record *record, size_t *size)
     return text;
 }
 
-/* --- from text ---------------------------------------------------------------------------------------------------- */
+/* --- from text -------------------------------------------------------------------------------- */
 
 static bool is_whole(const char *text, size_t size)
 {
@@ -172,7 +183,8 @@ static bool is_whole(const char *text, size_t size)
     return memcmp(text + size - CHECKSUM_LINE, line, CHECKSUM_LINE) == 0;
 }
 
-/* Ends the line at `*rest`, advances past it, and returns what stands behind its key; NULL when it is another line. */
+/* Ends the line at `*rest`, advances past it, and returns what stands behind its key; NULL when it
+ * is another line. */
 static char *next_line(char **rest, const char *key)
 {
     char *line = strsep(rest, "\n");
@@ -198,7 +210,8 @@ static bool read_size(const char *text, uint64_t *out)
 
 static bool read_hash(const char *text, char out[SERVER_SHA256_HEX])
 {
-    if (!text || strlen(text) != SERVER_SHA256_HEX - 1 || text[strspn(text, HEX_DIGITS)]) return false;
+    if (!text || strlen(text) != SERVER_SHA256_HEX - 1 || text[strspn(text, HEX_DIGITS)])
+        return false;
     strcpy(out, text);
     return true;
 }
@@ -207,7 +220,8 @@ static bool read_hash(const char *text, char out[SERVER_SHA256_HEX])
 static enum server_record_reading read_owner(struct server_record *record, char **rest)
 {
     const char *word = next_line(rest, "kind "), *tenant = next_line(rest, "tenant ");
-    if (!word || !tenant || (tenant[0] && !server_tenant_check(tenant))) return SERVER_RECORD_DAMAGED;
+    if (!word || !tenant || (tenant[0] && !server_tenant_check(tenant)))
+        return SERVER_RECORD_DAMAGED;
     record->kind = server_kind_by_word(word);
     strcpy(record->tenant, tenant);
     return record->kind ? SERVER_RECORD_READ : SERVER_RECORD_NEWER;
@@ -225,7 +239,8 @@ static bool read_attachment(struct server_record *record, char *text)
 {
     if (!text || !text[0]) return text != NULL;
     const char *sha256 = strsep(&text, " ");
-    return read_hash(sha256, record->attachment_sha256) && read_size(text, &record->attachment_size);
+    return read_hash(sha256, record->attachment_sha256) &&
+           read_size(text, &record->attachment_size);
 }
 
 /* Options count only if they are the text that their kind would write. */
@@ -275,10 +290,12 @@ static bool begins_with(const char *text, const char *beginning)
     return strncmp(text, beginning, strlen(beginning)) == 0;
 }
 
-enum server_record_reading server_record_read(const char *text, size_t size, struct server_record **out)
+enum server_record_reading server_record_read(const char *text, size_t size,
+                                              struct server_record **out)
 {
     static const char first[] = TITLE FIRST_VERSION "\n", second[] = TITLE VERSION "\n";
-    if (size < sizeof first || !begins_with(text, TITLE) || !is_whole(text, size)) return SERVER_RECORD_DAMAGED;
+    if (size < sizeof first || !begins_with(text, TITLE) || !is_whole(text, size))
+        return SERVER_RECORD_DAMAGED;
     bool is_first = begins_with(text, first);
     if (!is_first && !begins_with(text, second)) return SERVER_RECORD_NEWER;
     struct server_record *record = calloc(1, sizeof *record);

@@ -1,7 +1,8 @@
 /* SQL: values that go into a statement, and come out of its rows, whatever database runs it.
  *
  *     const struct server_sql_value values[] = {server_sql_text(key), server_sql_integer(version)};
- *     server_postgres_run(connection, "UPDATE … WHERE key = $1 AND version = $2", values, 2, NULL, NULL);
+ *     server_postgres_run(connection, "UPDATE … WHERE key = $1 AND version = $2", values, 2, NULL,
+ * NULL);
  */
 #ifndef SERVER_STORE_SQL_H
 #define SERVER_STORE_SQL_H

@@ -13,7 +13,8 @@ static void name_it(const struct server_record *record, char text[NOUN])
     snprintf(text, NOUN, "the %s", record->kind->noun);
 }
 
-enum gd_status server_build_take(const struct server_builder *builder, const struct server_record *record, size_t bytes,
+enum gd_status server_build_take(const struct server_builder *builder,
+                                 const struct server_record *record, size_t bytes,
                                  struct proto_problem *problem)
 {
     char it[NOUN];
@@ -23,8 +24,9 @@ enum gd_status server_build_take(const struct server_builder *builder, const str
     return GD_BUDGET;
 }
 
-enum gd_status server_build_refuse(const struct server_builder *builder, const struct server_record *record,
-                                   enum gd_status status, const struct gd_detail *detail, struct proto_problem *problem)
+enum gd_status server_build_refuse(const struct server_builder *builder,
+                                   const struct server_record *record, enum gd_status status,
+                                   const struct gd_detail *detail, struct proto_problem *problem)
 {
     char it[NOUN];
     proto_problem_from_status(problem, status, detail);
@@ -49,14 +51,16 @@ struct gd_control server_build_control(struct server_build_part *part, size_t bu
                                .user = part};
 }
 
-enum gd_status server_build_surface(const struct server_builder *builder, struct server_record *record,
-                                    const void *bytes, struct server_surface **out, struct proto_problem *problem)
+enum gd_status server_build_surface(const struct server_builder *builder,
+                                    struct server_record *record, const void *bytes,
+                                    struct server_surface **out, struct proto_problem *problem)
 {
     void *object = NULL;
     size_t size = 0;
     enum gd_status status = record->kind->build(builder, record, bytes, &object, &size, problem);
     if (status) return status;
-    struct server_surface *surface = server_surface_create(record, object, size, builder->budget, builder->cache);
+    struct server_surface *surface =
+        server_surface_create(record, object, size, builder->budget, builder->cache);
     if (!surface) {
         record->kind->release(object);
         server_budget_give(builder->budget, SERVER_BUDGET_FLIGHT, size);

@@ -21,7 +21,7 @@ struct server_catalogue {
     uint32_t next_forgotten;
 };
 
-/* --- resources ---------------------------------------------------------------------------------------------------- */
+/* --- resources -------------------------------------------------------------------------------- */
 
 struct server_resource *server_resource_create(const char *id, struct proto_located_set *set,
                                                const struct proto_field_description *description,
@@ -77,8 +77,8 @@ static void append_seed(struct proto_writer *text, const struct gd_seed *seed)
     if (seed->is_segment) append_point(text, &seed->end);
 }
 
-bool server_resource_name(const char *etag, const struct proto_located_set *set, double max_distance,
-                          char id[PROTO_FIELD_ID + 1])
+bool server_resource_name(const char *etag, const struct proto_located_set *set,
+                          double max_distance, char id[PROTO_FIELD_ID + 1])
 {
     struct proto_writer text; /* whatever tells sets apart */
     char hash[SERVER_SHA256_HEX];
@@ -92,14 +92,14 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
     bool ok = text.failure == PROTO_WRITER_FINE;
     if (ok) {
         server_sha256(text.data, text.size, hash);
-        snprintf(id, PROTO_FIELD_ID + 1, "%.*s%.*s", VERSION_CHARACTERS, etag, PROTO_FIELD_ID - VERSION_CHARACTERS,
-                 hash);
+        snprintf(id, PROTO_FIELD_ID + 1, "%.*s%.*s", VERSION_CHARACTERS, etag,
+                 PROTO_FIELD_ID - VERSION_CHARACTERS, hash);
     }
     proto_writer_free(&text);
     return ok;
 }
 
-/* --- the list, under the lock ------------------------------------------------------------------------------------- */
+/* --- the list, under the lock ----------------------------------------------------------------- */
 
 /* Index of the first resource whose id is not before `id`. */
 static uint32_t lower_bound(const struct server_catalogue *catalogue, const char *id)
@@ -129,7 +129,8 @@ static struct server_resource *extract(struct server_catalogue *catalogue, uint3
     return resource;
 }
 
-static void insert(struct server_catalogue *catalogue, uint32_t at, struct server_resource *resource)
+static void insert(struct server_catalogue *catalogue, uint32_t at,
+                   struct server_resource *resource)
 {
     memmove(&catalogue->resources[at + 1], &catalogue->resources[at],
             (catalogue->count - at) * sizeof(struct server_resource *));
@@ -157,7 +158,8 @@ static struct listed weigh(const struct server_catalogue *catalogue, const char 
     for (uint32_t i = 0; i < catalogue->count; i++) {
         const struct server_resource *resource = catalogue->resources[i];
         if (key && strcmp(resource->key, key) != 0) continue;
-        if (!listed.count++ || resource->turn < catalogue->resources[listed.oldest]->turn) listed.oldest = i;
+        if (!listed.count++ || resource->turn < catalogue->resources[listed.oldest]->turn)
+            listed.oldest = i;
         listed.bytes += resource->bytes;
     }
     return listed;
@@ -175,7 +177,8 @@ static void forget(struct server_catalogue *catalogue, uint32_t at)
 static void bound(struct server_catalogue *catalogue, const char *key)
 {
     struct listed listed;
-    while ((listed = weigh(catalogue, key)).count > SERVER_CATALOGUE_RESOURCES || listed.bytes > SERVER_CATALOGUE_BYTES)
+    while ((listed = weigh(catalogue, key)).count > SERVER_CATALOGUE_RESOURCES ||
+           listed.bytes > SERVER_CATALOGUE_BYTES)
         forget(catalogue, listed.oldest);
 }
 
@@ -184,7 +187,8 @@ static void grow(struct server_catalogue *catalogue)
 {
     if (catalogue->count < catalogue->capacity) return;
     uint32_t capacity = 2 * catalogue->capacity;
-    struct server_resource **more = realloc(catalogue->resources, capacity * sizeof(struct server_resource *));
+    struct server_resource **more =
+        realloc(catalogue->resources, capacity * sizeof(struct server_resource *));
     if (!more) {
         forget(catalogue, weigh(catalogue, NULL).oldest);
         return;
@@ -193,7 +197,7 @@ static void grow(struct server_catalogue *catalogue)
     catalogue->capacity = capacity;
 }
 
-/* --- in and out --------------------------------------------------------------------------------------------------- */
+/* --- in and out ------------------------------------------------------------------------------- */
 
 struct server_catalogue *server_catalogue_create(void)
 {
@@ -210,14 +214,15 @@ struct server_catalogue *server_catalogue_create(void)
 void server_catalogue_destroy(struct server_catalogue *catalogue)
 {
     if (!catalogue) return;
-    for (uint32_t i = 0; i < catalogue->count; i++) server_resource_release(catalogue->resources[i]);
+    for (uint32_t i = 0; i < catalogue->count; i++)
+        server_resource_release(catalogue->resources[i]);
     pthread_mutex_destroy(&catalogue->lock);
     free(catalogue->resources);
     free(catalogue);
 }
 
-enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue, const char *id,
-                                                    struct server_resource **out)
+enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,
+                                                    const char *id, struct server_resource **out)
 {
     enum server_catalogue_finding finding = SERVER_CATALOGUE_ABSENT;
     pthread_mutex_lock(&catalogue->lock);
@@ -233,7 +238,8 @@ enum server_catalogue_finding server_catalogue_find(struct server_catalogue *cat
     return finding;
 }
 
-bool server_catalogue_add(struct server_catalogue *catalogue, const char *key, struct server_resource **resource)
+bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
+                          struct server_resource **resource)
 {
     struct server_resource *added = *resource;
     snprintf(added->key, sizeof added->key, "%s", key);

@@ -17,18 +17,20 @@ struct server_discretizations {
     struct server_discretization *coldest, *warmest;
 };
 
-/* --- one ---------------------------------------------------------------------------------------------------------- */
+/* --- one -------------------------------------------------------------------------------------- */
 
 void server_discretization_release(struct server_discretization *discretization)
 {
     if (!discretization || atomic_fetch_sub(&discretization->references, 1) != 1) return;
     gd_limit_mesh_free(discretization->mesh);
-    server_budget_give(discretization->budget, SERVER_BUDGET_DISCRETIZATIONS, discretization->bytes);
+    server_budget_give(discretization->budget, SERVER_BUDGET_DISCRETIZATIONS,
+                       discretization->bytes);
     free(discretization);
 }
 
 /* Takes over the mesh and its bytes, in flight so far. NULL without memory: both are gone. */
-static struct server_discretization *create(struct server_budget *budget, struct gd_limit_mesh *mesh)
+static struct server_discretization *create(struct server_budget *budget,
+                                            struct gd_limit_mesh *mesh)
 {
     struct server_discretization *made = malloc(sizeof *made);
     size_t bytes = gd_limit_mesh_memsize(mesh);
@@ -38,7 +40,8 @@ static struct server_discretization *create(struct server_budget *budget, struct
         return NULL;
     }
     server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_DISCRETIZATIONS, bytes);
-    *made = (struct server_discretization){.references = 1, .mesh = mesh, .budget = budget, .bytes = bytes};
+    *made = (struct server_discretization){
+        .references = 1, .mesh = mesh, .budget = budget, .bytes = bytes};
     return made;
 }
 
@@ -48,7 +51,7 @@ static struct server_discretization *retain(struct server_discretization *discre
     return discretization;
 }
 
-/* --- the order of use, under the lock ----------------------------------------------------------------------------- */
+/* --- the order of use, under the lock --------------------------------------------------------- */
 
 static void link_warmest(struct server_discretizations *owner, struct server_discretization *kept)
 {
@@ -65,7 +68,8 @@ static void unlink_kept(struct server_discretizations *owner, struct server_disc
 }
 
 /* Takes it out of its slot; its reference is the caller's to release after the lock. */
-static struct server_discretization *drop(struct server_discretizations *owner, struct server_discretization *kept)
+static struct server_discretization *drop(struct server_discretizations *owner,
+                                          struct server_discretization *kept)
 {
     kept->slot->levels[gd_limit_mesh_level(kept->mesh)] = NULL;
     unlink_kept(owner, kept);
@@ -80,7 +84,7 @@ static void keep(struct server_discretizations *owner, struct server_discretizat
     link_warmest(owner, made);
 }
 
-/* --- under pressure ----------------------------------------------------------------------------------------------- */
+/* --- under pressure --------------------------------------------------------------------------- */
 
 static struct server_discretization *drop_coldest(struct server_discretizations *owner)
 {
@@ -94,11 +98,12 @@ static void reclaim(void *user, size_t bytes)
 {
     struct server_discretizations *owner = user;
     struct server_discretization *kept;
-    for (size_t freed = 0; freed < bytes && (kept = drop_coldest(owner)); server_discretization_release(kept))
+    for (size_t freed = 0; freed < bytes && (kept = drop_coldest(owner));
+         server_discretization_release(kept))
         freed += kept->bytes;
 }
 
-/* --- building ----------------------------------------------------------------------------------------------------- */
+/* --- building --------------------------------------------------------------------------------- */
 
 struct building {
     const struct server_discretization_request *request;
@@ -110,23 +115,27 @@ static enum gd_status build_mesh(void *user, const struct gd_control *control, s
 {
     struct building *building = user;
     const struct server_discretization_request *request = building->request;
-    enum gd_status status = gd_limit_mesh_build(request->surface, request->level, building->max_faces, control,
-                                                &building->mesh, request->detail);
+    enum gd_status status =
+        gd_limit_mesh_build(request->surface, request->level, building->max_faces, control,
+                            &building->mesh, request->detail);
     if (!status) *kept = gd_limit_mesh_memsize(building->mesh);
     return status;
 }
 
 /* What is too large for a mesh is refused by the engine, before it takes any memory. */
-static size_t grant_for(const struct server_discretization_request *request, const struct server_budget *budget)
+static size_t grant_for(const struct server_discretization_request *request,
+                        const struct server_budget *budget)
 {
     size_t cost = gd_limit_mesh_cost(request->surface, request->level);
     return cost < budget->limit ? cost : budget->limit / 2;
 }
 
-static enum gd_status build(struct server *server, const struct server_discretization_request *request,
+static enum gd_status build(struct server *server,
+                            const struct server_discretization_request *request,
                             struct server_discretization **out)
 {
-    struct building building = {.request = request, .max_faces = (uint32_t)server->config.max_faces};
+    struct building building = {.request = request,
+                                .max_faces = (uint32_t)server->config.max_faces};
     const struct server_call call = {.make = build_mesh,
                                      .user = &building,
                                      .control = server_exchange_control(request->monitor),
@@ -137,7 +146,7 @@ static enum gd_status build(struct server *server, const struct server_discretiz
     return *out ? GD_OK : GD_NO_MEMORY;
 }
 
-/* --- asking ------------------------------------------------------------------------------------------------------- */
+/* --- asking ----------------------------------------------------------------------------------- */
 
 /* For a few milliseconds at most, under the lock. */
 static void wait_a_little(struct server_discretizations *owner)
@@ -152,8 +161,10 @@ static void wait_a_little(struct server_discretizations *owner)
     pthread_cond_timedwait(&owner->built, &owner->lock, &until);
 }
 
-/* One look: the kept one, or NULL with the level claimed to be built. False: somebody else builds it still, after a little wait. */
-static bool look(struct server_discretizations *owner, const struct server_discretization_request *request,
+/* One look: the kept one, or NULL with the level claimed to be built. False: somebody else builds
+ * it still, after a little wait. */
+static bool look(struct server_discretizations *owner,
+                 const struct server_discretization_request *request,
                  struct server_discretization **out)
 {
     struct server_discretization_slot *slot = request->slot;
@@ -213,10 +224,11 @@ void server_discretization_slot_close(struct server_discretization_slot *slot)
     for (uint32_t level = 0; level <= GD_LIMIT_LEVEL_MOST; level++)
         if (slot->levels[level]) kept[level] = drop(owner, slot->levels[level]);
     pthread_mutex_unlock(&owner->lock);
-    for (uint32_t level = 0; level <= GD_LIMIT_LEVEL_MOST; level++) server_discretization_release(kept[level]);
+    for (uint32_t level = 0; level <= GD_LIMIT_LEVEL_MOST; level++)
+        server_discretization_release(kept[level]);
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 struct server_discretizations *server_discretizations_create(struct server *server)
 {

@@ -29,7 +29,9 @@ struct server_field_store *server_field_store_open(const char *folder, struct se
     if (!store) return NULL;
     store->budget = budget;
     int size = snprintf(store->folder, sizeof store->folder, "%s/fields", folder);
-    if (size < (int)sizeof store->folder && server_disk_make_folder(store->folder) == SERVER_DISK_DONE) return store;
+    if (size < (int)sizeof store->folder &&
+        server_disk_make_folder(store->folder) == SERVER_DISK_DONE)
+        return store;
     free(store);
     return NULL;
 }
@@ -39,9 +41,10 @@ void server_field_store_close(struct server_field_store *store)
     free(store);
 }
 
-/* --- names -------------------------------------------------------------------------------------------------------- */
+/* --- names ------------------------------------------------------------------------------------ */
 
-static void folder_path(const struct server_field_store *store, char path[SERVER_DISK_PATH], const char *etag)
+static void folder_path(const struct server_field_store *store, char path[SERVER_DISK_PATH],
+                        const char *etag)
 {
     snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_VERSION "-%s", store->folder, etag);
 }
@@ -54,7 +57,8 @@ static bool file_path(char path[SERVER_DISK_PATH], const char *folder, const cha
 static void discard(const char *path, const char *why)
 {
     unlink(path);
-    server_log_message(SERVER_LOG_WARN, "field_discarded", "the stored file '%s' was deleted: %s", path, why);
+    server_log_message(SERVER_LOG_WARN, "field_discarded", "the stored file '%s' was deleted: %s",
+                       path, why);
 }
 
 /* Is the file a kind (FIELD, LANDMARKS)? */
@@ -64,7 +68,7 @@ static bool is_a(const char *file, const char *kind)
     return size > suffix && strcmp(file + size - suffix, kind) == 0;
 }
 
-/* --- reading ------------------------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 struct image { /* of a stored file; as many bytes of SERVER_BUDGET_FLIGHT are taken */
     void *bytes;
@@ -84,9 +88,10 @@ static bool is_whole(const void *bytes, size_t size, const char *file)
     return strncmp(file, sha256, strlen(sha256)) == 0;
 }
 
-/* The file, verified, if the budget has room for it. One that is not what its name says is deleted; one that can't
- * be read just now is not. */
-static bool read_image(struct server_field_store *store, const char *path, const char *file, struct image *out)
+/* The file, verified, if the budget has room for it. One that is not what its name says is deleted;
+ * one that can't be read just now is not. */
+static bool read_image(struct server_field_store *store, const char *path, const char *file,
+                       struct image *out)
 {
     struct image image = {0};
     size_t got = 0;
@@ -103,7 +108,7 @@ static bool read_image(struct server_field_store *store, const char *path, const
     return false;
 }
 
-/* --- restoring ---------------------------------------------------------------------------------------------------- */
+/* --- restoring -------------------------------------------------------------------------------- */
 
 struct restoring {
     struct server_field_store *store;
@@ -135,8 +140,8 @@ static void on_stored_field(void *user, const char *path, const char *file)
     if (!is_a(file, FIELD)) return;
     restoring->is_over |= gd_control_check(restoring->control, 1) != GD_OK;
     if (restoring->is_over || !read_image(restoring->store, path, file, &image)) return;
-    enum gd_status status =
-        gd_field_open_image(restoring->surface->mesh, image.bytes, image.size, free, image.bytes, &field, NULL);
+    enum gd_status status = gd_field_open_image(restoring->surface->mesh, image.bytes, image.size,
+                                                free, image.bytes, &field, NULL);
     if (!status) {
         keep_field(restoring, field, image.size);
         return;
@@ -153,11 +158,11 @@ void server_field_store_restore(struct server_field_store *store, struct server_
     folder_path(store, folder, surface->record->etag);
     (void)server_disk_each(folder, on_stored_field, &restoring);
     if (restoring.restored)
-        server_log_message(SERVER_LOG_INFO, "fields_restored", "%u fields of '%s'", restoring.restored,
-                           surface->record->name);
+        server_log_message(SERVER_LOG_INFO, "fields_restored", "%u fields of '%s'",
+                           restoring.restored, surface->record->name);
 }
 
-/* --- cleaning ----------------------------------------------------------------------------------------------------- */
+/* --- cleaning --------------------------------------------------------------------------------- */
 
 static void on_unwanted_file(void *user, const char *path, const char *file)
 {
@@ -225,7 +230,7 @@ void server_field_store_follow(struct server_field_store *store, struct server_r
     server_registry_watch(registry, on_gone, store);
 }
 
-/* --- writing ------------------------------------------------------------------------------------------------------ */
+/* --- writing ---------------------------------------------------------------------------------- */
 
 static bool make_folder(const char *folder)
 {
@@ -255,7 +260,7 @@ static void name_image(char file[FILE_NAME], const void *image, size_t size, con
     snprintf(file, FILE_NAME, "%s%s", sha256, kind);
 }
 
-/* --- landmarks ---------------------------------------------------------------------------------------------------- */
+/* --- landmarks -------------------------------------------------------------------------------- */
 
 struct reading {
     struct server_field_store *store;
@@ -281,7 +286,8 @@ static void on_stored_landmarks(void *user, const char *path, const char *file)
     struct gd_landmarks *landmarks;
     struct image image;
     if (!is_a(file, LANDMARKS) || !read_image(reading->store, path, file, &image)) return;
-    enum gd_status status = gd_landmarks_open_image(reading->mesh, image.bytes, image.size, &landmarks);
+    enum gd_status status =
+        gd_landmarks_open_image(reading->mesh, image.bytes, image.size, &landmarks);
     if (!status)
         keep_landmarks(reading, landmarks);
     else if (status != GD_NO_MEMORY)
@@ -290,7 +296,8 @@ static void on_stored_landmarks(void *user, const char *path, const char *file)
 }
 
 struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store *store,
-                                                       const struct server_surface *surface, uint32_t count)
+                                                       const struct server_surface *surface,
+                                                       uint32_t count)
 {
     struct reading reading = {.store = store, .mesh = surface->mesh, .count = count};
     char folder[SERVER_DISK_PATH];
@@ -310,12 +317,16 @@ static void write_landmarks(const char *folder, void *image, size_t size)
     char file[FILE_NAME], path[SERVER_DISK_PATH];
     name_image(file, image, size, LANDMARKS);
     (void)server_disk_each(folder, on_older_landmarks, NULL);
-    if (!make_folder(folder) || !file_path(path, folder, file) || !write_file(folder, path, image, size))
-        server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written", folder);
+    if (!make_folder(folder) || !file_path(path, folder, file) ||
+        !write_file(folder, path, image, size))
+        server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written",
+                           folder);
 }
 
-void server_field_store_write_landmarks(struct server_field_store *store, struct server_registry *registry,
-                                        const struct server_surface *surface, const struct gd_landmarks *landmarks)
+void server_field_store_write_landmarks(struct server_field_store *store,
+                                        struct server_registry *registry,
+                                        const struct server_surface *surface,
+                                        const struct gd_landmarks *landmarks)
 {
     size_t size = gd_landmarks_image_size(landmarks);
     char folder[SERVER_DISK_PATH];
@@ -325,13 +336,14 @@ void server_field_store_write_landmarks(struct server_field_store *store, struct
         folder_path(store, folder, surface->record->etag);
         gd_landmarks_write_image(landmarks, image);
         write_landmarks(folder, image, size);
-        if (!server_registry_holds(registry, surface->record->etag)) on_gone(store, surface->record);
+        if (!server_registry_holds(registry, surface->record->etag))
+            on_gone(store, surface->record);
     }
     free(image);
     server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, size);
 }
 
-/* --- saving fields ------------------------------------------------------------------------------------------------ */
+/* --- saving fields ---------------------------------------------------------------------------- */
 
 struct saving {
     struct server_field_store *store;
@@ -398,12 +410,14 @@ static void sweep_surface(void *user, const struct server_listed *listed)
     rmdir(folder); /* if it is empty */
 }
 
-void server_field_store_save(struct server_field_store *store, struct server_registry *registry, uint64_t until_ns)
+void server_field_store_save(struct server_field_store *store, struct server_registry *registry,
+                             uint64_t until_ns)
 {
     struct saving saving = {.store = store, .until_ns = until_ns};
     each_surface(registry, save_surface, &saving);
     server_names_sort(&saving.kept);
-    if (!saving.kept.is_incomplete && !saving.is_over) each_surface(registry, sweep_surface, &saving);
+    if (!saving.kept.is_incomplete && !saving.is_over)
+        each_surface(registry, sweep_surface, &saving);
     server_log_message(saving.is_over ? SERVER_LOG_WARN : SERVER_LOG_INFO, "fields_saved",
                        "%u fields written, %zu in all%s", saving.written, saving.kept.count,
                        saving.is_over ? "; there was no more time or room" : "");

@@ -1,6 +1,7 @@
-/* Kind: what a surface can be (a mesh, and what else there is), as the hooks by which its files become surfaces. Names, store,
- * registry and the handlers that upload, list, describe and delete know of a kind nothing but these: to add one is a table of
- * hooks, a line in kinds.c and its paths in openapi.yaml. */
+/* Kind: what a surface can be (a mesh, and what else there is), as the hooks by which its files
+ * become surfaces. Names, store, registry and the handlers that upload, list, describe and delete
+ * know of a kind nothing but these: to add one is a table of hooks, a line in kinds.c and its paths
+ * in openapi.yaml. */
 #ifndef SERVER_SURFACES_KIND_H
 #define SERVER_SURFACES_KIND_H
 
@@ -27,17 +28,20 @@ struct server_kind {
     const char *plural; /* "meshes": in paths, and the name of the list */
     const char *noun;   /* "mesh": in sentences, behind an article */
 
-    /* Writes the one text of what the parameters ask for, which record and entity tag are made of, and refuses parameters that
-     * the kind does not have: two uploads with the same text and bytes are the same surface, and the text of options that are
-     * added later leaves out what is not asked for. What they leave open `file` shows; NULL: they leave nothing open, since
-     * they are a text that this wrote. */
+    /* Writes the one text of what the parameters ask for, which record and entity tag are made of,
+     * and refuses parameters that the kind does not have: two uploads with the same text and bytes
+     * are the same surface, and the text of options that are added later leaves out what is not
+     * asked for. What they leave open `file` shows; NULL: they leave nothing open, since they are a
+     * text that this wrote. */
     bool (*read_options)(const struct proto_parameters *parameters, const struct server_file *file,
                          char text[SERVER_OPTIONS], struct proto_problem *problem);
 
-    /* Makes the object of record->size bytes and record->options. Memory is taken from the builder's budget before it is used;
-     * what the object holds, `*size` bytes, is left in SERVER_BUDGET_FLIGHT. Else a status and a problem (build.h). */
-    enum gd_status (*build)(const struct server_builder *builder, const struct server_record *record, const void *bytes,
-                            void **object, size_t *size, struct proto_problem *problem);
+    /* Makes the object of record->size bytes and record->options. Memory is taken from the
+     * builder's budget before it is used; what the object holds, `*size` bytes, is left in
+     * SERVER_BUDGET_FLIGHT. Else a status and a problem (build.h). */
+    enum gd_status (*build)(const struct server_builder *builder,
+                            const struct server_record *record, const void *bytes, void **object,
+                            size_t *size, struct proto_problem *problem);
     void (*release)(void *object);
 
     /* Writes the surface as GET answers it: one JSON object, of SERVER_DESCRIPTION_MOST bytes at

@@ -1,5 +1,5 @@
-/* See kind.h: NURBS and other parametric surfaces. A surface that has no tessellation is kept all the same: it can be evaluated, and the
- * operations that need one say why there is none. */
+/* See kind.h: NURBS and other parametric surfaces. A surface that has no tessellation is kept all
+ * the same: it can be evaluated, and the operations that need one say why there is none. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,7 +13,7 @@ const struct server_nurbs *server_nurbs_of(const struct server_surface *surface)
     return surface->object;
 }
 
-/* --- options ------------------------------------------------------------------------------------------------------ */
+/* --- options ---------------------------------------------------------------------------------- */
 
 static bool read_options(const struct proto_parameters *parameters, const struct server_file *file,
                          char text[SERVER_OPTIONS], struct proto_problem *problem)
@@ -38,7 +38,7 @@ static struct proto_nurbs_options options_of(const struct server_record *record)
     return out;
 }
 
-/* --- building ----------------------------------------------------------------------------------------------------- */
+/* --- building --------------------------------------------------------------------------------- */
 
 #define READ_SHARE         0.2
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
@@ -65,7 +65,8 @@ static enum gd_status status_of(const struct proto_problem *problem)
     }
 }
 
-static enum gd_status read_surface(struct making *making, const void *bytes, struct proto_problem *problem)
+static enum gd_status read_surface(struct making *making, const void *bytes,
+                                   struct proto_problem *problem)
 {
     const struct server_builder *builder = making->builder;
     struct server_build_part part = {builder, 0, READ_SHARE};
@@ -87,16 +88,19 @@ static enum gd_status tessellate_within(struct making *making, size_t cost)
     struct server_build_part part = {making->builder, READ_SHARE, 1 - READ_SHARE};
     const struct gd_control control = server_build_control(&part, cost);
     struct server_nurbs *nurbs = making->nurbs;
-    enum gd_status status = gd_tessellation_build(nurbs->surface, NULL, &control, &nurbs->tessellation, &nurbs->detail);
+    enum gd_status status =
+        gd_tessellation_build(nurbs->surface, NULL, &control, &nurbs->tessellation, &nurbs->detail);
     making->tessellation_bytes = status ? 0 : gd_tessellation_memsize(nurbs->tessellation);
-    server_budget_adjust(making->builder->budget, SERVER_BUDGET_FLIGHT, cost, making->tessellation_bytes);
+    server_budget_adjust(making->builder->budget, SERVER_BUDGET_FLIGHT, cost,
+                         making->tessellation_bytes);
     return status;
 }
 
 /* Does the status tell of the surface, and not of what happened to be while it was looked at? */
 static bool is_lasting(enum gd_status status)
 {
-    return status != GD_NO_MEMORY && status != GD_BUDGET && status != GD_CANCELLED && status != GD_DEADLINE;
+    return status != GD_NO_MEMORY && status != GD_BUDGET && status != GD_CANCELLED &&
+           status != GD_DEADLINE;
 }
 
 /* With four times as much memory as long as that was too little and more can be had. */
@@ -109,7 +113,8 @@ static enum gd_status tessellate(struct making *making, struct proto_problem *pr
         status = tessellate_within(making, cost);
     }
     if (status && !is_lasting(status))
-        return server_build_refuse(making->builder, making->record, status, &making->nurbs->detail, problem);
+        return server_build_refuse(making->builder, making->record, status, &making->nurbs->detail,
+                                   problem);
     making->nurbs->refusal = status;
     return GD_OK;
 }
@@ -122,10 +127,12 @@ static void release(void *object)
     free(nurbs);
 }
 
-static enum gd_status build(const struct server_builder *builder, const struct server_record *record, const void *bytes,
-                            void **object, size_t *size, struct proto_problem *problem)
+static enum gd_status build(const struct server_builder *builder,
+                            const struct server_record *record, const void *bytes, void **object,
+                            size_t *size, struct proto_problem *problem)
 {
-    struct making making = {.builder = builder, .record = record, .nurbs = calloc(1, sizeof *making.nurbs)};
+    struct making making = {
+        .builder = builder, .record = record, .nurbs = calloc(1, sizeof *making.nurbs)};
     if (!making.nurbs) return server_build_refuse(builder, record, GD_NO_MEMORY, NULL, problem);
     enum gd_status status = server_build_take(builder, record, sizeof *making.nurbs, problem);
     size_t own = status ? 0 : sizeof *making.nurbs;
@@ -142,7 +149,7 @@ static enum gd_status build(const struct server_builder *builder, const struct s
     return GD_OK;
 }
 
-/* --- describing --------------------------------------------------------------------------------------------------- */
+/* --- describing ------------------------------------------------------------------------------- */
 
 static void describe(struct proto_writer *writer, const struct server_surface *surface)
 {
@@ -157,7 +164,8 @@ static void describe(struct proto_writer *writer, const struct server_surface *s
         .memory_bytes = surface->bytes,
         .form = nurbs->form,
         .surface = nurbs->surface,
-        .seeding_faces = tessellation ? gd_mesh_summary(gd_tessellation_mesh(tessellation))->faces : 0,
+        .seeding_faces =
+            tessellation ? gd_mesh_summary(gd_tessellation_mesh(tessellation))->faces : 0,
         .obstacle = tessellation ? NULL : gd_status_name(nurbs->refusal),
     };
     proto_nurbs_encode(writer, &description);

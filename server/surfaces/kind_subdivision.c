@@ -14,7 +14,7 @@ struct server_subdivision *server_subdivision_of(const struct server_surface *su
     return surface->object;
 }
 
-/* --- options ------------------------------------------------------------------------------------------------------ */
+/* --- options ---------------------------------------------------------------------------------- */
 
 static bool read_options(const struct proto_parameters *parameters, const struct server_file *file,
                          char text[SERVER_OPTIONS], struct proto_problem *problem)
@@ -22,9 +22,12 @@ static bool read_options(const struct proto_parameters *parameters, const struct
     struct proto_subdivision_options options;
     if (!proto_subdivision_options_parse(parameters, &options, problem)) return false;
     const struct proto_mesh_options said = {.format = options.format};
-    if (file) options.format = proto_mesh_upload_format(&said, file->bytes, file->size, file->content_type);
+    if (file)
+        options.format =
+            proto_mesh_upload_format(&said, file->bytes, file->size, file->content_type);
     snprintf(text, SERVER_OPTIONS, "format=%s%s%s", gd_format_name(options.format),
-             options.has_scheme ? "&scheme=" : "", options.has_scheme ? proto_subdivision_schemes[options.scheme] : "");
+             options.has_scheme ? "&scheme=" : "",
+             options.has_scheme ? proto_subdivision_schemes[options.scheme] : "");
     return true;
 }
 
@@ -40,9 +43,10 @@ static struct proto_subdivision_options options_of(const struct server_record *r
     return out;
 }
 
-/* --- building ----------------------------------------------------------------------------------------------------- */
+/* --- building --------------------------------------------------------------------------------- */
 
-#define READ_FACTOR    33 /* bytes that reading takes at most for each byte of a file that is no JSON */
+/* bytes that reading takes at most for each byte of a file that is no JSON */
+#define READ_FACTOR    33
 #define READ_SHARE     0.5
 #define BYTES_A_CORNER 400 /* that most take while the surface is made */
 #define BYTES_A_MAKING ((size_t)1 << 20)
@@ -82,7 +86,8 @@ static enum gd_status status_of(const struct proto_problem *problem)
     }
 }
 
-static enum gd_status read_file(struct making *making, const void *bytes, struct proto_problem *problem)
+static enum gd_status read_file(struct making *making, const void *bytes,
+                                struct proto_problem *problem)
 {
     const struct server_builder *builder = making->builder;
     struct server_build_part part = {builder, 0, READ_SHARE};
@@ -90,12 +95,15 @@ static enum gd_status read_file(struct making *making, const void *bytes, struct
     const struct gd_read_limits limits = {.max_faces = builder->max_faces, .control = &control};
     const struct proto_subdivision_options options = options_of(making->record);
     size_t size = (size_t)making->record->size;
-    size_t cost = options.format == GD_FORMAT_JSON ? proto_decode_cost(bytes, size) : size * READ_FACTOR;
-    size_t placed = gd_read_cost(bytes, size, options.format, &limits); /* of glTF, which may place a mesh many times */
+    size_t cost =
+        options.format == GD_FORMAT_JSON ? proto_decode_cost(bytes, size) : size * READ_FACTOR;
+    /* of glTF, which may place a mesh many times */
+    size_t placed = gd_read_cost(bytes, size, options.format, &limits);
     if (placed > cost) cost = placed;
     enum gd_status status = server_build_take(builder, making->record, cost, problem);
     if (status) return status;
-    bool ok = proto_subdivision_read(bytes, size, &options, &limits, &making->control_mesh, &making->scheme, problem);
+    bool ok = proto_subdivision_read(bytes, size, &options, &limits, &making->control_mesh,
+                                     &making->scheme, problem);
     making->read_bytes = ok ? control_mesh_size(&making->control_mesh) : 0;
     server_budget_adjust(builder->budget, SERVER_BUDGET_FLIGHT, cost, making->read_bytes);
     return ok ? GD_OK : status_of(problem);
@@ -105,10 +113,11 @@ static enum gd_status create_within(struct making *making, size_t cost, struct g
 {
     struct server_build_part part = {making->builder, READ_SHARE, 1 - READ_SHARE};
     const struct gd_control control = server_build_control(&part, cost);
-    enum gd_status status =
-        gd_subdivision_create(&making->control_mesh, making->scheme, &control, &making->made->surface, detail);
+    enum gd_status status = gd_subdivision_create(&making->control_mesh, making->scheme, &control,
+                                                  &making->made->surface, detail);
     making->surface_bytes = status ? 0 : gd_subdivision_memsize(making->made->surface);
-    server_budget_adjust(making->builder->budget, SERVER_BUDGET_FLIGHT, cost, making->surface_bytes);
+    server_budget_adjust(making->builder->budget, SERVER_BUDGET_FLIGHT, cost,
+                         making->surface_bytes);
     return status;
 }
 
@@ -118,7 +127,8 @@ static enum gd_status create_surface(struct making *making, struct proto_problem
     struct gd_detail detail = {0};
     size_t corners = gd_polygons_corner_count(&making->control_mesh.polygons);
     enum gd_status status = GD_BUDGET;
-    for (size_t cost = BYTES_A_MAKING + corners * BYTES_A_CORNER; status == GD_BUDGET; cost *= GROWTH) {
+    for (size_t cost = BYTES_A_MAKING + corners * BYTES_A_CORNER; status == GD_BUDGET;
+         cost *= GROWTH) {
         status = server_build_take(making->builder, making->record, cost, problem);
         if (status) return status;
         status = create_within(making, cost, &detail);
@@ -135,10 +145,12 @@ static void release(void *object)
     free(subdivision);
 }
 
-static enum gd_status build(const struct server_builder *builder, const struct server_record *record, const void *bytes,
-                            void **object, size_t *size, struct proto_problem *problem)
+static enum gd_status build(const struct server_builder *builder,
+                            const struct server_record *record, const void *bytes, void **object,
+                            size_t *size, struct proto_problem *problem)
 {
-    struct making making = {.builder = builder, .record = record, .made = calloc(1, sizeof *making.made)};
+    struct making making = {
+        .builder = builder, .record = record, .made = calloc(1, sizeof *making.made)};
     if (!making.made) return server_build_refuse(builder, record, GD_NO_MEMORY, NULL, problem);
     enum gd_status status = server_build_take(builder, record, sizeof *making.made, problem);
     size_t own = status ? 0 : sizeof *making.made;
@@ -157,7 +169,7 @@ static enum gd_status build(const struct server_builder *builder, const struct s
     return GD_OK;
 }
 
-/* --- describing --------------------------------------------------------------------------------------------------- */
+/* --- describing ------------------------------------------------------------------------------- */
 
 static void describe(struct proto_writer *writer, const struct server_surface *surface)
 {

@@ -7,11 +7,13 @@
 #include "server/work/budgeted_call.h"
 #include "server/surfaces/field_store.h"
 
-#define LEAST_FACES    2000 /* smaller meshes are searched in less than a tenth of a millisecond */
-#define BYTES_AN_EDGE  256  /* of a build: 60 to 160, see doc/003 */
-#define BYTES_A_BUILD  ((size_t)1 << 20)
-#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double)) /* the landmarks, and what chooses them */
-#define LARGEST_PART   4  /* of the budget: what a build may take, so that requests that come meanwhile have the rest */
+#define LEAST_FACES   2000 /* smaller meshes are searched in less than a tenth of a millisecond */
+#define BYTES_AN_EDGE 256  /* of a build: 60 to 160, see doc/003 */
+#define BYTES_A_BUILD ((size_t)1 << 20)
+/* the landmarks, and what chooses them */
+#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double))
+/* of the budget: what a build may take, so that requests that come meanwhile have the rest */
+#define LARGEST_PART   4
 #define PAUSE_FACTOR   10 /* of what it cost to have had them */
 #define PAUSE_LEAST_NS UINT64_C(100000000)
 
@@ -33,7 +35,7 @@ struct bringing {
     bool was_built, is_hopeless;
 };
 
-/* --- sets --------------------------------------------------------------------------------------------------------- */
+/* --- sets ------------------------------------------------------------------------------------- */
 
 void server_landmark_set_release(struct server_landmark_set *set)
 {
@@ -43,8 +45,10 @@ void server_landmark_set_release(struct server_landmark_set *set)
     free(set);
 }
 
-/* Takes over the landmarks and their bytes, in flight so far. NULL without memory: both are gone. */
-static struct server_landmark_set *create_set(struct server_budget *budget, struct gd_landmarks *landmarks)
+/* Takes over the landmarks and their bytes, in flight so far. NULL without memory: both are gone.
+ */
+static struct server_landmark_set *create_set(struct server_budget *budget,
+                                              struct gd_landmarks *landmarks)
 {
     struct server_landmark_set *set = malloc(sizeof *set);
     size_t bytes = gd_landmarks_memsize(landmarks);
@@ -54,11 +58,12 @@ static struct server_landmark_set *create_set(struct server_budget *budget, stru
         return NULL;
     }
     server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_LANDMARKS, bytes);
-    *set = (struct server_landmark_set){.references = 1, .landmarks = landmarks, .budget = budget, .bytes = bytes};
+    *set = (struct server_landmark_set){
+        .references = 1, .landmarks = landmarks, .budget = budget, .bytes = bytes};
     return set;
 }
 
-/* --- slots in the order of use, under the lock -------------------------------------------------------------------- */
+/* --- slots in the order of use, under the lock ------------------------------------------------ */
 
 static void link_warmest(struct server_landmarks *landmarks, struct server_landmark_slot *slot)
 {
@@ -74,8 +79,10 @@ static void unlink_slot(struct server_landmarks *landmarks, struct server_landma
     *(slot->warmer ? &slot->warmer->colder : &landmarks->warmest) = slot->colder;
 }
 
-/* The set that the slot had, whose reference is the caller's to release after the lock; NULL: it was empty. */
-static struct server_landmark_set *empty(struct server_landmarks *landmarks, struct server_landmark_slot *slot)
+/* The set that the slot had, whose reference is the caller's to release after the lock; NULL: it
+ * was empty. */
+static struct server_landmark_set *empty(struct server_landmarks *landmarks,
+                                         struct server_landmark_slot *slot)
 {
     struct server_landmark_set *set = slot->set;
     if (set) unlink_slot(landmarks, slot);
@@ -89,7 +96,7 @@ static void pause_slot(struct server_landmark_slot *slot)
     slot->not_before_ns = gd_now_ns() + (pause > PAUSE_LEAST_NS ? pause : PAUSE_LEAST_NS);
 }
 
-/* --- under pressure ----------------------------------------------------------------------------------------------- */
+/* --- under pressure --------------------------------------------------------------------------- */
 
 /* The set that was not used for longest; NULL: there is none. */
 static struct server_landmark_set *drop_coldest(struct server_landmarks *landmarks)
@@ -109,11 +116,12 @@ static void reclaim(void *user, size_t bytes)
     struct server_landmark_set *set;
     atomic_fetch_add(&landmarks->pressures, 1);
     server_workers_refuse_background(landmarks->server->workers, SERVER_REFUSAL_MEMORY);
-    for (size_t freed = 0; freed < bytes && (set = drop_coldest(landmarks)); server_landmark_set_release(set))
+    for (size_t freed = 0; freed < bytes && (set = drop_coldest(landmarks));
+         server_landmark_set_release(set))
         freed += set->bytes;
 }
 
-/* --- bringing a set ----------------------------------------------------------------------------------------------- */
+/* --- bringing a set --------------------------------------------------------------------------- */
 
 /* Runs what is queued first; false: the set is not wanted any more. */
 static bool on_progress(void *user, double fraction)
@@ -144,12 +152,14 @@ static enum gd_status build(void *user, const struct gd_control *control, size_t
 static struct gd_landmarks *build_landmarks(struct bringing *bringing)
 {
     struct server *server = bringing->owner->server;
-    struct wanted wanted = {.mesh = bringing->surface->mesh, .count = (uint32_t)server->config.landmarks};
+    struct wanted wanted = {.mesh = bringing->surface->mesh,
+                            .count = (uint32_t)server->config.landmarks};
     const struct gd_mesh_summary *summary = gd_mesh_summary(wanted.mesh);
     const struct server_call call = {.make = build,
                                      .user = &wanted,
                                      .control = {.progress = on_progress, .user = bringing},
-                                     .grant = BYTES_A_BUILD + (size_t)summary->edges * BYTES_AN_EDGE,
+                                     .grant =
+                                         BYTES_A_BUILD + (size_t)summary->edges * BYTES_AN_EDGE,
                                      .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
                                      .is_modest = true};
     bool is_affordable = call.grant + call.aside <= server->budget.limit / LARGEST_PART;
@@ -157,7 +167,8 @@ static struct gd_landmarks *build_landmarks(struct bringing *bringing)
     bringing->is_hopeless = server_metrics_count_status(server->metrics, status) || !is_affordable;
     if (status) return NULL;
     if (server->fields)
-        server_field_store_write_landmarks(server->fields, server->registry, bringing->surface, wanted.out);
+        server_field_store_write_landmarks(server->fields, server->registry, bringing->surface,
+                                           wanted.out);
     return wanted.out;
 }
 
@@ -166,8 +177,8 @@ static struct gd_landmarks *read_or_build(struct bringing *bringing)
     struct server *server = bringing->owner->server;
     struct gd_landmarks *landmarks = NULL;
     if (server->fields)
-        landmarks =
-            server_field_store_read_landmarks(server->fields, bringing->surface, (uint32_t)server->config.landmarks);
+        landmarks = server_field_store_read_landmarks(server->fields, bringing->surface,
+                                                      (uint32_t)server->config.landmarks);
     bringing->was_built = !landmarks;
     return landmarks ? landmarks : build_landmarks(bringing);
 }
@@ -224,14 +235,15 @@ static void bring(struct server_landmarks *landmarks, struct server_surface *sur
     surface->landmarks.waiting = &bringing->job;
     pthread_mutex_unlock(&landmarks->lock);
     server_workers_submit_background(landmarks->server->workers, &bringing->job);
-    if (atomic_load(&surface->landmarks.is_closed)) server_landmark_slot_close(&surface->landmarks); /* meanwhile */
+    /* meanwhile */
+    if (atomic_load(&surface->landmarks.is_closed)) server_landmark_slot_close(&surface->landmarks);
 }
 
-/* --- from the outside --------------------------------------------------------------------------------------------- */
+/* --- from the outside ------------------------------------------------------------------------- */
 
 /* The slot's set as the one used last; else true in `*is_first` for the one who is to bring it. */
-static struct server_landmark_set *use(struct server_landmarks *landmarks, struct server_landmark_slot *slot,
-                                       bool *is_first)
+static struct server_landmark_set *use(struct server_landmarks *landmarks,
+                                       struct server_landmark_slot *slot, bool *is_first)
 {
     *is_first = !slot->set && !slot->is_coming && gd_now_ns() >= slot->not_before_ns;
     slot->is_coming |= *is_first;
@@ -242,11 +254,14 @@ static struct server_landmark_set *use(struct server_landmarks *landmarks, struc
     return slot->set;
 }
 
-struct server_landmark_set *server_landmarks_find(struct server_landmarks *landmarks, struct server_surface *surface)
+struct server_landmark_set *server_landmarks_find(struct server_landmarks *landmarks,
+                                                  struct server_surface *surface)
 {
     struct server_landmark_slot *slot = &surface->landmarks;
     bool is_first;
-    if (!landmarks || gd_mesh_summary(surface->mesh)->faces < LEAST_FACES || atomic_load(&slot->is_closed)) return NULL;
+    if (!landmarks || gd_mesh_summary(surface->mesh)->faces < LEAST_FACES ||
+        atomic_load(&slot->is_closed))
+        return NULL;
     atomic_store(&slot->owner, landmarks);
     pthread_mutex_lock(&landmarks->lock);
     struct server_landmark_set *set = use(landmarks, slot, &is_first);
@@ -266,7 +281,8 @@ void server_landmark_slot_close(struct server_landmark_slot *slot)
     if (waiting && !server_workers_withdraw(landmarks->server->workers, waiting)) waiting = NULL;
     pthread_mutex_unlock(&landmarks->lock);
     server_landmark_set_release(set);
-    if (waiting) waiting->refuse(waiting, SERVER_REFUSAL_DRAINING); /* it holds the surface, which may be large */
+    /* it holds the surface, which may be large */
+    if (waiting) waiting->refuse(waiting, SERVER_REFUSAL_DRAINING);
 }
 
 struct server_landmarks *server_landmarks_create(struct server *server)
@@ -275,7 +291,8 @@ struct server_landmarks *server_landmarks_create(struct server *server)
     if (!landmarks) return NULL;
     pthread_mutex_init(&landmarks->lock, NULL);
     landmarks->server = server;
-    server->budget.reclaimers[SERVER_RECLAIM_LANDMARKS] = (struct server_reclaimer){reclaim, NULL, landmarks};
+    server->budget.reclaimers[SERVER_RECLAIM_LANDMARKS] =
+        (struct server_reclaimer){reclaim, NULL, landmarks};
     return landmarks;
 }
 

@@ -15,7 +15,8 @@ static bool on_progress(void *user, double fraction)
     return server_workers_go_on(server->workers);
 }
 
-/* A fault of the stored data, which is the operator's to mend, is logged, and told in general terms. */
+/* A fault of the stored data, which is the operator's to mend, is logged, and told in general
+ * terms. */
 static enum server_loader_outcome complain(const struct server_record *record, const char *what,
                                            struct proto_problem *problem)
 {
@@ -26,9 +27,10 @@ static enum server_loader_outcome complain(const struct server_record *record, c
         server_log_text(&line, "message", what);
         server_log_end(&line);
     }
-    proto_problem_set(problem, PROTO_PROBLEM_INTERNAL,
-                      "the stored file of this %s is unavailable (%s); upload the %s again to replace it",
-                      record->kind->noun, what, record->kind->noun);
+    proto_problem_set(
+        problem, PROTO_PROBLEM_INTERNAL,
+        "the stored file of this %s is unavailable (%s); upload the %s again to replace it",
+        record->kind->noun, what, record->kind->noun);
     return SERVER_LOADER_DAMAGED;
 }
 
@@ -45,12 +47,14 @@ static enum server_loader_outcome take(struct loading *loading, struct proto_pro
 {
     const struct server_record *record = loading->record;
     size_t bytes = (size_t)(record->size + record->attachment_size);
-    if (server_build_take(&loading->builder, record, bytes, problem)) return SERVER_LOADER_NO_MEMORY;
+    if (server_build_take(&loading->builder, record, bytes, problem))
+        return SERVER_LOADER_NO_MEMORY;
     loading->held = bytes;
     return SERVER_LOADER_LOADED;
 }
 
-static enum server_loader_outcome fetch(struct loading *loading, enum server_part part, struct proto_problem *problem)
+static enum server_loader_outcome fetch(struct loading *loading, enum server_part part,
+                                        struct proto_problem *problem)
 {
     const struct server_record *record = loading->record;
     switch (server_registry_fetch(loading->server->registry, record, part, &loading->parts[part])) {
@@ -64,10 +68,10 @@ static enum server_loader_outcome fetch(struct loading *loading, enum server_par
         server_build_refuse(&loading->builder, record, GD_BUDGET, NULL, problem);
         return SERVER_LOADER_NO_MEMORY;
     case SERVER_STORE_UNAVAILABLE:
-        (void)proto_problem_set(
-            problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
-            "the %s is not in memory, and the database that has it does not answer; try again in a moment",
-            record->kind->noun);
+        (void)proto_problem_set(problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
+                                "the %s is not in memory, and the database that has it does not "
+                                "answer; try again in a moment",
+                                record->kind->noun);
         problem->retry_after = 1;
         return SERVER_LOADER_UNAVAILABLE;
     case SERVER_STORE_DAMAGED:
@@ -82,7 +86,8 @@ static enum server_loader_outcome fetch_all(struct loading *loading, struct prot
     enum server_loader_outcome outcome = SERVER_LOADER_LOADED;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(loading->record, part, &object)) outcome = fetch(loading, part, problem);
+        if (server_record_object(loading->record, part, &object))
+            outcome = fetch(loading, part, problem);
     return outcome;
 }
 
@@ -99,8 +104,8 @@ static enum server_loader_outcome build(struct loading *loading, struct server_s
                                         struct proto_problem *problem)
 {
     struct proto_problem refusal;
-    enum gd_status status =
-        server_build_surface(&loading->builder, loading->record, loading->parts[SERVER_PART_FILE], out, &refusal);
+    enum gd_status status = server_build_surface(&loading->builder, loading->record,
+                                                 loading->parts[SERVER_PART_FILE], out, &refusal);
     if (!status) {
         attach(loading, *out);
         return SERVER_LOADER_LOADED;
@@ -117,10 +122,12 @@ static void end(struct loading *loading)
     server_budget_give(&loading->server->budget, SERVER_BUDGET_FLIGHT, loading->held);
 }
 
-enum server_loader_outcome server_loader_load(struct server *server, struct server_record *record, uint64_t deadline_ns,
-                                              struct server_surface **out, struct proto_problem *problem)
+enum server_loader_outcome server_loader_load(struct server *server, struct server_record *record,
+                                              uint64_t deadline_ns, struct server_surface **out,
+                                              struct proto_problem *problem)
 {
-    const struct gd_control control = {.deadline_ns = deadline_ns, .progress = on_progress, .user = server};
+    const struct gd_control control = {
+        .deadline_ns = deadline_ns, .progress = on_progress, .user = server};
     struct loading loading = {.server = server,
                               .record = record,
                               .builder = {.budget = &server->budget,
@@ -133,7 +140,8 @@ enum server_loader_outcome server_loader_load(struct server *server, struct serv
     if (!outcome) outcome = build(&loading, &surface, problem);
     end(&loading);
     if (outcome) return outcome;
-    if (server->config.persist_fields) server_field_store_restore(server->fields, surface, &control);
+    if (server->config.persist_fields)
+        server_field_store_restore(server->fields, surface, &control);
     server_registry_keep(server->registry, surface);
     *out = surface;
     return SERVER_LOADER_LOADED;

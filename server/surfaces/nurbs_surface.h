@@ -1,4 +1,5 @@
-/* NURBS: the object of the kind `nurbs`: a parametric surface, and the tessellation on which its shortest paths are first looked for. */
+/* NURBS: the object of the kind `nurbs`: a parametric surface, and the tessellation on which its
+ * shortest paths are first looked for. */
 #ifndef SERVER_SURFACES_NURBS_SURFACE_H
 #define SERVER_SURFACES_NURBS_SURFACE_H
 
@@ -10,8 +11,9 @@ struct server_surface;
 struct server_nurbs {
     struct gd_parametric *surface;
     struct proto_nurbs_form form;
-    struct gd_tessellation *tessellation; /* NULL: the surface has none (it is flat somewhere, or too large), */
-    enum gd_status refusal;               /* and why */
+    /* NULL: the surface has none (it is flat somewhere, or too large), */
+    struct gd_tessellation *tessellation;
+    enum gd_status refusal; /* and why */
     struct gd_detail detail;
 };
 

@@ -33,7 +33,7 @@ void server_loads_destroy(struct server_loads *loads)
     free(loads);
 }
 
-/* --- under the lock ----------------------------------------------------------------------------------------------- */
+/* --- under the lock --------------------------------------------------------------------------- */
 
 static struct server_load *find(struct server_loads *loads, const struct server_record *record)
 {
@@ -53,12 +53,13 @@ static struct server_load *start(struct server_loads *loads, struct server_recor
 {
     struct server_load *load = malloc(sizeof *load);
     if (!load) return NULL;
-    *load = (struct server_load){.loads = loads, .next = loads->first, .record = server_record_retain(record)};
+    *load = (struct server_load){
+        .loads = loads, .next = loads->first, .record = server_record_retain(record)};
     loads->first = load;
     return load;
 }
 
-/* --- in and out --------------------------------------------------------------------------------------------------- */
+/* --- in and out ------------------------------------------------------------------------------- */
 
 enum server_loads_turn server_loads_enter(struct server_loads *loads, struct server_record *record,
                                           struct server_job *job, struct server_load **load)
@@ -71,7 +72,8 @@ enum server_loads_turn server_loads_enter(struct server_loads *loads, struct ser
     return other ? SERVER_LOADS_WAIT : own ? SERVER_LOADS_LOAD : SERVER_LOADS_NO_MEMORY;
 }
 
-bool server_loads_join(struct server_loads *loads, const struct server_record *record, struct server_job *job)
+bool server_loads_join(struct server_loads *loads, const struct server_record *record,
+                       struct server_job *job)
 {
     pthread_mutex_lock(&loads->lock);
     struct server_load *load = find(loads, record);

@@ -1,4 +1,5 @@
-/* Loads: which stored surfaces are being loaded, and who waits for them. Each is loaded once however many ask.
+/* Loads: which stored surfaces are being loaded, and who waits for them. Each is loaded once
+ * however many ask.
  *
  *     switch (server_loads_enter(loads, record, job, &load)) {
  *     case SERVER_LOADS_LOAD: load it; server_loads_end(load); ...
@@ -21,13 +22,14 @@ void server_loads_destroy(struct server_loads *loads); /* no load is under way; 
 
 enum server_loads_turn { SERVER_LOADS_LOAD, SERVER_LOADS_WAIT, SERVER_LOADS_NO_MEMORY };
 
-/* LOAD: `*load` is the caller's to end. WAIT: the job is parked until that load ends or the job's deadline passes.
- * `job` NULL: somebody who doesn't wait; WAIT then means that another loads it. */
+/* LOAD: `*load` is the caller's to end. WAIT: the job is parked until that load ends or the job's
+ * deadline passes. `job` NULL: somebody who doesn't wait; WAIT then means that another loads it. */
 enum server_loads_turn server_loads_enter(struct server_loads *loads, struct server_record *record,
                                           struct server_job *job, struct server_load **load);
 
 /* Parks a job as a WAIT does if the record is being loaded; false: it is not. */
-bool server_loads_join(struct server_loads *loads, const struct server_record *record, struct server_job *job);
+bool server_loads_join(struct server_loads *loads, const struct server_record *record,
+                       struct server_job *job);
 
 /* Ends a load: the parked jobs are resumed and look again, whether it succeeded or not. */
 void server_loads_end(struct server_load *load);

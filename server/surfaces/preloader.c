@@ -7,8 +7,9 @@
 #include "server/server.h"
 #include "server/base/thread.h"
 
-#define NOTE_NS     UINT64_C(60000000000)
-#define LOAD_FACTOR 3 /* memory that a load takes at most while it is under way, in terms of what the mesh takes */
+#define NOTE_NS UINT64_C(60000000000)
+/* memory that a load takes at most while it is under way, in terms of what the mesh takes */
+#define LOAD_FACTOR 3
 
 struct server_keeper {
     struct server *server;
@@ -36,7 +37,8 @@ static void load(struct server *server, struct server_record *record)
 static void warm_up(struct server *server)
 {
     struct server_record *record;
-    while (!server_workers_cancelled(server->workers) && (record = server_registry_hottest(server->registry))) {
+    while (!server_workers_cancelled(server->workers) &&
+           (record = server_registry_hottest(server->registry))) {
         bool fits = has_room(server, record);
         if (fits) load(server, record);
         server_record_release(record);
@@ -49,8 +51,11 @@ static void keep(void *user, struct server_thread *thread)
     const struct server_keeper *keeper = user;
     if (!server_registry_is_shared(keeper->server->registry))
         warm_up(
-            keeper->server); /* of many daemons each has meshes of its own to answer for: it will be asked for them */
-    while (server_thread_pause(thread, NOTE_NS)) server_registry_note_uses(keeper->server->registry);
+            /* of many daemons each has meshes of its own to answer for: it will be asked for them
+             */
+            keeper->server);
+    while (server_thread_pause(thread, NOTE_NS))
+        server_registry_note_uses(keeper->server->registry);
 }
 
 struct server_keeper *server_keeper_create(struct server *server)

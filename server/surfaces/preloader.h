@@ -1,5 +1,5 @@
-/* Keeper: the registry's thread. After the start it loads the surfaces that were used most, as far as memory has room;
- * from then on it tells the store every minute how often surfaces were used. */
+/* Keeper: the registry's thread. After the start it loads the surfaces that were used most, as far
+ * as memory has room; from then on it tells the store every minute how often surfaces were used. */
 #ifndef SERVER_SURFACES_PRELOADER_H
 #define SERVER_SURFACES_PRELOADER_H
 

@@ -5,7 +5,7 @@
 
 #include "server/surfaces/registry_slots.h"
 
-/* --- memory ------------------------------------------------------------------------------------------------------- */
+/* --- memory ----------------------------------------------------------------------------------- */
 
 static bool can_unload(const struct server_surface *surface)
 {
@@ -70,7 +70,7 @@ static void unload_any(void *user, size_t bytes)
     unload(user, bytes, false);
 }
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static bool on_stored(void *user, const struct server_stored *stored)
 {
@@ -80,7 +80,8 @@ static bool on_stored(void *user, const struct server_stored *stored)
     return false;
 }
 
-struct server_registry *server_registry_create(struct server_store *store, struct server_budget *budget)
+struct server_registry *server_registry_create(struct server_store *store,
+                                               struct server_budget *budget)
 {
     struct server_registry *registry = calloc(1, sizeof *registry);
     if (!registry) {
@@ -94,15 +95,19 @@ struct server_registry *server_registry_create(struct server_store *store, struc
     pthread_mutex_init(&registry->writing, NULL);
     pthread_mutex_init(&registry->following, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
-    registry->is_incomplete = store->each(store, on_stored, registry) != SERVER_STORE_DONE || registry->is_incomplete;
+    registry->is_incomplete =
+        store->each(store, on_stored, registry) != SERVER_STORE_DONE || registry->is_incomplete;
     server_slots_sort(registry);
-    if (registry->is_incomplete || !registry->writer || !registry->reader || !server_slots_start_follower(registry)) {
+    if (registry->is_incomplete || !registry->writer || !registry->reader ||
+        !server_slots_start_follower(registry)) {
         server_registry_destroy(registry);
         return NULL;
     }
     if (!store->fetch) return registry; /* what is unloaded would be lost */
-    budget->reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){unload_idle, NULL, registry};
-    budget->reclaimers[SERVER_RECLAIM_MESHES] = (struct server_reclaimer){unload_any, unloadable, registry};
+    budget->reclaimers[SERVER_RECLAIM_IDLE] =
+        (struct server_reclaimer){unload_idle, NULL, registry};
+    budget->reclaimers[SERVER_RECLAIM_MESHES] =
+        (struct server_reclaimer){unload_any, unloadable, registry};
     return registry;
 }
 
@@ -123,7 +128,7 @@ void server_registry_destroy(struct server_registry *registry)
     free(registry);
 }
 
-/* --- reading ------------------------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 void server_listed_release(struct server_listed *listed)
 {
@@ -147,7 +152,8 @@ static struct server_listed share(const struct server_slot *slot)
                                   slot->surface ? server_surface_retain(slot->surface) : NULL};
 }
 
-bool server_registry_find(struct server_registry *registry, const struct server_key *key, struct server_listed *out)
+bool server_registry_find(struct server_registry *registry, const struct server_key *key,
+                          struct server_listed *out)
 {
     pthread_rwlock_rdlock(&registry->lock);
     struct server_slot *slot = server_slots_find(registry, key);
@@ -156,7 +162,8 @@ bool server_registry_find(struct server_registry *registry, const struct server_
     return slot != NULL;
 }
 
-bool server_registry_is_current(struct server_registry *registry, const struct server_record *record)
+bool server_registry_is_current(struct server_registry *registry,
+                                const struct server_record *record)
 {
     const struct server_key key = server_record_key(record);
     (void)server_registry_follow(registry, gd_now_ns());
@@ -167,7 +174,8 @@ bool server_registry_is_current(struct server_registry *registry, const struct s
     return is_current;
 }
 
-bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_surface **out)
+bool server_registry_use(struct server_registry *registry, const struct server_key *key,
+                         struct server_surface **out)
 {
     pthread_rwlock_rdlock(&registry->lock);
     struct server_slot *slot = server_slots_find(registry, key);
@@ -191,8 +199,8 @@ static bool is_beside(const struct server_record *record, const struct server_ke
     return record->kind == key->kind && strcmp(record->tenant, key->tenant) == 0;
 }
 
-uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after, uint32_t most,
-                              struct server_listed *out)
+uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
+                              uint32_t most, struct server_listed *out)
 {
     const struct server_key from = {after->tenant, after->kind, after->name ? after->name : ""};
     uint32_t listed = 0;
@@ -205,12 +213,13 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
     return listed;
 }
 
-uint32_t server_registry_list_all(struct server_registry *registry, const struct server_key *after, uint32_t most,
-                                  struct server_listed *out)
+uint32_t server_registry_list_all(struct server_registry *registry, const struct server_key *after,
+                                  uint32_t most, struct server_listed *out)
 {
     uint32_t listed = 0;
     pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t at = after ? place_after(registry, after) : 0; listed < most && at < registry->count; at++)
+    for (uint32_t at = after ? place_after(registry, after) : 0;
+         listed < most && at < registry->count; at++)
         out[listed++] = share(registry->slots[at]);
     pthread_rwlock_unlock(&registry->lock);
     return listed;
@@ -218,11 +227,13 @@ uint32_t server_registry_list_all(struct server_registry *registry, const struct
 
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry)
 {
-    struct server_registry_statistics statistics = {.loads = registry->loads, .unloads = registry->unloads};
+    struct server_registry_statistics statistics = {.loads = registry->loads,
+                                                    .unloads = registry->unloads};
     if (registry->store->damaged) statistics.damaged = registry->store->damaged(registry->store);
     pthread_rwlock_rdlock(&registry->lock);
     statistics.surfaces = registry->count;
-    for (uint32_t i = 0; i < registry->count; i++) statistics.loaded += registry->slots[i]->surface != NULL;
+    for (uint32_t i = 0; i < registry->count; i++)
+        statistics.loaded += registry->slots[i]->surface != NULL;
     pthread_rwlock_unlock(&registry->lock);
     return statistics;
 }
@@ -232,9 +243,10 @@ const char *server_registry_health(struct server_registry *registry)
     return registry->store->health(registry->store);
 }
 
-/* --- loading ------------------------------------------------------------------------------------------------------ */
+/* --- loading ---------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_registry_fetch(struct server_registry *registry, const struct server_record *record,
+enum server_store_outcome server_registry_fetch(struct server_registry *registry,
+                                                const struct server_record *record,
                                                 enum server_part part, void **bytes)
 {
     return registry->store->fetch(registry->store, record, part, bytes);
@@ -245,9 +257,10 @@ bool server_registry_can_verify(const struct server_registry *registry)
     return registry->store->verify != NULL;
 }
 
-enum server_store_verdict server_registry_verify(struct server_registry *registry, const struct server_record *record,
-                                                 enum server_part part, bool (*pace)(void *user, size_t bytes),
-                                                 void *user)
+enum server_store_verdict server_registry_verify(struct server_registry *registry,
+                                                 const struct server_record *record,
+                                                 enum server_part part,
+                                                 bool (*pace)(void *user, size_t bytes), void *user)
 {
     return registry->store->verify(registry->store, record, part, pace, user);
 }
@@ -276,7 +289,8 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
     pthread_rwlock_rdlock(&registry->lock);
     for (uint32_t i = 0; i < registry->count; i++) {
         const struct server_slot *slot = registry->slots[i];
-        if (!slot->surface && !slot->was_tried && (!hottest || is_hotter(slot, hottest))) hottest = slot;
+        if (!slot->surface && !slot->was_tried && (!hottest || is_hotter(slot, hottest)))
+            hottest = slot;
     }
     if (hottest) atomic_store(&((struct server_slot *)hottest)->was_tried, true);
     struct server_record *record = hottest ? server_record_retain(hottest->record) : NULL;

@@ -9,7 +9,7 @@
 #define FRESH_NS UINT64_C(1000000000) /* what is promised (doc 014), */
 #define AWAIT_NS UINT64_C(200000000)  /* and how often is looked */
 
-/* --- one change --------------------------------------------------------------------------------------------------- */
+/* --- one change ------------------------------------------------------------------------------- */
 
 /* What has left the slots, to be told of and released without the lock. */
 struct departure {
@@ -37,7 +37,8 @@ static void replace(const struct server_registry *registry, struct server_slot *
 /* False without memory. */
 static bool insert(struct server_registry *registry, const struct server_store_change *change)
 {
-    struct server_slot *slot = server_slots_reserve(registry) ? server_slot_create(change->record) : NULL;
+    struct server_slot *slot =
+        server_slots_reserve(registry) ? server_slot_create(change->record) : NULL;
     if (!slot) return false;
     server_record_count(change->record, registry->budget);
     slot->version = change->version;
@@ -45,14 +46,16 @@ static bool insert(struct server_registry *registry, const struct server_store_c
     return true;
 }
 
-static void extract(struct server_registry *registry, const struct server_key *key, struct departure *before)
+static void extract(struct server_registry *registry, const struct server_key *key,
+                    struct departure *before)
 {
     struct server_slot *slot = server_slots_extract(registry, key);
     *before = (struct departure){slot->record, slot->surface};
     free(slot);
 }
 
-/* Under the slots' lock. A change that this daemon made itself is here already. False without memory. */
+/* Under the slots' lock. A change that this daemon made itself is here already. False without
+ * memory. */
 static bool apply(struct server_registry *registry, const struct server_key *key,
                   const struct server_store_change *change, struct departure *before)
 {
@@ -84,7 +87,7 @@ static bool on_change(void *user, const struct server_store_change *change)
     return is_applied;
 }
 
-/* --- all anew ----------------------------------------------------------------------------------------------------- */
+/* --- all anew --------------------------------------------------------------------------------- */
 
 static bool on_stored(void *user, const struct server_stored *stored)
 {
@@ -127,7 +130,8 @@ static void destroy_slots(struct server_registry *registry, struct server_regist
     free(old->slots);
 }
 
-/* The store does not know any more what was changed: after a long absence, or when a backup was put in its place. */
+/* The store does not know any more what was changed: after a long absence, or when a backup was put
+ * in its place. */
 static enum server_store_outcome begin_anew(struct server_registry *registry)
 {
     struct server_registry fresh = {.budget = registry->budget};
@@ -138,18 +142,20 @@ static enum server_store_outcome begin_anew(struct server_registry *registry)
         keep_unchanged(registry, &fresh);
         exchange(registry, &fresh);
         pthread_rwlock_unlock(&registry->lock);
-        registry->seen = 0; /* what was shown is no longer of one moment: versions tell, slot by slot */
+        /* what was shown is no longer of one moment: versions tell, slot by slot */
+        registry->seen = 0;
     }
     destroy_slots(registry, &fresh);
     return outcome;
 }
 
-/* --- following ---------------------------------------------------------------------------------------------------- */
+/* --- following -------------------------------------------------------------------------------- */
 
 static enum server_store_outcome follow(struct server_registry *registry)
 {
     uint64_t begun_ns = gd_now_ns();
-    enum server_store_outcome outcome = registry->store->follow(registry->store, on_change, registry);
+    enum server_store_outcome outcome =
+        registry->store->follow(registry->store, on_change, registry);
     if (outcome == SERVER_STORE_STALE) outcome = begin_anew(registry);
     if (!outcome) atomic_store(&registry->followed_ns, begun_ns);
     return outcome;
@@ -160,7 +166,8 @@ bool server_registry_is_shared(const struct server_registry *registry)
     return registry->store->follow != NULL;
 }
 
-enum server_store_outcome server_registry_follow(struct server_registry *registry, uint64_t since_ns)
+enum server_store_outcome server_registry_follow(struct server_registry *registry,
+                                                 uint64_t since_ns)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     if (!server_registry_is_shared(registry)) return SERVER_STORE_DONE;
@@ -172,7 +179,8 @@ enum server_store_outcome server_registry_follow(struct server_registry *registr
 
 bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key)
 {
-    if (!server_registry_is_shared(registry) || registry->store->health(registry->store)) return true;
+    if (!server_registry_is_shared(registry) || registry->store->health(registry->store))
+        return true;
     if (gd_now_ns() - atomic_load(&registry->followed_ns) > FRESH_NS) return false;
     if (!key) return true;
     pthread_rwlock_rdlock(&registry->lock);

@@ -11,7 +11,8 @@ static int compare(const struct server_slot *slot, const struct server_key *key)
     return server_key_compare(&own, key);
 }
 
-uint32_t server_slots_lower_bound(const struct server_registry *registry, const struct server_key *key)
+uint32_t server_slots_lower_bound(const struct server_registry *registry,
+                                  const struct server_key *key)
 {
     uint32_t low = 0, high = registry->count;
     while (low < high) {
@@ -24,7 +25,8 @@ uint32_t server_slots_lower_bound(const struct server_registry *registry, const 
     return low;
 }
 
-struct server_slot *server_slots_find(const struct server_registry *registry, const struct server_key *key)
+struct server_slot *server_slots_find(const struct server_registry *registry,
+                                      const struct server_key *key)
 {
     uint32_t at = server_slots_lower_bound(registry, key);
     if (at == registry->count || compare(registry->slots[at], key) != 0) return NULL;
@@ -40,7 +42,8 @@ static int by_key(const void *a, const void *b)
 
 void server_slots_sort(struct server_registry *registry)
 {
-    if (registry->count) qsort(registry->slots, registry->count, sizeof(struct server_slot *), by_key);
+    if (registry->count)
+        qsort(registry->slots, registry->count, sizeof(struct server_slot *), by_key);
 }
 
 bool server_slots_reserve(struct server_registry *registry)
@@ -63,7 +66,8 @@ struct server_slot *server_slot_create(struct server_record *record)
 
 bool server_slots_append(struct server_registry *registry, const struct server_stored *stored)
 {
-    struct server_slot *slot = server_slots_reserve(registry) ? server_slot_create(stored->record) : NULL;
+    struct server_slot *slot =
+        server_slots_reserve(registry) ? server_slot_create(stored->record) : NULL;
     if (!slot) return false;
     server_record_count(stored->record, registry->budget);
     slot->uses = slot->noted = stored->uses.count;
@@ -77,23 +81,27 @@ void server_slots_insert(struct server_registry *registry, struct server_slot *s
 {
     const struct server_key key = server_record_key(slot->record);
     uint32_t at = server_slots_lower_bound(registry, &key);
-    memmove(&registry->slots[at + 1], &registry->slots[at], (registry->count - at) * sizeof(struct server_slot *));
+    memmove(&registry->slots[at + 1], &registry->slots[at],
+            (registry->count - at) * sizeof(struct server_slot *));
     registry->slots[at] = slot;
     registry->count++;
 }
 
-struct server_slot *server_slots_extract(struct server_registry *registry, const struct server_key *key)
+struct server_slot *server_slots_extract(struct server_registry *registry,
+                                         const struct server_key *key)
 {
     uint32_t at = server_slots_lower_bound(registry, key);
     struct server_slot *slot = registry->slots[at];
     registry->count--;
-    memmove(&registry->slots[at], &registry->slots[at + 1], (registry->count - at) * sizeof(struct server_slot *));
+    memmove(&registry->slots[at], &registry->slots[at + 1],
+            (registry->count - at) * sizeof(struct server_slot *));
     return slot;
 }
 
 void server_slot_touch(struct server_registry *registry, struct server_slot *slot)
 {
-    atomic_store_explicit(&slot->turn, atomic_fetch_add_explicit(&registry->clock, 1, memory_order_relaxed),
+    atomic_store_explicit(&slot->turn,
+                          atomic_fetch_add_explicit(&registry->clock, 1, memory_order_relaxed),
                           memory_order_relaxed);
     atomic_fetch_add_explicit(&slot->uses, 1, memory_order_relaxed);
     atomic_store_explicit(&slot->last, time(NULL), memory_order_relaxed);
@@ -101,7 +109,8 @@ void server_slot_touch(struct server_registry *registry, struct server_slot *slo
 
 void server_slots_tell(struct server_registry *registry, const struct server_record *record)
 {
-    if (registry->gone && !server_registry_holds(registry, record->etag)) registry->gone(registry->gone_user, record);
+    if (registry->gone && !server_registry_holds(registry, record->etag))
+        registry->gone(registry->gone_user, record);
 }
 
 void server_slot_retire(struct server_surface *surface)

@@ -1,5 +1,5 @@
-/* Slots: the inside of the registry, which its readers (registry.c), its writers (registry_writing.c) and its follower
- * (registry_following.c) share. See registry.h. */
+/* Slots: the inside of the registry, which its readers (registry.c), its writers
+ * (registry_writing.c) and its follower (registry_following.c) share. See registry.h. */
 #ifndef SERVER_SURFACES_REGISTRY_SLOTS_H
 #define SERVER_SURFACES_REGISTRY_SLOTS_H
 
@@ -35,18 +35,22 @@ struct server_registry {
     atomic_uint_least64_t clock, loads, unloads;
     /* of a shared store: */
     pthread_mutex_t following;
-    uint64_t seen;                     /* up to this version all changes are here; under the follower's lock */
+    /* up to this version all changes are here; under the follower's lock */
+    uint64_t seen;
     atomic_uint_least64_t followed_ns; /* when the last following that succeeded began */
     struct server_thread *follower;    /* NULL: the store is not shared */
 };
 
-/* --- under the lock ----------------------------------------------------------------------------------------------- */
+/* --- under the lock --------------------------------------------------------------------------- */
 
-/* Index of the first slot whose key is not before `key`. The key's name may be "", which is before all others. O(log n). */
-uint32_t server_slots_lower_bound(const struct server_registry *registry, const struct server_key *key);
+/* Index of the first slot whose key is not before `key`. The key's name may be "", which is before
+ * all others. O(log n). */
+uint32_t server_slots_lower_bound(const struct server_registry *registry,
+                                  const struct server_key *key);
 
 /* NULL: there is none of that key. O(log n). */
-struct server_slot *server_slots_find(const struct server_registry *registry, const struct server_key *key);
+struct server_slot *server_slots_find(const struct server_registry *registry,
+                                      const struct server_key *key);
 
 /* Puts slots that were added in any order into theirs. O(n log n). */
 void server_slots_sort(struct server_registry *registry);
@@ -58,7 +62,8 @@ bool server_slots_reserve(struct server_registry *registry);
 void server_slots_insert(struct server_registry *registry, struct server_slot *slot);
 
 /* Takes out the slot of that key, which there is. O(n). */
-struct server_slot *server_slots_extract(struct server_registry *registry, const struct server_key *key);
+struct server_slot *server_slots_extract(struct server_registry *registry,
+                                         const struct server_key *key);
 
 /* Adds what the store has as a slot at the end; to be sorted. False without memory. */
 bool server_slots_append(struct server_registry *registry, const struct server_stored *stored);
@@ -66,15 +71,16 @@ bool server_slots_append(struct server_registry *registry, const struct server_s
 /* Counts a use, now. */
 void server_slot_touch(struct server_registry *registry, struct server_slot *slot);
 
-/* --- the follower (registry_following.c) --------------------------------------------------------------------------- */
+/* --- the follower (registry_following.c) ------------------------------------------------------ */
 
 /* Starts it, or stops it, if the store is shared. */
 bool server_slots_start_follower(struct server_registry *registry);
 void server_slots_stop_follower(struct server_registry *registry);
 
-/* --- without any lock --------------------------------------------------------------------------------------------- */
+/* --- without any lock ------------------------------------------------------------------------- */
 
-/* A slot that stands nowhere as yet, without a surface; the record is retained. NULL without memory. */
+/* A slot that stands nowhere as yet, without a surface; the record is retained. NULL without
+ * memory. */
 struct server_slot *server_slot_create(struct server_record *record);
 void server_slot_destroy(struct server_slot *slot); /* its surface is retired; NULL is harmless */
 

@@ -13,7 +13,7 @@ void server_registry_watch(struct server_registry *registry,
     registry->gone_user = user;
 }
 
-/* --- putting and removing ----------------------------------------------------------------------------------------- */
+/* --- putting and removing --------------------------------------------------------------------- */
 
 void server_registry_submit(struct server_registry *registry, struct server_job *job)
 {
@@ -36,28 +36,33 @@ void server_registry_submit_list(struct server_registry *registry, struct server
     (void)server_workers_submit(registry->reader, job); /* its queue is never full */
 }
 
-/* Under the writer lock: what the key has, retained; false: nothing. Another daemon may change it at any time, this one can't. */
-static bool find_current(struct server_registry *registry, const struct server_key *key, struct server_listed *out,
-                         uint64_t *version)
+/* Under the writer lock: what the key has, retained; false: nothing. Another daemon may change it
+ * at any time, this one can't. */
+static bool find_current(struct server_registry *registry, const struct server_key *key,
+                         struct server_listed *out, uint64_t *version)
 {
     pthread_rwlock_rdlock(&registry->lock);
     const struct server_slot *slot = server_slots_find(registry, key);
     *version = slot ? slot->version : 0;
-    *out = (struct server_listed){.record = slot ? server_record_retain(slot->record) : NULL,
-                                  .surface = slot && slot->surface ? server_surface_retain(slot->surface) : NULL};
+    *out = (struct server_listed){
+        .record = slot ? server_record_retain(slot->record) : NULL,
+        .surface = slot && slot->surface ? server_surface_retain(slot->surface) : NULL};
     pthread_rwlock_unlock(&registry->lock);
     return out->record != NULL;
 }
 
-/* Under the follower's and the slots' lock: is a change that this daemon has made, of that version (0: the store is not shared),
- * newer than what the slots say of its key? Else it is there already, or what came after it is. */
-static bool is_news(const struct server_registry *registry, const struct server_slot *slot, uint64_t version)
+/* Under the follower's and the slots' lock: is a change that this daemon has made, of that version
+ * (0: the store is not shared), newer than what the slots say of its key? Else it is there already,
+ * or what came after it is. */
+static bool is_news(const struct server_registry *registry, const struct server_slot *slot,
+                    uint64_t version)
 {
     return !version || (version > registry->seen && (!slot || slot->version < version));
 }
 
 /* A slot for a surface, with room for it. NULL without memory. */
-static struct server_slot *prepare_slot(struct server_registry *registry, struct server_surface *surface)
+static struct server_slot *prepare_slot(struct server_registry *registry,
+                                        struct server_surface *surface)
 {
     pthread_rwlock_wrlock(&registry->lock);
     bool has_room = server_slots_reserve(registry);
@@ -78,14 +83,16 @@ static void drop_slot(struct server_slot *slot)
 }
 
 /* Puts a slot into the place of the one that its key has; what is left over goes to `*before`. */
-static void enter(struct server_registry *registry, struct server_slot *slot, struct server_slot **before)
+static void enter(struct server_registry *registry, struct server_slot *slot,
+                  struct server_slot **before)
 {
     const struct server_key key = server_record_key(slot->record);
     *before = NULL;
     pthread_mutex_lock(&registry->following);
     pthread_rwlock_wrlock(&registry->lock);
     struct server_slot *found = server_slots_find(registry, &key);
-    bool is_told = found && found->version && found->version == slot->version; /* the follower was quicker */
+    /* the follower was quicker */
+    bool is_told = found && found->version && found->version == slot->version;
     bool enters = is_told || is_news(registry, found, slot->version);
     if (enters && found) *before = server_slots_extract(registry, &key);
     if (enters && server_slots_reserve(registry))
@@ -103,13 +110,15 @@ static struct server_content content_of(const struct server_surface *surface, co
         .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = surface->attachment}};
 }
 
-static enum server_store_outcome put_other(struct server_registry *registry, struct server_surface *surface,
+static enum server_store_outcome put_other(struct server_registry *registry,
+                                           struct server_surface *surface,
                                            const struct server_content *content, uint64_t version,
                                            struct server_slot **before)
 {
     struct server_slot *slot = prepare_slot(registry, surface);
     if (!slot) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = registry->store->put(registry->store, surface->record, content, &version);
+    enum server_store_outcome outcome =
+        registry->store->put(registry->store, surface->record, content, &version);
     if (outcome) {
         drop_slot(slot);
         return outcome;
@@ -120,15 +129,18 @@ static enum server_store_outcome put_other(struct server_registry *registry, str
 }
 
 /* Brings the surface's bytes to the store, and learns what others have done to it. */
-static enum server_store_outcome stage(struct server_registry *registry, const struct server_surface *surface,
+static enum server_store_outcome stage(struct server_registry *registry,
+                                       const struct server_surface *surface,
                                        const struct server_content *content)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    if (registry->store->stage) outcome = registry->store->stage(registry->store, surface->record, content);
+    if (registry->store->stage)
+        outcome = registry->store->stage(registry->store, surface->record, content);
     return outcome ? outcome : server_registry_follow(registry, gd_now_ns());
 }
 
-static enum server_store_outcome put_under_lock(struct server_registry *registry, struct server_surface *surface,
+static enum server_store_outcome put_under_lock(struct server_registry *registry,
+                                                struct server_surface *surface,
                                                 const struct server_content *content,
                                                 const struct server_precondition *precondition,
                                                 struct server_slot **before)
@@ -161,8 +173,9 @@ static void see_off(struct server_registry *registry, struct server_slot *slot)
     server_record_release(record);
 }
 
-enum server_store_outcome server_registry_put(struct server_registry *registry, struct server_surface *surface,
-                                              const void *bytes, const struct server_precondition *precondition)
+enum server_store_outcome server_registry_put(struct server_registry *registry,
+                                              struct server_surface *surface, const void *bytes,
+                                              const struct server_precondition *precondition)
 {
     const struct server_content content = content_of(surface, bytes);
     struct server_slot *before = NULL;
@@ -171,14 +184,16 @@ enum server_store_outcome server_registry_put(struct server_registry *registry, 
     pthread_mutex_lock(&registry->writing);
     for (int i = 0; i < DECISIONS && outcome == SERVER_STORE_STALE; i++)
         outcome = put_under_lock(registry, surface, &content, precondition, &before);
-    if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED) registry->store->tidy(registry->store);
+    if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED)
+        registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
     see_off(registry, before);
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
 enum server_store_outcome server_registry_confirm(struct server_registry *registry,
-                                                  const struct server_surface *surface, const void *bytes)
+                                                  const struct server_surface *surface,
+                                                  const void *bytes)
 {
     const struct server_content content = content_of(surface, bytes);
     const struct server_key key = server_record_key(surface->record);
@@ -186,7 +201,8 @@ enum server_store_outcome server_registry_confirm(struct server_registry *regist
     uint64_t version;
     pthread_mutex_lock(&registry->writing);
     enum server_store_outcome outcome = stage(registry, surface, &content);
-    if (!outcome && (!find_current(registry, &key, &now, &version) || now.record != surface->record))
+    if (!outcome &&
+        (!find_current(registry, &key, &now, &version) || now.record != surface->record))
         outcome = SERVER_STORE_ABSENT;
     if (!outcome) outcome = registry->store->keep(registry->store, surface->record, &content);
     pthread_mutex_unlock(&registry->writing);
@@ -195,7 +211,8 @@ enum server_store_outcome server_registry_confirm(struct server_registry *regist
 }
 
 /* Takes the slot out whose key was removed in that version. */
-static struct server_slot *leave(struct server_registry *registry, const struct server_key *key, uint64_t version)
+static struct server_slot *leave(struct server_registry *registry, const struct server_key *key,
+                                 uint64_t version)
 {
     struct server_slot *left = NULL;
     pthread_mutex_lock(&registry->following);
@@ -207,7 +224,8 @@ static struct server_slot *leave(struct server_registry *registry, const struct 
     return left;
 }
 
-static enum server_store_outcome remove_under_lock(struct server_registry *registry, const struct server_key *key,
+static enum server_store_outcome remove_under_lock(struct server_registry *registry,
+                                                   const struct server_key *key,
                                                    const struct server_precondition *precondition,
                                                    struct server_slot **removed)
 {
@@ -224,7 +242,8 @@ static enum server_store_outcome remove_under_lock(struct server_registry *regis
     return outcome;
 }
 
-enum server_store_outcome server_registry_remove(struct server_registry *registry, const struct server_key *key,
+enum server_store_outcome server_registry_remove(struct server_registry *registry,
+                                                 const struct server_key *key,
                                                  const struct server_precondition *precondition)
 {
     struct server_slot *removed = NULL;
@@ -238,12 +257,12 @@ enum server_store_outcome server_registry_remove(struct server_registry *registr
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
-/* --- uses --------------------------------------------------------------------------------------------------------- */
+/* --- uses ------------------------------------------------------------------------------------- */
 
-/* Collects the records of the slots whose uses changed, up to `most`. Under the writer lock, so that the records
- * stay. */
-static uint32_t collect_uses(struct server_registry *registry, uint32_t most, const struct server_record **records,
-                             struct server_store_uses *uses)
+/* Collects the records of the slots whose uses changed, up to `most`. Under the writer lock, so
+ * that the records stay. */
+static uint32_t collect_uses(struct server_registry *registry, uint32_t most,
+                             const struct server_record **records, struct server_store_uses *uses)
 {
     uint32_t count = 0;
     pthread_rwlock_rdlock(&registry->lock);

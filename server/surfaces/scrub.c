@@ -10,9 +10,10 @@
 #include "server/base/thread.h"
 
 #define SECOND_NS UINT64_C(1000000000)
-#define FIRST_NS  (60 * SECOND_NS) /* from the start to the first round: the most used surfaces are loaded then */
-#define LOOK_NS   (SECOND_NS / 20) /* between two looks whether requests are at work */
-#define LOOKS     20               /* after which a piece is read in any case */
+/* from the start to the first round: the most used surfaces are loaded then */
+#define FIRST_NS (60 * SECOND_NS)
+#define LOOK_NS  (SECOND_NS / 20) /* between two looks whether requests are at work */
+#define LOOKS    20               /* after which a piece is read in any case */
 
 struct server_scrub {
     struct server *server;
@@ -23,7 +24,7 @@ struct server_scrub {
     _Atomic double progress;    /* of the round under way, in [0,1]; 1 between rounds */
 };
 
-/* --- how fast ----------------------------------------------------------------------------------------------------- */
+/* --- how fast --------------------------------------------------------------------------------- */
 
 static bool is_busy(const struct server *server)
 {
@@ -44,11 +45,11 @@ static bool pace(void *user, size_t bytes)
     return true;
 }
 
-/* --- one surface -------------------------------------------------------------------------------------------------- */
+/* --- one surface ------------------------------------------------------------------------------ */
 
 static const char *const complaints[] = {
-    [SERVER_VERDICT_DAMAGED] =
-        "its stored file is damaged: its SHA-256 is another one; upload it again, or restore a backup",
+    [SERVER_VERDICT_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload it "
+                               "again, or restore a backup",
     [SERVER_VERDICT_MISSING] = "its stored file is missing; upload it again, or restore a backup",
     [SERVER_VERDICT_UNREADABLE] = "its stored file can't be read; look after the disk"};
 
@@ -62,22 +63,25 @@ static void complain(const struct server_record *record, enum server_store_verdi
     server_log_end(&line);
 }
 
-static void look_at(struct server_scrub *scrub, const struct server_record *record, enum server_part part)
+static void look_at(struct server_scrub *scrub, const struct server_record *record,
+                    enum server_part part)
 {
     struct server *server = scrub->server;
-    enum server_store_verdict verdict = server_registry_verify(server->registry, record, part, pace, scrub);
+    enum server_store_verdict verdict =
+        server_registry_verify(server->registry, record, part, pace, scrub);
     if (verdict == SERVER_VERDICT_NONE) return;
     atomic_fetch_add(&scrub->files, 1);
-    if (verdict == SERVER_VERDICT_SOUND ||
-        (verdict == SERVER_VERDICT_MISSING && !server_registry_is_current(server->registry, record)))
+    if (verdict == SERVER_VERDICT_SOUND || (verdict == SERVER_VERDICT_MISSING &&
+                                            !server_registry_is_current(server->registry, record)))
         return;
     scrub->faults++;
     complain(record, verdict);
 }
 
-/* --- rounds ------------------------------------------------------------------------------------------------------- */
+/* --- rounds ----------------------------------------------------------------------------------- */
 
-/* The surface after that one (NULL: the first), its record retained; NULL: there is none. Takes `before` over. */
+/* The surface after that one (NULL: the first), its record retained; NULL: there is none. Takes
+ * `before` over. */
 static struct server_record *next_of(struct server *server, struct server_record *before)
 {
     struct server_listed listed = {0};
@@ -94,7 +98,8 @@ static void note_progress(struct server_scrub *scrub)
 {
     uint64_t count = server_registry_statistics(scrub->server->registry).surfaces;
     scrub->position++;
-    atomic_store(&scrub->progress, scrub->position < count ? (double)scrub->position / (double)count : 1);
+    atomic_store(&scrub->progress,
+                 scrub->position < count ? (double)scrub->position / (double)count : 1);
 }
 
 static void end_round(struct server_scrub *scrub, uint64_t begun_ns)
@@ -145,7 +150,7 @@ static void run(void *user, struct server_thread *thread)
     }
 }
 
-/* --- from the outside --------------------------------------------------------------------------------------------- */
+/* --- from the outside ------------------------------------------------------------------------- */
 
 struct server_scrub *server_scrub_create(struct server *server)
 {

@@ -1,4 +1,5 @@
-/* Subdivision: the object of the kind `subdivision`: a surface, and a place for the discretizations of it that are kept. */
+/* Subdivision: the object of the kind `subdivision`: a surface, and a place for the discretizations
+ * of it that are kept. */
 #ifndef SERVER_SURFACES_SUBDIVISION_SURFACE_H
 #define SERVER_SURFACES_SUBDIVISION_SURFACE_H
 

@@ -5,8 +5,9 @@
 
 #include "server/surfaces/kind.h"
 
-struct server_surface *server_surface_create(struct server_record *record, void *object, size_t bytes,
-                                             struct server_budget *budget, struct server_cache *cache)
+struct server_surface *server_surface_create(struct server_record *record, void *object,
+                                             size_t bytes, struct server_budget *budget,
+                                             struct server_cache *cache)
 {
     struct server_surface *surface = malloc(sizeof *surface);
     struct server_shelf *shelf = server_shelf_open(cache);

@@ -1,7 +1,8 @@
-/* Surface: an object of some kind in memory, a mesh for instance, with its record, its attachment, its fields and its landmarks.
+/* Surface: an object of some kind in memory, a mesh for instance, with its record, its attachment,
+ * its fields and its landmarks.
  *
- * Immutable but for its count, its shelf and its slot. The shelf holds fields, which hold the mesh, and so do landmarks:
- * retiring the surface closes both. */
+ * Immutable but for its count, its shelf and its slot. The shelf holds fields, which hold the mesh,
+ * and so do landmarks: retiring the surface closes both. */
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
@@ -28,14 +29,16 @@ struct server_surface {
     struct server_landmark_slot landmarks;
 };
 
-/* Takes over the object, which is of the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT, which become
- * SERVER_BUDGET_MESHES, and retains the record. Budget and cache are borrowed and outlive the surface. NULL without memory:
- * object and bytes are the caller's still. The caller has one reference. */
-struct server_surface *server_surface_create(struct server_record *record, void *object, size_t bytes,
-                                             struct server_budget *budget, struct server_cache *cache);
+/* Takes over the object, which is of the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT, which
+ * become SERVER_BUDGET_MESHES, and retains the record. Budget and cache are borrowed and outlive
+ * the surface. NULL without memory: object and bytes are the caller's still. The caller has one
+ * reference. */
+struct server_surface *server_surface_create(struct server_record *record, void *object,
+                                             size_t bytes, struct server_budget *budget,
+                                             struct server_cache *cache);
 
-/* Takes over the record's attachment, malloc'ed, and as many bytes of SERVER_BUDGET_FLIGHT. Once, before the surface is
- * shared. */
+/* Takes over the record's attachment, malloc'ed, and as many bytes of SERVER_BUDGET_FLIGHT. Once,
+ * before the surface is shared. */
 void server_surface_attach(struct server_surface *surface, void *attachment);
 
 struct server_surface *server_surface_retain(struct server_surface *surface);

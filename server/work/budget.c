@@ -65,7 +65,8 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
     return true;
 }
 
-bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
+                              size_t bytes)
 {
     if (!try_take(budget, bytes)) return false;
     atomic_fetch_add(&budget->used[class], bytes);
@@ -75,9 +76,12 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
 /* Answers that grow at the same time may pass their part by a step each, never the limit. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
 {
-    size_t part = bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
-    size_t most = budget->limit - budget->limit / part, used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
-    return bytes <= most && used <= most - bytes && server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
+    size_t part =
+        bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
+    size_t most = budget->limit - budget->limit / part,
+           used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
+    return bytes <= most && used <= most - bytes &&
+           server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
 }
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
@@ -89,8 +93,8 @@ void server_budget_give(struct server_budget *budget, enum server_budget_class c
     atomic_fetch_sub(&budget->total, bytes);
 }
 
-void server_budget_move(struct server_budget *budget, enum server_budget_class from, enum server_budget_class to,
-                        size_t bytes)
+void server_budget_move(struct server_budget *budget, enum server_budget_class from,
+                        enum server_budget_class to, size_t bytes)
 {
     atomic_fetch_add(&budget->used[to], bytes);
     atomic_fetch_sub(&budget->used[from], bytes);
@@ -110,14 +114,17 @@ static size_t reclaimable(struct server_budget *budget)
 size_t server_budget_available(struct server_budget *budget)
 {
     size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
-    size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
+    size_t held = (meshes > spare ? meshes - spare : 0) +
+                  atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
                   atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_RECORDS]) + atomic_load(&budget->used[SERVER_BUDGET_JOBS]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_RECORDS]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_JOBS]) +
                   atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
     return held < budget->limit ? budget->limit - held : 0;
 }
 
-void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual)
+void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held,
+                          size_t actual)
 {
     if (actual <= held) {
         server_budget_give(budget, class, held - actual);
@@ -127,16 +134,19 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
     }
 }
 
-bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes, struct proto_problem *problem)
+bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
+                          struct proto_problem *problem)
 {
     size_t available = server_budget_available(budget);
     if (bytes)
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget can be had; " REMEDY,
+                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget "
+                          "can be had; " REMEDY,
                           what, bytes, available, budget->limit);
     else
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "%s needs more than the %zu of the %zu bytes of the memory budget that can be had; " REMEDY,
+                          "%s needs more than the %zu of the %zu bytes of the memory budget that "
+                          "can be had; " REMEDY,
                           what, available, budget->limit);
     return proto_problem_limit(problem, budget->limit);
 }

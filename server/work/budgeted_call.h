@@ -6,17 +6,20 @@
 #include "server/server.h"
 
 struct server_call {
-    /* Makes the call under `control`; on success `*kept` are the bytes of its result that it holds. */
+    /* Makes the call under `control`; on success `*kept` are the bytes of its result that it holds.
+     */
     enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
     void *user;
     struct gd_control control; /* who ends it early; its budget and its workspace are filled in */
     size_t grant;              /* bytes that most such calls need */
     size_t aside;              /* bytes that it takes besides, without asking its budget */
-    bool is_modest;            /* makes do with memory that is free: nothing is let go of, and there is one attempt */
+    /* makes do with memory that is free: nothing is let go of, and there is one attempt */
+    bool is_modest;
 };
 
-/* On success `*kept` bytes of SERVER_BUDGET_FLIGHT are held for the result, for the caller to pass on or give back. Errors: those
- * of the call; GD_BUDGET: not even all that could be had was enough. */
+/* On success `*kept` bytes of SERVER_BUDGET_FLIGHT are held for the result, for the caller to pass
+ * on or give back. Errors: those of the call; GD_BUDGET: not even all that could be had was enough.
+ */
 GD_MUST_USE enum gd_status server_call_make(struct server *server, const struct server_call *call);
 
 #endif

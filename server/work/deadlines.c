@@ -33,7 +33,8 @@ static bool is_idle(const struct server *server)
     return server_jobs_is_empty(server->jobs) && server_events_count(server->events) == 0;
 }
 
-/* Until the next tick; while requests wait, whose number goes to and from zero all the time, wakes don't hasten it. */
+/* Until the next tick; while requests wait, whose number goes to and from zero all the time, wakes
+ * don't hasten it. */
 static bool rest(const struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->deferred)) return server_thread_sleep(thread, TICK_NS);

@@ -65,7 +65,7 @@ static bool do_task(struct crew *crew)
     return end_task(crew);
 }
 
-/* --- helpers ------------------------------------------------------------------------------------------------------ */
+/* --- helpers ---------------------------------------------------------------------------------- */
 
 static void help(struct server_job *job)
 {
@@ -90,7 +90,8 @@ static struct crew *crew_create(const struct server_executor *executor, uint32_t
     crew->references = helpers + 1;
     for (uint32_t i = 0; i < helpers; i++)
         crew->helpers[i] = (struct helper){
-            .job = {.run = help, .refuse = dismiss, .deadline_ns = executor->deadline_ns}, .crew = crew};
+            .job = {.run = help, .refuse = dismiss, .deadline_ns = executor->deadline_ns},
+            .crew = crew};
     return crew;
 }
 
@@ -100,9 +101,10 @@ static void call_helpers(struct crew *crew, uint32_t helpers)
         if (!server_workers_submit(crew->workers, &crew->helpers[i].job)) crew_release(crew);
 }
 
-/* --- the run ------------------------------------------------------------------------------------------------------ */
+/* --- the run ---------------------------------------------------------------------------------- */
 
-static void run(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
+                uint32_t count)
 {
     const struct server_executor *executor = user;
     uint32_t width = executor->executor.width, helpers = (width < count ? width : count) - 1;
@@ -122,12 +124,12 @@ static void run(void *user, void (*task)(void *context, uint32_t index), void *c
     crew_release(crew);
 }
 
-const struct gd_executor *server_executor_of(struct server_executor *out, struct server_workers *workers,
-                                             uint64_t deadline_ns)
+const struct gd_executor *server_executor_of(struct server_executor *out,
+                                             struct server_workers *workers, uint64_t deadline_ns)
 {
-    *out =
-        (struct server_executor){.executor = {.width = server_workers_load(workers).threads, .run = run, .user = out},
-                                 .workers = workers,
-                                 .deadline_ns = deadline_ns};
+    *out = (struct server_executor){
+        .executor = {.width = server_workers_load(workers).threads, .run = run, .user = out},
+        .workers = workers,
+        .deadline_ns = deadline_ns};
     return &out->executor;
 }

@@ -5,7 +5,8 @@
 
 bool server_job_is_late(const struct server_job *job, uint64_t now_ns)
 {
-    return job->deadline_ns <= now_ns || atomic_load_explicit(&job->is_unwanted, memory_order_relaxed);
+    return job->deadline_ns <= now_ns ||
+           atomic_load_explicit(&job->is_unwanted, memory_order_relaxed);
 }
 
 struct server_job *server_jobs_expire(struct server_job **list, uint64_t now_ns)

@@ -1,8 +1,8 @@
 /* Job: a piece of work for the second lane, and lists of jobs.
  *
- * A job has one owner at a time: its maker, the workers' queue, the thread that runs it, or a flight of the cache
- * that it was parked in; `next` belongs to that owner. It ends in one call of `run` that does not park it, or of
- * `refuse`. */
+ * A job has one owner at a time: its maker, the workers' queue, the thread that runs it, or a
+ * flight of the cache that it was parked in; `next` belongs to that owner. It ends in one call of
+ * `run` that does not park it, or of `refuse`. */
 #ifndef SERVER_WORK_JOB_H
 #define SERVER_WORK_JOB_H
 
@@ -17,8 +17,8 @@ enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_R
 struct server_job {
     struct server_job *next;
     uint64_t deadline_ns; /* on the clock of gd_now_ns() */
-    const char *tenant;   /* whose share of the workers it uses (lanes.h), as long as the job lives; NULL: that of the
-                                job that submits it */
+    const char *tenant;   /* whose share of the workers it uses (lanes.h), as long as the job lives;
+                             NULL: that of the   job that submits it */
     struct server_lane *lane; /* the workers' own */
     bool is_patient;          /* no client waits on the line for it */
     atomic_bool is_unwanted;  /* set by any thread: as if the deadline had passed */

@@ -7,13 +7,14 @@
 
 #define TURNS 16
 
-/* --- lanes -------------------------------------------------------------------------------------------------------- */
+/* --- lanes ------------------------------------------------------------------------------------ */
 
 static void reset(struct server_lane *lane, const char *tenant)
 {
     *lane = (struct server_lane){0};
     snprintf(lane->tenant, sizeof lane->tenant, "%s", tenant);
-    for (int kind = 0; kind < SERVER_LANE_KINDS; kind++) lane->queues[kind].tail = &lane->queues[kind].head;
+    for (int kind = 0; kind < SERVER_LANE_KINDS; kind++)
+        lane->queues[kind].tail = &lane->queues[kind].head;
 }
 
 void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t length)
@@ -29,7 +30,8 @@ static uint32_t running_in(const struct server_lane *lane)
 
 static bool is_idle(const struct server_lane *lane)
 {
-    return !running_in(lane) && !lane->queues[SERVER_LANE_URGENT].count && !lane->queues[SERVER_LANE_PATIENT].count;
+    return !running_in(lane) && !lane->queues[SERVER_LANE_URGENT].count &&
+           !lane->queues[SERVER_LANE_PATIENT].count;
 }
 
 static struct server_lane *find(const struct server_lanes *lanes, const char *tenant)
@@ -74,16 +76,18 @@ static void drop_if_idle(struct server_lanes *lanes, struct server_lane *lane)
     if (lane != &lanes->own) free(lane);
 }
 
-/* --- in ----------------------------------------------------------------------------------------------------------- */
+/* --- in --------------------------------------------------------------------------------------- */
 
 static enum server_lane_kind kind_of(const struct server_job *job)
 {
     return job->is_patient ? SERVER_LANE_PATIENT : SERVER_LANE_URGENT;
 }
 
-static bool has_place(const struct server_lanes *lanes, const struct server_lane *lane, enum server_lane_kind kind)
+static bool has_place(const struct server_lanes *lanes, const struct server_lane *lane,
+                      enum server_lane_kind kind)
 {
-    uint32_t free_places = lanes->length > lanes->queued[kind] ? lanes->length - lanes->queued[kind] : 0;
+    uint32_t free_places =
+        lanes->length > lanes->queued[kind] ? lanes->length - lanes->queued[kind] : 0;
     return lanes->is_shared ? lane->queues[kind].count < free_places : free_places > 0;
 }
 
@@ -108,7 +112,8 @@ bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, str
     return true;
 }
 
-void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job)
+void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane,
+                             struct server_job *job)
 {
     struct server_lane_queue *queue = &lane->queues[kind_of(job)];
     job->next = queue->head;
@@ -117,14 +122,15 @@ void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lan
     count_in(lanes, lane, job);
 }
 
-/* --- out ---------------------------------------------------------------------------------------------------------- */
+/* --- out -------------------------------------------------------------------------------------- */
 
-static bool may_take(const struct server_lanes *lanes, const struct server_lane *lane, enum server_lane_kind kind,
-                     bool is_spare)
+static bool may_take(const struct server_lanes *lanes, const struct server_lane *lane,
+                     enum server_lane_kind kind, bool is_spare)
 {
     if (!lane->queues[kind].count) return false;
     if (!is_spare || !running_in(lane)) return true;
-    return kind == SERVER_LANE_URGENT && (!lane->running[kind] || lanes->running[SERVER_LANE_URGENT] < lanes->workers);
+    return kind == SERVER_LANE_URGENT &&
+           (!lane->running[kind] || lanes->running[SERVER_LANE_URGENT] < lanes->workers);
 }
 
 static bool is_before(const struct server_lane *a, const struct server_lane *b)
@@ -133,7 +139,8 @@ static bool is_before(const struct server_lane *a, const struct server_lane *b)
     return a_runs != b_runs ? a_runs < b_runs : a->used_ns < b->used_ns;
 }
 
-static struct server_lane *choose(const struct server_lanes *lanes, enum server_lane_kind kind, bool is_spare)
+static struct server_lane *choose(const struct server_lanes *lanes, enum server_lane_kind kind,
+                                  bool is_spare)
 {
     struct server_lane *best = NULL;
     for (struct server_lane *lane = lanes->active; lane; lane = lane->next)
@@ -141,7 +148,8 @@ static struct server_lane *choose(const struct server_lanes *lanes, enum server_
     return best;
 }
 
-static struct server_job *take_from(struct server_lanes *lanes, struct server_lane *lane, enum server_lane_kind kind)
+static struct server_job *take_from(struct server_lanes *lanes, struct server_lane *lane,
+                                    enum server_lane_kind kind)
 {
     struct server_lane_queue *queue = &lane->queues[kind];
     struct server_job *job = queue->head;
@@ -161,11 +169,13 @@ struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare)
     struct server_lane *lane = choose(lanes, kind, is_spare);
     if (!lane) lane = choose(lanes, kind = kind == SERVER_LANE_URGENT, is_spare);
     if (!lane) return NULL;
-    lanes->turns = kind == SERVER_LANE_URGENT && lanes->queued[SERVER_LANE_PATIENT] ? lanes->turns + 1 : 0;
+    lanes->turns =
+        kind == SERVER_LANE_URGENT && lanes->queued[SERVER_LANE_PATIENT] ? lanes->turns + 1 : 0;
     return take_from(lanes, lane, kind);
 }
 
-void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool is_patient, uint64_t ns)
+void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool is_patient,
+                      uint64_t ns)
 {
     lane->running[is_patient]--;
     lanes->running[is_patient]--;
@@ -174,8 +184,9 @@ void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool
 }
 
 /* Puts the late jobs of a queue before the list. */
-static struct server_job *expire_queue(struct server_lanes *lanes, struct server_lane *lane, enum server_lane_kind kind,
-                                       uint64_t now_ns, struct server_job *list)
+static struct server_job *expire_queue(struct server_lanes *lanes, struct server_lane *lane,
+                                       enum server_lane_kind kind, uint64_t now_ns,
+                                       struct server_job *list)
 {
     struct server_lane_queue *queue = &lane->queues[kind];
     uint32_t before = queue->count;
@@ -193,7 +204,8 @@ struct server_job *server_lanes_expire(struct server_lanes *lanes, uint64_t now_
     for (struct server_lane *lane = lanes->active, *next; lane; lane = next) {
         next = lane->next;
         for (int kind = 0; kind < SERVER_LANE_KINDS; kind++)
-            if (lane->queues[kind].count) expired = expire_queue(lanes, lane, kind, now_ns, expired);
+            if (lane->queues[kind].count)
+                expired = expire_queue(lanes, lane, kind, now_ns, expired);
         drop_if_idle(lanes, lane);
     }
     return expired;

@@ -54,17 +54,20 @@ void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t le
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
 /* Queues a job in the lane behind all others; false: there is no place. */
-bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job);
+bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane,
+                       struct server_job *job);
 
 /* Queues a job ahead of the others of its lane and kind, whether there is a place or not. */
-void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job);
+void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane,
+                             struct server_job *job);
 
 /* Takes the next job, which is running then, until server_lanes_end; NULL: there is none for
  * such a worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
 /* A job of that lane and kind has run for so long. */
-void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool is_patient, uint64_t ns);
+void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool is_patient,
+                      uint64_t ns);
 
 /* Takes the jobs that are late, as a list. */
 struct server_job *server_lanes_expire(struct server_lanes *lanes, uint64_t now_ns);

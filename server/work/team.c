@@ -24,8 +24,9 @@ struct server_team {
     atomic_uint news_count; /* changes with all that a thread may wait for */
     void (*task)(void *context, uint32_t index);
     void *context;
-    uint32_t count, next, running; /* tasks: of the run, the next to be begun, those that are begun and not done */
-    bool is_over;                  /* the call has ended */
+    /* tasks: of the run, the next to be begun, those that are begun and not done */
+    uint32_t count, next, running;
+    bool is_over; /* the call has ended */
 };
 
 static void release(struct server_team *team)
@@ -46,20 +47,24 @@ static void announce(struct server_team *team)
     pthread_cond_broadcast(&team->news);
 }
 
-/* Under the lock, which is given up meanwhile: until something has changed, or a millisecond has passed. */
+/* Under the lock, which is given up meanwhile: until something has changed, or a millisecond has
+ * passed. */
 static void wait_for_news(struct server_team *team)
 {
     struct timespec until;
     unsigned seen = atomic_load(&team->news_count);
     pthread_mutex_unlock(&team->lock);
-    for (int look = 0; look < LOOKS && atomic_load_explicit(&team->news_count, memory_order_relaxed) == seen; look++)
+    for (int look = 0;
+         look < LOOKS && atomic_load_explicit(&team->news_count, memory_order_relaxed) == seen;
+         look++)
         continue;
     clock_gettime(CLOCK_REALTIME, &until);
     until.tv_nsec += SLEEP_NS;
     until.tv_sec += until.tv_nsec / 1000000000;
     until.tv_nsec %= 1000000000;
     pthread_mutex_lock(&team->lock);
-    if (atomic_load(&team->news_count) == seen) pthread_cond_timedwait(&team->news, &team->lock, &until);
+    if (atomic_load(&team->news_count) == seen)
+        pthread_cond_timedwait(&team->news, &team->lock, &until);
 }
 
 /* Under the lock, which is given up meanwhile. */
@@ -82,7 +87,7 @@ static void rest(struct server_team *team)
     pthread_mutex_lock(&team->lock);
 }
 
-/* --- the helper --------------------------------------------------------------------------------------------------- */
+/* --- the helper ------------------------------------------------------------------------------- */
 
 static bool is_wanted_elsewhere(const struct server_team *team)
 {
@@ -90,7 +95,8 @@ static bool is_wanted_elsewhere(const struct server_team *team)
     return (team->job.is_patient ? load.queued : load.urgent) > 0;
 }
 
-/* Till the call ends or somebody else wants the worker. It rests while requests come densely, whose threads want the core. */
+/* Till the call ends or somebody else wants the worker. It rests while requests come densely, whose
+ * threads want the core. */
 static void help(struct server_job *job)
 {
     struct server_team *team = (struct server_team *)job;
@@ -114,9 +120,10 @@ static void refuse(struct server_job *job, enum server_refusal why)
     release((struct server_team *)job);
 }
 
-/* --- the caller --------------------------------------------------------------------------------------------------- */
+/* --- the caller ------------------------------------------------------------------------------- */
 
-static void run(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
+                uint32_t count)
 {
     struct server_team *team = user;
     pthread_mutex_lock(&team->lock);
@@ -132,7 +139,8 @@ static void run(void *user, void (*task)(void *context, uint32_t index), void *c
 
 struct server_team *server_team_call(struct server_workers *workers, uint64_t deadline_ns)
 {
-    struct server_team *team = server_workers_load(workers).threads > 1 ? calloc(1, sizeof *team) : NULL;
+    struct server_team *team =
+        server_workers_load(workers).threads > 1 ? calloc(1, sizeof *team) : NULL;
     if (!team) return NULL;
     *team = (struct server_team){.job = {.run = help, .refuse = refuse, .deadline_ns = deadline_ns},
                                  .workers = workers,

@@ -36,8 +36,8 @@ static void find_place(struct place *place, uint32_t threads)
     static atomic_uint placed;
     place->is_known = true;
     (void)set_nice(SERVER_PLACE_NICE);
-    place->can_move =
-        sched_getaffinity(0, sizeof place->all, &place->all) == 0 && (uint32_t)CPU_COUNT(&place->all) == threads;
+    place->can_move = sched_getaffinity(0, sizeof place->all, &place->all) == 0 &&
+                      (uint32_t)CPU_COUNT(&place->all) == threads;
     if (!place->can_move) return;
     CPU_ZERO(&place->own);
     CPU_SET(find_core(&place->all, atomic_fetch_add(&placed, 1) % threads), &place->own);
@@ -47,13 +47,15 @@ void server_place_http(uint32_t threads, bool is_crowded, uint64_t now_ns)
 {
     static _Thread_local struct place place;
     if (!place.is_known) find_place(&place, threads);
-    if (!place.can_move || place.is_at_home != is_crowded || now_ns - place.looked_ns < LOOK_NS) return;
+    if (!place.can_move || place.is_at_home != is_crowded || now_ns - place.looked_ns < LOOK_NS)
+        return;
     place.looked_ns = now_ns;
     place.is_at_home = !is_crowded;
     (void)sched_setaffinity(0, sizeof place.all, is_crowded ? &place.all : &place.own);
 }
 
-/* Whether the thread may come back from SCHED_IDLE: the system asks for what it asks of one that becomes less nice. */
+/* Whether the thread may come back from SCHED_IDLE: the system asks for what it asks of one that
+ * becomes less nice. */
 static _Thread_local bool can_return, is_behind;
 
 void server_place_worker(void)

@@ -11,9 +11,11 @@ static atomic_uint marks;            /* slots so far that were marked; wraps aro
 
 void server_traffic_note(uint64_t now_ns)
 {
-    uint64_t slot = now_ns / SLOT_NS, before = atomic_load_explicit(&marked_slot, memory_order_relaxed);
-    if (slot > before && atomic_compare_exchange_strong_explicit(&marked_slot, &before, slot, memory_order_relaxed,
-                                                                 memory_order_relaxed))
+    uint64_t slot = now_ns / SLOT_NS,
+             before = atomic_load_explicit(&marked_slot, memory_order_relaxed);
+    if (slot > before &&
+        atomic_compare_exchange_strong_explicit(&marked_slot, &before, slot, memory_order_relaxed,
+                                                memory_order_relaxed))
         atomic_fetch_add_explicit(&marks, 1, memory_order_relaxed);
 }
 

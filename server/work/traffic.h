@@ -1,7 +1,8 @@
 /* Traffic: how densely requests come, for work that would be in their way. Figures: server/doc/008.
  *
- * Time is cut into slots of a tenth of a millisecond. A thread that speaks HTTP marks the slot of each request; who works looks at how many of the
- * slots since his last look were marked. So a request costs one load, mostly, and nobody takes a lock. */
+ * Time is cut into slots of a tenth of a millisecond. A thread that speaks HTTP marks the slot of
+ * each request; who works looks at how many of the slots since his last look were marked. So a
+ * request costs one load, mostly, and nobody takes a lock. */
 #ifndef SERVER_WORK_TRAFFIC_H
 #define SERVER_WORK_TRAFFIC_H
 
@@ -18,7 +19,8 @@ struct server_traffic {
     bool is_dense;
 };
 
-/* True: of late, requests came in most of the slots. Measured anew every ten milliseconds, at the most. */
+/* True: of late, requests came in most of the slots. Measured anew every ten milliseconds, at the
+ * most. */
 bool server_traffic_is_dense(struct server_traffic *traffic, uint64_t now_ns);
 
 #endif

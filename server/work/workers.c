@@ -37,7 +37,7 @@ static _Thread_local const struct server_workers *own_workers;
 static _Thread_local struct server_lane *own_lane;
 static _Thread_local bool own_is_patient;
 
-/* --- the queue, under the lock ------------------------------------------------------------------------------------ */
+/* --- the queue, under the lock ---------------------------------------------------------------- */
 
 static struct server_lane *lane_for(struct server_workers *workers, struct server_job *job)
 {
@@ -72,11 +72,13 @@ static struct server_job *take_out(struct server_job **list, const struct server
     return found;
 }
 
-/* --- threads ------------------------------------------------------------------------------------------------------ */
+/* --- threads ---------------------------------------------------------------------------------- */
 
-static _Thread_local struct server_yielding yielding; /* of the job at hand; all zero between jobs */
+/* of the job at hand; all zero between jobs */
+static _Thread_local struct server_yielding yielding;
 
-/* Perhaps in the middle of another one, which may be behind (server_workers_yield): it stays there, this one does not begin there. */
+/* Perhaps in the middle of another one, which may be behind (server_workers_yield): it stays there,
+ * this one does not begin there. */
 static void run_job(struct server_workers *workers, struct server_job *job)
 {
     const struct server_yielding outer = yielding;
@@ -106,12 +108,13 @@ static uint64_t processor_ns(void)
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
-/* While requests come densely. A thread that sleeps keeps what it is due, where one that yields gives it up: on a machine that others use too, work would
- * starve. */
+/* While requests come densely. A thread that sleeps keeps what it is due, where one that yields
+ * gives it up: on a machine that others use too, work would starve. */
 static void take_a_nap(uint64_t now_ns)
 {
     static _Thread_local struct server_traffic traffic;
-    const struct timespec moment = {.tv_nsec = 1}; /* and what the kernel's timers add to it: some 50 microseconds */
+    /* and what the kernel's timers add to it: some 50 microseconds */
+    const struct timespec moment = {.tv_nsec = 1};
     if (server_traffic_is_dense(&traffic, now_ns)) nanosleep(&moment, NULL);
 }
 
@@ -207,7 +210,8 @@ static void *work_as_spare(void *user)
     server_place_worker();
     pthread_mutex_lock(&workers->lock);
     while (!workers->leaving) {
-        struct server_job *job = is_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
+        struct server_job *job =
+            is_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
         if (job)
             run_taken(workers, job);
         else
@@ -219,7 +223,8 @@ static void *work_as_spare(void *user)
 
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length)
 {
-    struct server_workers *workers = calloc(1, sizeof *workers + count * sizeof workers->threads[0]);
+    struct server_workers *workers =
+        calloc(1, sizeof *workers + count * sizeof workers->threads[0]);
     if (!workers) return NULL;
     pthread_mutex_init(&workers->lock, NULL);
     pthread_cond_init(&workers->work, NULL);
@@ -270,7 +275,7 @@ void server_workers_destroy(struct server_workers *workers)
     free(workers);
 }
 
-/* --- jobs in and out ---------------------------------------------------------------------------------------------- */
+/* --- jobs in and out -------------------------------------------------------------------------- */
 
 bool server_workers_submit(struct server_workers *workers, struct server_job *job)
 {

@@ -34,30 +34,32 @@ bool server_workers_add_spare(struct server_workers *workers, uint32_t count);
 /* Tenants share the queue: none takes more places than it leaves free. Before any job. */
 void server_workers_share(struct server_workers *workers);
 
-/* Queues a job; false when the queue is full (the job stays the caller's). After a cancel the job is refused at
- * once. */
+/* Queues a job; false when the queue is full (the job stays the caller's). After a cancel the job
+ * is refused at once. */
 bool server_workers_submit(struct server_workers *workers, struct server_job *job);
 
 /* Queues a parked job again, ahead of the others of its tenant and whatever the queue's length:
  * it was admitted before. */
 void server_workers_resume(struct server_workers *workers, struct server_job *job);
 
-/* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when they begin. */
+/* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when
+ * they begin. */
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job);
 
-/* Lets a running job wait for somebody who calls unpark: the last act of its run. It is refused when it gets late or at a cancel; false
- * after one: it is not parked, and goes on. */
+/* Lets a running job wait for somebody who calls unpark: the last act of its run. It is refused
+ * when it gets late or at a cancel; false after one: it is not parked, and goes on. */
 bool server_workers_park(struct server_workers *workers, struct server_job *job);
 
-/* Queues a parked job again, ahead of the others. A job that is not parked any more, or not there any more, is let be. Takes no
- * lock but its own, and calls nothing. */
+/* Queues a parked job again, ahead of the others. A job that is not parked any more, or not there
+ * any more, is let be. Takes no lock but its own, and calls nothing. */
 void server_workers_unpark(struct server_workers *workers, const struct server_job *job);
 
-/* Takes a background job back that was not begun: it is the caller's again. False: it runs, or ran, or was refused. The caller sees to it that the job
- * is still there to be asked about. */
+/* Takes a background job back that was not begun: it is the caller's again. False: it runs, or ran,
+ * or was refused. The caller sees to it that the job is still there to be asked about. */
 bool server_workers_withdraw(struct server_workers *workers, struct server_job *job);
 
-/* To be called by a background job while it runs: runs the jobs that no other thread is free for. */
+/* To be called by a background job while it runs: runs the jobs that no other thread is free for.
+ */
 void server_workers_yield(struct server_workers *workers);
 
 /* Refuses the background jobs that were not begun. */
@@ -66,17 +68,21 @@ void server_workers_refuse_background(struct server_workers *workers, enum serve
 /* Refuses the queued and parked jobs that are late. */
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 
-/* Refuses all queued, parked and coming jobs, those of the background too, and makes server_workers_cancelled true. */
+/* Refuses all queued, parked and coming jobs, those of the background too, and makes
+ * server_workers_cancelled true. */
 void server_workers_cancel(struct server_workers *workers);
 bool server_workers_cancelled(struct server_workers *workers);
 
-/* To be called by running work about every millisecond: where requests come densely, the thread gives its core up for a moment; long work goes behind all
- * others (yielding.h). False: after a cancel. */
+/* To be called by running work about every millisecond: where requests come densely, the thread
+ * gives its core up for a moment; long work goes behind all others (yielding.h). False: after a
+ * cancel. */
 bool server_workers_go_on(struct server_workers *workers);
 
 struct server_workers_load {
-    uint32_t threads, running; /* running: with those on spare threads, without the background job, 0 or 1, that runs */
-    uint32_t queued, urgent, background; /* urgent: of those that wait, those that are not patient */
+    /* running: with those on spare threads, without the background job, 0 or 1, that runs */
+    uint32_t threads, running;
+    /* urgent: of those that wait, those that are not patient */
+    uint32_t queued, urgent, background;
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 

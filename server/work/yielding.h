@@ -1,7 +1,9 @@
-/* Yielding: when a worker's work goes behind everybody else's (server_place_behind). Figures: server/doc/008.
+/* Yielding: when a worker's work goes behind everybody else's (server_place_behind). Figures:
+ * server/doc/008.
  *
- * Long work gets what nobody else wants. Where that is less than an eighth of its time, because the machine is full, it comes back among the others for
- * a second, then two, four: it may be slow, but it never starves. Short work stays where it is: somebody waits for it. */
+ * Long work gets what nobody else wants. Where that is less than an eighth of its time, because the
+ * machine is full, it comes back among the others for a second, then two, four: it may be slow, but
+ * it never starves. Short work stays where it is: somebody waits for it. */
 #ifndef SERVER_WORK_YIELDING_H
 #define SERVER_WORK_YIELDING_H
 
@@ -18,7 +20,8 @@ struct server_yielding {
 
 void server_yielding_begin(struct server_yielding *yielding, uint64_t now_ns);
 
-/* Whether it should be behind from now on; to be asked every now and then. `cpu_ns`: the processor time that the thread has had so far. */
+/* Whether it should be behind from now on; to be asked every now and then. `cpu_ns`: the processor
+ * time that the thread has had so far. */
 bool server_yielding_is_due(struct server_yielding *yielding, uint64_t now_ns, uint64_t cpu_ns);
 
 #endif

@@ -11,7 +11,8 @@ static const struct {
     struct gd__methods methods;
 } settings[SETTINGS] = {
     [PLAIN] = {"plain", {.no_filter = true, .no_cone = true}},
-    [PLAIN_APART] = {"plain-not-coalesced", {.no_filter = true, .no_cone = true, .no_coalescing = true}},
+    [PLAIN_APART] = {"plain-not-coalesced",
+                     {.no_filter = true, .no_cone = true, .no_coalescing = true}},
     [NO_FILTER] = {"no-filter", {.no_filter = true}},
     [ALL_METHODS] = {"all-methods", {.no_filter = false}},
 };
@@ -45,7 +46,8 @@ static bool are_models(char **names)
     for (; *names; names++) {
         if (paper_find(*names)) continue;
         fprintf(stderr, "gd_bench: there is no model \"%s\". There are:", *names);
-        for (uint32_t i = 0; i < paper_model_count; i++) fprintf(stderr, " %s", paper_models[i].name);
+        for (uint32_t i = 0; i < paper_model_count; i++)
+            fprintf(stderr, " %s", paper_models[i].name);
         fputs(".\n", stderr);
         return false;
     }
@@ -56,12 +58,13 @@ int bench_ablation(char **arguments)
 {
     bool quick = bench_take_word(&arguments, "--quick"), well = true;
     uint32_t sources = 0;
-    if (!bench_take_count(&arguments, "--sources", &sources) || !bench_arguments_end(arguments, false) ||
-        !are_models(arguments))
+    if (!bench_take_count(&arguments, "--sources", &sources) ||
+        !bench_arguments_end(arguments, false) || !are_models(arguments))
         return BENCH_USAGE;
     if (quick) return ablation_agreement() ? EXIT_SUCCESS : EXIT_FAILURE;
     if (!*arguments)
-        for (uint32_t i = 0; i < paper_model_count && well; i++) well = measure(&paper_models[i], sources);
+        for (uint32_t i = 0; i < paper_model_count && well; i++)
+            well = measure(&paper_models[i], sources);
     for (; *arguments && well; arguments++) well = measure(paper_find(*arguments), sources);
     return well ? EXIT_SUCCESS : EXIT_FAILURE;
 }

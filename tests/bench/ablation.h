@@ -16,10 +16,11 @@ void ablation_edges(const struct paper_model *model, const struct gd_mesh *mesh)
 void ablation_wedges(const struct paper_model *model, const struct gd_mesh *mesh, uint32_t sources);
 
 /* reach.c: the work that stopping at a target saves (Property 5), by the target's distance. */
-void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh, enum setting setting,
-                    uint32_t sources);
+void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh,
+                    enum setting setting, uint32_t sources);
 
-/* agreement.c: every combination of methods gives the same distances. Prints "ok" and "not ok" lines; false if one is not. */
+/* agreement.c: every combination of methods gives the same distances. Prints "ok" and "not ok"
+ * lines; false if one is not. */
 bool ablation_agreement(void);
 
 #endif

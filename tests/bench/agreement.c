@@ -4,8 +4,9 @@
 #include "tests/bench/ablation.h"
 #include "tests/bench/bench.h"
 
-/* The answers must not depend on the methods: they only avoid work. Meshes with saddles, boundaries, flat parts, ties, slivers and handles,
- * a source of each kind, all sixteen combinations, the whole field and up to a target. */
+/* The answers must not depend on the methods: they only avoid work. Meshes with saddles,
+ * boundaries, flat parts, ties, slivers and handles, a source of each kind, all sixteen
+ * combinations, the whole field and up to a target. */
 
 #define AGREEMENT 1e-12 /* relative difference of distances */
 
@@ -37,8 +38,10 @@ enum { COMBINATIONS = 16 };
 
 static struct gd__methods combination(int bits)
 {
-    return (struct gd__methods){
-        .one_list = bits & 1, .no_filter = bits & 2, .no_cone = bits & 4, .no_coalescing = bits & 8};
+    return (struct gd__methods){.one_list = bits & 1,
+                                .no_filter = bits & 2,
+                                .no_cone = bits & 4,
+                                .no_coalescing = bits & 8};
 }
 
 static double difference(double a, double b)
@@ -49,7 +52,8 @@ static double difference(double a, double b)
 }
 
 /* The largest difference of the distances at all vertices from those with all methods on. */
-static double worst_field(const struct gd_mesh *mesh, struct trial_request *request, const double *expected)
+static double worst_field(const struct gd_mesh *mesh, struct trial_request *request,
+                          const double *expected)
 {
     double worst = 0;
     trial_run(mesh, request);
@@ -59,8 +63,8 @@ static double worst_field(const struct gd_mesh *mesh, struct trial_request *requ
 }
 
 /* The same for the target alone, with propagation stopped there. */
-static double worst_target(const struct gd_mesh *mesh, struct trial_request *request, uint32_t index,
-                           const double *expected)
+static double worst_target(const struct gd_mesh *mesh, struct trial_request *request,
+                           uint32_t index, const double *expected)
 {
     struct gd_point target;
     bench_require(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &target, NULL), NULL);
@@ -73,12 +77,15 @@ static double worst_target(const struct gd_mesh *mesh, struct trial_request *req
 static double worst_of(const struct gd_mesh *mesh, struct rng *rng)
 {
     uint32_t count = gd_mesh_summary(mesh)->index_count;
-    double *expected = bench_allocate(sizeof *expected * count), *actual = bench_allocate(sizeof *actual * count);
+    double *expected = bench_allocate(sizeof *expected * count),
+           *actual = bench_allocate(sizeof *actual * count);
     double worst = 0;
     for (enum gd_point_kind kind = GD_POINT_VERTEX; kind <= GD_POINT_FACE; kind++) {
-        struct trial_request request = {.source = bench_random_point(mesh, kind, rng), .distances = expected};
+        struct trial_request request = {.source = bench_random_point(mesh, kind, rng),
+                                        .distances = expected};
         struct gd_vertex corners[3];
-        gd_mesh_corners(mesh, (struct gd_face){rng_below(rng, gd_mesh_summary(mesh)->faces)}, corners);
+        gd_mesh_corners(mesh, (struct gd_face){rng_below(rng, gd_mesh_summary(mesh)->faces)},
+                        corners);
         trial_run(mesh, &request);
         request.distances = actual;
         for (int bits = 0; bits < COMBINATIONS; bits++) {
@@ -100,13 +107,14 @@ bool ablation_agreement(void)
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
         struct gd_mesh *mesh = bench_open(meshes[i], NULL);
         double here = mesh ? worst_of(mesh, &rng) : HUGE_VAL;
-        printf("%s every combination of methods agrees on %s: %.1e\n", here <= AGREEMENT ? "ok" : "not ok", meshes[i],
-               here);
+        printf("%s every combination of methods agrees on %s: %.1e\n",
+               here <= AGREEMENT ? "ok" : "not ok", meshes[i], here);
         all = all && here <= AGREEMENT;
         worst = fmax(worst, here);
         gd_mesh_release(mesh);
     }
-    printf("# largest relative difference of a distance between the %d combinations of methods: %.1e\n", COMBINATIONS,
-           worst);
+    printf("# largest relative difference of a distance between the %d combinations of methods: "
+           "%.1e\n",
+           COMBINATIONS, worst);
     return all;
 }

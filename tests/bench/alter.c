@@ -20,12 +20,14 @@ static struct gd_vec3 position(const struct gd_polygons *mesh, uint32_t slot)
     return (struct gd_vec3){p[0], p[1], p[2]};
 }
 
-/* Sums of twice the areas' normals at every vertex, all zero before; returns the mean length of the faces' edges. */
+/* Sums of twice the areas' normals at every vertex, all zero before; returns the mean length of the
+ * faces' edges. */
 static double add_normals(const struct gd_polygons *mesh, struct gd_vec3 *normals)
 {
     double length = 0;
     for (uint32_t slot = 0; slot < 3 * mesh->polygon_count; slot += 3) {
-        struct gd_vec3 a = position(mesh, slot), b = position(mesh, slot + 1), c = position(mesh, slot + 2);
+        struct gd_vec3 a = position(mesh, slot), b = position(mesh, slot + 1),
+                       c = position(mesh, slot + 2);
         struct gd_vec3 normal = gd_vec3_cross(gd_vec3_sub(b, a), gd_vec3_sub(c, a));
         length += gd_vec3_distance(a, b) + gd_vec3_distance(b, c) + gd_vec3_distance(c, a);
         for (uint32_t k = 0; k < 3; k++) {

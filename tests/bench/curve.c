@@ -1,4 +1,5 @@
-/* gd_bench curve: fields of a curve of about a thousand segments, each an exact source: what seeding them takes, and the field against that of a point. */
+/* gd_bench curve: fields of a curve of about a thousand segments, each an exact source: what
+ * seeding them takes, and the field against that of a point. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -16,11 +17,14 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
     struct gd_point points[MOST_POINTS];
     struct gd_detail detail = {0};
     struct gd_curve curve = {0};
-    for (uint32_t i = 0; i < MOST_POINTS; i++) points[i] = bench_random_point(mesh, GD_POINT_FACE, rng);
+    for (uint32_t i = 0; i < MOST_POINTS; i++)
+        points[i] = bench_random_point(mesh, GD_POINT_FACE, rng);
     for (uint32_t count = 2; count <= MOST_POINTS && curve.count <= SEGMENTS; count *= 2) {
-        struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = count};
+        struct gd_curve_request request = {
+            .kind = GD_CURVE_POINTS, .points = points, .count = count};
         gd_curve_free(&curve);
-        bench_require(gd_curve_resolve(mesh, &request, NULL, bench_control(), &curve, &detail), &detail);
+        bench_require(gd_curve_resolve(mesh, &request, NULL, bench_control(), &curve, &detail),
+                      &detail);
     }
     if (curve.count > SEGMENTS + 1) curve.count = SEGMENTS + 1;
     return curve;
@@ -48,8 +52,9 @@ static bool stop_watch(void *user, double fraction)
     return false;
 }
 
-/* Processor time until a field's first side has been propagated: by then all seeds are checked, sorted by face and emitted. What it takes to let go of
- * a field that is cancelled there is none of it. */
+/* Processor time until a field's first side has been propagated: by then all seeds are checked,
+ * sorted by face and emitted. What it takes to let go of a field that is cancelled there is none of
+ * it. */
 static double begin(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
 {
     struct gd_field *field = NULL;
@@ -64,26 +69,28 @@ static double begin(const struct gd_mesh *mesh, const struct gd_seed *seeds, uin
     return begun - start;
 }
 
-static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+static void measure(const char *name, const struct gd_mesh *mesh,
+                    const struct bench_options *options)
 {
     struct rng rng = {8};
     uint32_t runs = options->runs;
     struct gd_curve curve = random_curve(mesh, &rng);
     uint32_t count = gd_curve_seed_count(&curve);
     struct gd_seed *seeds = bench_allocate(count * sizeof *seeds);
-    double *values = bench_allocate(3 * runs * sizeof *values), *seeding = values, *whole = values + runs,
-           *point = values + 2 * (size_t)runs;
+    double *values = bench_allocate(3 * runs * sizeof *values), *seeding = values,
+           *whole = values + runs, *point = values + 2 * (size_t)runs;
     gd_curve_seeds(&curve, 0, seeds);
     for (uint32_t i = 0; i < runs; i++) {
-        seeding[i] = begin(mesh, seeds, count) - begin(mesh, seeds, 1); /* what a field takes anyway is none of it */
+        /* what a field takes anyway is none of it */
+        seeding[i] = begin(mesh, seeds, count) - begin(mesh, seeds, 1);
         whole[i] = build(mesh, seeds, count);
         point[i] = build(mesh, seeds, 1);
     }
     double seeding_ms = bench_median(seeding, runs), field_ms = bench_median(whole, runs);
     bench_print_mesh(name, mesh);
-    printf(
-        "\"runs\":%u,\"segments\":%u,\"seeding_cpu_ms\":%.3f,\"curve_field_cpu_ms\":%.3f,\"point_field_cpu_ms\":%.3f,",
-        runs, count - curve.count, seeding_ms, field_ms, bench_median(point, runs));
+    printf("\"runs\":%u,\"segments\":%u,\"seeding_cpu_ms\":%.3f,\"curve_field_cpu_ms\":%.3f,"
+           "\"point_field_cpu_ms\":%.3f,",
+           runs, count - curve.count, seeding_ms, field_ms, bench_median(point, runs));
     printf("\"seeding_part\":%.4f,", seeding_ms / field_ms);
     bench_print_end();
     free(values);

@@ -1,4 +1,5 @@
-/* gd_bench export: a mesh as every solver takes it: an OBJ file of oriented triangles whose vertices all belong to faces. */
+/* gd_bench export: a mesh as every solver takes it: an OBJ file of oriented triangles whose
+ * vertices all belong to faces. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -20,8 +20,9 @@ static void add_field(const struct gd_mesh *mesh, struct gd_point source, uint32
     struct gd_detail detail = {0};
     double start_cpu_ms = bench_thread_ms();
     uint64_t start = gd_now_ns();
-    enum gd_status status = gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                           bench_control(), executor, &field, &detail);
+    enum gd_status status =
+        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                       bench_control(), executor, &field, &detail);
     totals->ms[run] = bench_ms_since(start);
     totals->cpu_ms[run] = bench_thread_ms() - start_cpu_ms;
     bench_require(status, &detail);
@@ -36,32 +37,37 @@ static void add_field(const struct gd_mesh *mesh, struct gd_point source, uint32
 static void print_totals(const struct totals *totals, uint32_t runs, uint32_t edges)
 {
     printf("\"windows_created\":%.0f,\"windows_propagated\":%.0f,\"wedges\":%.0f,\"bytes\":%.0f,",
-           totals->created / runs, totals->propagated / runs, totals->wedges / runs, totals->bytes / runs);
+           totals->created / runs, totals->propagated / runs, totals->wedges / runs,
+           totals->bytes / runs);
     printf("\"wedges_per_edge\":%.2f,\"bytes_per_edge\":%.1f,", totals->wedges / runs / edges,
            totals->bytes / runs / edges);
 }
 
-static void add_distances(const struct gd_mesh *mesh, struct gd_point source, double *distances, double *ms,
-                          double *cpu_ms)
+static void add_distances(const struct gd_mesh *mesh, struct gd_point source, double *distances,
+                          double *ms, double *cpu_ms)
 {
     struct gd_seed seed = {.point = source};
     struct gd_detail detail = {0};
     double start_cpu_ms = bench_thread_ms();
     uint64_t start = gd_now_ns();
-    enum gd_status status = gd_field_distances_only(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                                    bench_control(), distances, &detail);
+    enum gd_status status =
+        gd_field_distances_only(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                bench_control(), distances, &detail);
     *ms = bench_ms_since(start);
     *cpu_ms = bench_thread_ms() - start_cpu_ms;
     bench_require(status, &detail);
 }
 
-/* field --distances-only: beside times, what one call takes beyond the mesh and the answer, by the peak of the process during the first. */
-static void measure_distances(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+/* field --distances-only: beside times, what one call takes beyond the mesh and the answer, by the
+ * peak of the process during the first. */
+static void measure_distances(const char *name, const struct gd_mesh *mesh,
+                              const struct bench_options *options)
 {
     uint32_t runs = options->runs;
     double *times = bench_allocate(2 * sizeof *times * runs);
     double *distances = bench_allocate(sizeof *distances * gd_mesh_summary(mesh)->index_count);
-    memset(distances, 0, sizeof *distances * gd_mesh_summary(mesh)->index_count); /* resident before it is measured */
+    /* resident before it is measured */
+    memset(distances, 0, sizeof *distances * gd_mesh_summary(mesh)->index_count);
     struct rng rng = {1};
     double bytes = 0;
     bench_forget_peak();
@@ -72,15 +78,19 @@ static void measure_distances(const char *name, const struct gd_mesh *mesh, cons
         if (run == 0) bytes = (double)(bench_peak_bytes() - before);
     }
     bench_print_mesh(name, mesh);
-    printf("\"runs\":%u,\"distances_ms\":%.3f,\"distances_cpu_ms\":%.3f,\"bytes\":%.0f,\"bytes_per_face\":%.1f,", runs,
-           bench_median(times, runs), bench_median(times + runs, runs), bytes, bytes / gd_mesh_summary(mesh)->faces);
+    printf("\"runs\":%u,\"distances_ms\":%.3f,\"distances_cpu_ms\":%.3f,\"bytes\":%.0f,\"bytes_per_"
+           "face\":%.1f,",
+           runs, bench_median(times, runs), bench_median(times + runs, runs), bytes,
+           bytes / gd_mesh_summary(mesh)->faces);
     bench_print_end();
     free(distances);
     free(times);
 }
 
-/* The first field of the process, which finds no memory warm, apart from the runs; the first run has its source again. */
-static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+/* The first field of the process, which finds no memory warm, apart from the runs; the first run
+ * has its source again. */
+static void measure(const char *name, const struct gd_mesh *mesh,
+                    const struct bench_options *options)
 {
     if (options->distances_only) {
         measure_distances(name, mesh, options);
@@ -88,7 +98,8 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
     }
     uint32_t runs = options->runs;
     double *times = bench_allocate(2 * sizeof *times * runs), first_ms, first_cpu_ms;
-    struct totals first = {.ms = &first_ms, .cpu_ms = &first_cpu_ms}, totals = {.ms = times, .cpu_ms = times + runs};
+    struct totals first = {.ms = &first_ms, .cpu_ms = &first_cpu_ms},
+                  totals = {.ms = times, .cpu_ms = times + runs};
     struct rng rng = {1};
     struct gd_point source = bench_random_point(mesh, GD_POINT_FACE, &rng);
     const struct gd_executor *executor = bench_executor(options->threads);
@@ -98,9 +109,10 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
         source = bench_random_point(mesh, GD_POINT_FACE, &rng);
     }
     bench_print_mesh(name, mesh);
-    printf("\"runs\":%u,\"field_ms\":%.3f,\"field_ms_p95\":%.3f,\"field_cpu_ms\":%.3f,\"first_ms\":%.3f,", runs,
-           bench_median(totals.ms, runs), bench_quantile(totals.ms, runs, 0.95), bench_median(totals.cpu_ms, runs),
-           first_ms);
+    printf("\"runs\":%u,\"field_ms\":%.3f,\"field_ms_p95\":%.3f,\"field_cpu_ms\":%.3f,\"first_ms\":"
+           "%.3f,",
+           runs, bench_median(totals.ms, runs), bench_quantile(totals.ms, runs, 0.95),
+           bench_median(totals.cpu_ms, runs), first_ms);
     print_totals(&totals, runs, gd_mesh_summary(mesh)->edges);
     bench_print_end();
     free(times);

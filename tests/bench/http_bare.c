@@ -1,9 +1,11 @@
-/* Bare: what libmicrohttpd does without us. Answers every request with the same body, whatever it asks for, with the daemon's
- * flags and number of threads; the daemon's requests a second are measured against its own (throughput.py).
+/* Bare: what libmicrohttpd does without us. Answers every request with the same body, whatever it
+ * asks for, with the daemon's flags and number of threads; the daemon's requests a second are
+ * measured against its own (throughput.py).
  *
  * usage: gd_http_bare THREADS BYTES
  *
- * Listens on a free port of 127.0.0.1, prints its number, and serves until its standard input ends. */
+ * Listens on a free port of 127.0.0.1, prints its number, and serves until its standard input ends.
+ */
 #include <arpa/inet.h>
 #include <microhttpd.h>
 #include <stdio.h>
@@ -13,9 +15,11 @@
 
 #define BYTES_MOST (1 << 24)
 
-/* The first call shows the headers; the answer is queued in the one after it, as the daemon's is. */
-static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url, const char *method,
-                                  const char *version, const char *upload, size_t *upload_size, void **context)
+/* The first call shows the headers; the answer is queued in the one after it, as the daemon's is.
+ */
+static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *upload,
+                                  size_t *upload_size, void **context)
 {
     static int seen;
     (void)url, (void)method, (void)version, (void)upload;
@@ -29,11 +33,12 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
 
 static struct MHD_Daemon *start(unsigned threads, struct MHD_Response *response)
 {
-    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
+    unsigned flags =
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
     struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    return MHD_start_daemon(flags, 0, NULL, NULL, on_request, response, MHD_OPTION_SOCK_ADDR, &address,
-                            MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u, MHD_OPTION_CONNECTION_TIMEOUT, 30u,
-                            MHD_OPTION_END);
+    return MHD_start_daemon(flags, 0, NULL, NULL, on_request, response, MHD_OPTION_SOCK_ADDR,
+                            &address, MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u,
+                            MHD_OPTION_CONNECTION_TIMEOUT, 30u, MHD_OPTION_END);
 }
 
 static struct MHD_Response *make_response(size_t bytes)
@@ -54,7 +59,8 @@ static void serve(struct MHD_Daemon *daemon)
 
 int main(int argc, char **argv)
 {
-    long threads = argc == 3 ? strtol(argv[1], NULL, 10) : 0, bytes = argc == 3 ? strtol(argv[2], NULL, 10) : 0;
+    long threads = argc == 3 ? strtol(argv[1], NULL, 10) : 0,
+         bytes = argc == 3 ? strtol(argv[2], NULL, 10) : 0;
     if (threads < 1 || threads > 1024 || bytes < 1 || bytes > BYTES_MOST) {
         fprintf(stderr, "usage: gd_http_bare THREADS BYTES\n");
         return 2;

@@ -12,7 +12,7 @@
 #include "tests/bench/bench.h"
 #include "tests/samples/argument.h"
 
-/* --- files --------------------------------------------------------------------------------------------------------------- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 bool bench_map_file(const char *path, struct bench_file *file)
 {
@@ -20,7 +20,8 @@ bool bench_map_file(const char *path, struct bench_file *file)
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
     void *bytes = MAP_FAILED;
     if (descriptor >= 0 && fstat(descriptor, &state) == 0)
-        bytes = mmap(NULL, (size_t)state.st_size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, descriptor, 0);
+        bytes =
+            mmap(NULL, (size_t)state.st_size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, descriptor, 0);
     if (bytes == MAP_FAILED)
         fprintf(stderr, "gd_bench: %s can't be read, or is empty: %s.\n", path, strerror(errno));
     else
@@ -40,13 +41,15 @@ static bool read_file(const char *path, struct gd_polygons *out)
     struct bench_file file;
     if (!bench_map_file(path, &file)) return false;
     struct gd_detail detail = {0};
-    enum gd_status status = gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, out, &detail);
+    enum gd_status status =
+        gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, out, &detail);
     bench_unmap_file(&file);
-    if (status) fprintf(stderr, "gd_bench: %s: %s (%s)\n", path, gd_status_sentence(status), detail.text);
+    if (status)
+        fprintf(stderr, "gd_bench: %s: %s (%s)\n", path, gd_status_sentence(status), detail.text);
     return !status;
 }
 
-/* --- samples ------------------------------------------------------------------------------------------------------------- */
+/* --- samples ---------------------------------------------------------------------------------- */
 
 static const char sample_prefix[] = "sample:";
 
@@ -61,7 +64,8 @@ static bool make_sample(char *text, struct gd_polygons *out)
     char *rest = NULL, *name = strtok_r(text, ",", &rest);
     const struct sample *sample = name ? sample_find(name) : NULL;
     if (!sample) {
-        fprintf(stderr, "gd_bench: there is no sample \"%s\"; see gd_sample --list.\n", name ? name : "");
+        fprintf(stderr, "gd_bench: there is no sample \"%s\"; see gd_sample --list.\n",
+                name ? name : "");
         return false;
     }
     double values[SAMPLE_PARAMETERS];
@@ -82,17 +86,19 @@ static bool read_sample(const char *argument, struct gd_polygons *out)
     return made;
 }
 
-/* --- meshes -------------------------------------------------------------------------------------------------------------- */
+/* --- meshes ----------------------------------------------------------------------------------- */
 
 bool bench_read(const char *argument, const struct bench_options *options, struct gd_polygons *out)
 {
-    bool is_read = bench_is_sample(argument) ? read_sample(argument, out) : read_file(argument, out);
+    bool is_read =
+        bench_is_sample(argument) ? read_sample(argument, out) : read_file(argument, out);
     if (!is_read || (!options->levels && !options->noise)) return is_read;
     enum gd_status status = out->first ? GD_NOT_TRIANGLES : GD_OK;
     if (status == GD_OK) status = alter_subdivide(out, options->levels);
     if (status == GD_OK && options->noise > 0) status = alter_roughen(out, options->noise);
     if (status == GD_OK) return true;
-    fprintf(stderr, "gd_bench: %s can't be subdivided or roughened: %s.\n", argument, gd_status_sentence(status));
+    fprintf(stderr, "gd_bench: %s can't be subdivided or roughened: %s.\n", argument,
+            gd_status_sentence(status));
     gd_polygons_free(out);
     return false;
 }
@@ -108,7 +114,9 @@ struct gd_mesh *bench_open(const char *argument, const struct bench_options *opt
     struct gd_mesh_options building = {.repair_split = options->repair};
     enum gd_status status = gd_mesh_build(&polygons, &building, NULL, &mesh, &detail);
     gd_polygons_free(&polygons);
-    if (status) fprintf(stderr, "gd_bench: %s: %s (%s)\n", argument, gd_status_sentence(status), detail.text);
+    if (status)
+        fprintf(stderr, "gd_bench: %s: %s (%s)\n", argument, gd_status_sentence(status),
+                detail.text);
     return mesh;
 }
 
@@ -121,10 +129,12 @@ static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
     return face;
 }
 
-struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kind kind, struct rng *rng)
+struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kind kind,
+                                   struct rng *rng)
 {
     struct gd_face face = random_face(mesh, rng);
-    double u = rng_unit(rng), v = rng_unit(rng), w[3] = {fmin(u, v), fmax(u, v) - fmin(u, v), 1 - fmax(u, v)};
+    double u = rng_unit(rng), v = rng_unit(rng),
+           w[3] = {fmin(u, v), fmax(u, v) - fmin(u, v), 1 - fmax(u, v)};
     struct gd_vertex corners[3];
     gd_mesh_corners(mesh, face, corners);
     struct gd_detail detail = {0};
@@ -139,7 +149,8 @@ struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kin
 }
 
 int bench_each_mesh(char **arguments, uint32_t runs,
-                    void (*measure)(const char *name, const struct gd_mesh *mesh, const struct bench_options *options))
+                    void (*measure)(const char *name, const struct gd_mesh *mesh,
+                                    const struct bench_options *options))
 {
     struct bench_options options = {.runs = runs};
     if (!bench_take_options(&arguments, &options)) return BENCH_USAGE;

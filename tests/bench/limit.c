@@ -1,5 +1,7 @@
-/* gd_bench limit: the paper's headline on limit surfaces: a discretization of a million vertices, and 360 geodesics from one place, each as long as the bounding box's diagonal; beside it
- * what the paper calls expensive: the same bundle by exact shortest paths, and by the differential equation alone. */
+/* gd_bench limit: the paper's headline on limit surfaces: a discretization of a million vertices,
+ * and 360 geodesics from one place, each as long as the bounding box's diagonal; beside it what the
+ * paper calls expensive: the same bundle by exact shortest paths, and by the differential equation
+ * alone. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,8 +24,9 @@ enum {
     ROUNDS = 3
 };
 
-static const char cube[] = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
-                           "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+static const char cube[] =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+    "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 /* One surface, and the bundle on it. */
 struct bundle {
@@ -41,7 +44,8 @@ static struct gd_subdivision *read_surface(const char *bytes, size_t size, enum 
     struct gd_control_mesh control_mesh;
     struct gd_subdivision *surface;
     struct gd_detail detail = {0};
-    bench_require(gd_read_control_mesh(bytes, size, GD_FORMAT_ANY, NULL, &control_mesh, &detail), &detail);
+    bench_require(gd_read_control_mesh(bytes, size, GD_FORMAT_ANY, NULL, &control_mesh, &detail),
+                  &detail);
     bench_require(gd_subdivision_create(&control_mesh, scheme, NULL, &surface, &detail), &detail);
     gd_control_mesh_free(&control_mesh);
     return surface;
@@ -54,9 +58,9 @@ static double discretize(const struct gd_subdivision *surface, uint32_t level, u
     for (int round = 0; round < ROUNDS; round++) {
         struct gd_discretization made;
         double start = bench_thread_ms();
-        bench_require(
-            gd_discretize(surface, &(struct gd_discretize_options){.level = level}, bench_control(), &made, NULL),
-            NULL);
+        bench_require(gd_discretize(surface, &(struct gd_discretize_options){.level = level},
+                                    bench_control(), &made, NULL),
+                      NULL);
         best = fmin(best, bench_thread_ms() - start);
         *vertices = made.polygons.position_count;
         gd_discretization_free(&made);
@@ -65,7 +69,8 @@ static double discretize(const struct gd_subdivision *surface, uint32_t level, u
 }
 
 /* The first level with so many vertices, and its time. */
-static uint32_t choose_level(const struct gd_subdivision *surface, uint32_t least, uint32_t *vertices, double *time)
+static uint32_t choose_level(const struct gd_subdivision *surface, uint32_t least,
+                             uint32_t *vertices, double *time)
 {
     uint32_t level = gd_limit_mesh_least_level(surface);
     do {
@@ -92,10 +97,12 @@ static double trace_mesh(struct bundle *bundle)
         struct gd_direction ahead[GD_TRACE_LANES];
         struct gd_trace traces[GD_TRACE_LANES];
         for (int i = 0; i < GD_TRACE_LANES; i++)
-            bench_require(gd_direction_along(mesh, &start, direction_of(bundle, first + i), &ahead[i], NULL), NULL);
-        bench_require(
-            gd_trace_follow_many(mesh, &start, ahead, GD_TRACE_LANES, bundle->length, &options, NULL, traces, NULL),
-            NULL);
+            bench_require(
+                gd_direction_along(mesh, &start, direction_of(bundle, first + i), &ahead[i], NULL),
+                NULL);
+        bench_require(gd_trace_follow_many(mesh, &start, ahead, GD_TRACE_LANES, bundle->length,
+                                           &options, NULL, traces, NULL),
+                      NULL);
         for (int i = 0; i < GD_TRACE_LANES; i++) {
             bundle->end_points[first + i] = traces[i].path.points[traces[i].path.count - 1];
             bundle->ends[first + i] = gd_point_position(mesh, &bundle->end_points[first + i]);
@@ -105,15 +112,16 @@ static double trace_mesh(struct bundle *bundle)
     return bench_thread_ms() - begun;
 }
 
-/* The same on the surface; `*off`: the median of how far apart the ends are from those on the mesh. */
+/* The same on the surface; `*off`: the median of how far apart the ends are from those on the mesh.
+ */
 static double trace_smooth(const struct bundle *bundle, double *off)
 {
     double gaps[FAN], begun = bench_thread_ms();
     for (int i = 0; i < FAN; i++) {
         struct gd_limit_path path;
-        bench_require(
-            gd_limit_trace(bundle->surface, &bundle->start, direction_of(bundle, i), bundle->length, NULL, &path, NULL),
-            NULL);
+        bench_require(gd_limit_trace(bundle->surface, &bundle->start, direction_of(bundle, i),
+                                     bundle->length, NULL, &path, NULL),
+                      NULL);
         gaps[i] = gd_vec3_distance(path.steps[path.step_count - 1].position, bundle->ends[i]);
         gd_limit_path_free(&path);
     }
@@ -121,7 +129,8 @@ static double trace_smooth(const struct bundle *bundle, double *off)
     return bench_thread_ms() - begun;
 }
 
-/* The same ends by exact shortest paths: some of them, no more once they have taken SEARCHES_MS, as if it were all. */
+/* The same ends by exact shortest paths: some of them, no more once they have taken SEARCHES_MS, as
+ * if it were all. */
 static double search_all(const struct bundle *bundle)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle->fine);
@@ -131,8 +140,8 @@ static double search_all(const struct bundle *bundle)
     int done = 0;
     for (; done < SEARCHES && bench_thread_ms() - begun < SEARCHES_MS; done++) {
         struct gd_pair_answer answer;
-        bench_require(gd_pair_solve(mesh, &start, &bundle->end_points[done * (FAN / SEARCHES)], true, NULL,
-                                    bench_control(), &answer, NULL),
+        bench_require(gd_pair_solve(mesh, &start, &bundle->end_points[done * (FAN / SEARCHES)],
+                                    true, NULL, bench_control(), &answer, NULL),
                       NULL);
         gd_pair_answer_free(&answer);
     }
@@ -143,11 +152,13 @@ static void measure(const char *name, const struct gd_subdivision *surface, bool
 {
     uint32_t vertices;
     double discretize_ms, off;
-    uint32_t level = choose_level(surface, quick ? QUICK_VERTICES : VERTICES, &vertices, &discretize_ms);
+    uint32_t level =
+        choose_level(surface, quick ? QUICK_VERTICES : VERTICES, &vertices, &discretize_ms);
     struct bundle bundle = {.surface = surface, .start = {.u = 0.3, .v = 0.3}};
     double begun = bench_thread_ms();
     struct gd_detail detail = {0};
-    bench_require(gd_limit_mesh_build(surface, level, 0, bench_control(), &bundle.fine, &detail), &detail);
+    bench_require(gd_limit_mesh_build(surface, level, 0, bench_control(), &bundle.fine, &detail),
+                  &detail);
     double build_ms = bench_thread_ms() - begun;
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle.fine);
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
@@ -157,9 +168,11 @@ static void measure(const char *name, const struct gd_subdivision *surface, bool
     for (int round = 0; round < ROUNDS; round++) trace_ms = fmin(trace_ms, trace_mesh(&bundle));
     double smooth_ms = trace_smooth(&bundle, &off), search_ms = search_all(&bundle);
     bench_print_mesh(name, mesh);
-    printf("\"level\":%u,\"discretize_ms\":%.1f,\"build_ms\":%.1f,\"length\":%.6g,\"trace_%d_ms\":%.1f,"
+    printf("\"level\":%u,\"discretize_ms\":%.1f,\"build_ms\":%.1f,\"length\":%.6g,\"trace_%d_ms\":%"
+           ".1f,"
            "\"smooth_%d_ms\":%.1f,\"shortest_%d_ms\":%.1f,\"median_end_off\":%.3g,",
-           level, discretize_ms, build_ms, bundle.length, FAN, trace_ms, FAN, smooth_ms, FAN, search_ms, off);
+           level, discretize_ms, build_ms, bundle.length, FAN, trace_ms, FAN, smooth_ms, FAN,
+           search_ms, off);
     bench_print_end();
     gd_limit_mesh_free(bundle.fine);
 }
@@ -178,7 +191,8 @@ static bool measure_file(const char *path, enum gd_scheme scheme, bool quick)
 int bench_limit(char **arguments)
 {
     bool quick = bench_take_word(&arguments, "--quick");
-    enum gd_scheme scheme = bench_take_word(&arguments, "--loop") ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK;
+    enum gd_scheme scheme =
+        bench_take_word(&arguments, "--loop") ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK;
     if (!bench_arguments_end(arguments, scheme == GD_SCHEME_LOOP)) return BENCH_USAGE;
     if (!*arguments) {
         struct gd_subdivision *surface = read_surface(cube, strlen(cube), scheme);

@@ -1,4 +1,5 @@
-/* gd_bench load: from a file to a mesh that can be asked: reading, parsing, building (validation, sides, fans, the hierarchy of boxes). */
+/* gd_bench load: from a file to a mesh that can be asked: reading, parsing, building (validation,
+ * sides, fans, the hierarchy of boxes). */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -27,7 +28,8 @@ static bool write_temporary(const char *argument, const struct bench_options *op
 }
 
 /* One loading; the caller releases the mesh. NULL, after a sentence, when the file is no mesh. */
-static struct gd_mesh *load(const char *path, const struct bench_options *options, double ms[PARTS], size_t *size)
+static struct gd_mesh *load(const char *path, const struct bench_options *options, double ms[PARTS],
+                            size_t *size)
 {
     struct bench_file file;
     struct gd_polygons polygons;
@@ -36,7 +38,8 @@ static struct gd_mesh *load(const char *path, const struct bench_options *option
     uint64_t start = gd_now_ns();
     if (!bench_map_file(path, &file)) return NULL;
     ms[READ] = bench_ms_since(start);
-    enum gd_status status = gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, &polygons, &detail);
+    enum gd_status status =
+        gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, &polygons, &detail);
     ms[PARSE] = bench_ms_since(start) - ms[READ];
     *size = file.size;
     bench_unmap_file(&file);
@@ -47,15 +50,18 @@ static struct gd_mesh *load(const char *path, const struct bench_options *option
     }
     ms[TOTAL] = bench_ms_since(start);
     ms[BUILD] = ms[TOTAL] - ms[READ] - ms[PARSE];
-    if (status) fprintf(stderr, "gd_bench: %s: %s (%s)\n", path, gd_status_sentence(status), detail.text);
+    if (status)
+        fprintf(stderr, "gd_bench: %s: %s (%s)\n", path, gd_status_sentence(status), detail.text);
     return mesh;
 }
 
-static void print(const char *name, const struct gd_mesh *mesh, double *ms[PARTS], uint32_t runs, size_t size)
+static void print(const char *name, const struct gd_mesh *mesh, double *ms[PARTS], uint32_t runs,
+                  size_t size)
 {
     bench_print_mesh(name, mesh);
     printf("\"runs\":%u,\"file_bytes\":%zu,\"mesh_bytes\":%zu,", runs, size, gd_mesh_memsize(mesh));
-    for (int part = 0; part < PARTS; part++) printf("\"%s\":%.3f,", part_names[part], bench_median(ms[part], runs));
+    for (int part = 0; part < PARTS; part++)
+        printf("\"%s\":%.3f,", part_names[part], bench_median(ms[part], runs));
     bench_print_end();
 }
 

@@ -1,4 +1,5 @@
-/* gd_bench locate: from space to the surface: nearest points of places on it and around it, and first hits of rays. */
+/* gd_bench locate: from space to the surface: nearest points of places on it and around it, and
+ * first hits of rays. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,13 +9,15 @@
 enum { QUESTIONS = 20000 };
 
 struct question {
-    struct gd_vec3 on, around; /* a place on the surface, and one in the bounding box grown by half its size */
+    /* a place on the surface, and one in the bounding box grown by half its size */
+    struct gd_vec3 on, around;
 };
 
 static struct gd_vec3 random_around(const struct gd_mesh *mesh, struct rng *rng)
 {
     struct gd_vec3 min = gd_mesh_summary(mesh)->min, max = gd_mesh_summary(mesh)->max;
-    struct gd_vec3 middle = gd_vec3_scale(gd_vec3_add(min, max), 0.5), half = gd_vec3_sub(max, middle);
+    struct gd_vec3 middle = gd_vec3_scale(gd_vec3_add(min, max), 0.5),
+                   half = gd_vec3_sub(max, middle);
     return (struct gd_vec3){middle.x + rng_between(rng, -1.5, 1.5) * half.x,
                             middle.y + rng_between(rng, -1.5, 1.5) * half.y,
                             middle.z + rng_between(rng, -1.5, 1.5) * half.z};
@@ -26,12 +29,14 @@ static double nearest_rate(const struct gd_mesh *mesh, const struct question *qu
     struct gd_point point;
     uint64_t start = gd_now_ns();
     for (uint32_t i = 0; i < QUESTIONS; i++)
-        bench_require(gd_locate_nearest(mesh, on ? questions[i].on : questions[i].around, -1, &point, NULL, &detail),
+        bench_require(gd_locate_nearest(mesh, on ? questions[i].on : questions[i].around, -1,
+                                        &point, NULL, &detail),
                       &detail);
     return 1e3 * QUESTIONS / bench_ms_since(start);
 }
 
-/* From around towards the surface: each ray hits, there or before; but along a flat mesh's own plane a ray may slip by. */
+/* From around towards the surface: each ray hits, there or before; but along a flat mesh's own
+ * plane a ray may slip by. */
 static double ray_rate(const struct gd_mesh *mesh, const struct question *questions)
 {
     struct gd_detail detail = {0};
@@ -45,7 +50,8 @@ static double ray_rate(const struct gd_mesh *mesh, const struct question *questi
     return 1e3 * QUESTIONS / bench_ms_since(start);
 }
 
-static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+static void measure(const char *name, const struct gd_mesh *mesh,
+                    const struct bench_options *options)
 {
     uint32_t runs = options->runs;
     double *on = bench_allocate(3 * sizeof *on * runs), *around = on + runs, *rays = around + runs;
@@ -54,15 +60,18 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
     for (uint32_t run = 0; run < runs; run++) {
         for (uint32_t i = 0; i < QUESTIONS; i++) {
             struct gd_point point = bench_random_point(mesh, GD_POINT_FACE, &rng);
-            questions[i] = (struct question){gd_point_position(mesh, &point), random_around(mesh, &rng)};
+            questions[i] =
+                (struct question){gd_point_position(mesh, &point), random_around(mesh, &rng)};
         }
         on[run] = nearest_rate(mesh, questions, true);
         around[run] = nearest_rate(mesh, questions, false);
         rays[run] = ray_rate(mesh, questions);
     }
     bench_print_mesh(name, mesh);
-    printf("\"runs\":%u,\"questions\":%d,\"nearest_on_surface_per_s\":%.0f,\"nearest_per_s\":%.0f,\"rays_per_s\":%.0f,",
-           runs, QUESTIONS, bench_median(on, runs), bench_median(around, runs), bench_median(rays, runs));
+    printf("\"runs\":%u,\"questions\":%d,\"nearest_on_surface_per_s\":%.0f,\"nearest_per_s\":%.0f,"
+           "\"rays_per_s\":%.0f,",
+           runs, QUESTIONS, bench_median(on, runs), bench_median(around, runs),
+           bench_median(rays, runs));
     bench_print_end();
     free(questions);
     free(on);

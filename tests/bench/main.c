@@ -8,26 +8,36 @@ static const struct {
     const char *name, *arguments, *sentence;
     int (*run)(char **arguments);
 } commands[] = {
-    {"field", "[OPTION...] MESH...", "fields of random sources: time, windows, wedges, memory", bench_field},
-    {"pair", "[OPTION...] MESH...", "distances of random pairs of points, each from nothing", bench_pair},
+    {"field", "[OPTION...] MESH...", "fields of random sources: time, windows, wedges, memory",
+     bench_field},
+    {"pair", "[OPTION...] MESH...", "distances of random pairs of points, each from nothing",
+     bench_pair},
     {"warm", "[OPTION...] MESH...", "distances and paths from a field that is kept", bench_warm},
     {"locate", "[OPTION...] MESH...", "nearest points and first hits of rays", bench_locate},
-    {"trace", "[OPTION...] MESH...", "straightest geodesics, the log map of a point, means", bench_trace},
+    {"trace", "[OPTION...] MESH...", "straightest geodesics, the log map of a point, means",
+     bench_trace},
     {"spline", "", "geodesic Hermite splines at the sizes of their paper's table", bench_spline},
     {"limit", "[--quick] [--loop] [MESH...]",
-     "limit surfaces: a million vertices, 360 geodesics, and the same by other means; a cube when none is named",
+     "limit surfaces: a million vertices, 360 geodesics, and the same by other means; a cube when "
+     "none is named",
      bench_limit},
-    {"curve", "[OPTION...] MESH...", "fields of a curve of a thousand segments: seeding them, and all of it",
-     bench_curve},
-    {"resume", "[OPTION...] MESH...", "fields that reach farther: resumed against built from nothing", bench_resume},
+    {"curve", "[OPTION...] MESH...",
+     "fields of a curve of a thousand segments: seeding them, and all of it", bench_curve},
+    {"resume", "[OPTION...] MESH...",
+     "fields that reach farther: resumed against built from nothing", bench_resume},
     {"nurbs", "[--runs N] [--samples N]",
-     "shortest paths between curves of smooth surfaces, and the sampling that their paper starts from", bench_nurbs},
-    {"load", "[OPTION...] MESH...", "from a file to a mesh: reading, parsing, building", bench_load},
-    {"peer", "[--cpu NAME] [--pair] MESH VERTEX...", "the engine by the protocol of races (tests/bench/peer.h)",
-     bench_peer},
-    {"export", "[OPTION...] MESH", "the mesh as every solver takes it, OBJ on standard output", bench_export},
+     "shortest paths between curves of smooth surfaces, and the sampling that their paper starts "
+     "from",
+     bench_nurbs},
+    {"load", "[OPTION...] MESH...", "from a file to a mesh: reading, parsing, building",
+     bench_load},
+    {"peer", "[--cpu NAME] [--pair] MESH VERTEX...",
+     "the engine by the protocol of races (tests/bench/peer.h)", bench_peer},
+    {"export", "[OPTION...] MESH", "the mesh as every solver takes it, OBJ on standard output",
+     bench_export},
     {"ablation", "[--quick] [--sources N] [MODEL...]",
-     "the paper's tables remade; --quick: only check that every combination of methods gives the same distances",
+     "the paper's tables remade; --quick: only check that every combination of methods gives the "
+     "same distances",
      bench_ablation},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
@@ -35,9 +45,11 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 static void print_usage(void)
 {
     for (int i = 0; i < COMMANDS; i++)
-        fprintf(stderr, "%s gd_bench %s %s\n           %s\n", i ? "      " : "usage:", commands[i].name,
-                commands[i].arguments, commands[i].sentence);
-    fputs("MESH is a file in any format that the engine reads, or sample:NAME[,key=value...] (see gd_sample --list).\n"
+        fprintf(stderr, "%s gd_bench %s %s\n           %s\n",
+                i ? "      " : "usage:", commands[i].name, commands[i].arguments,
+                commands[i].sentence);
+    fputs("MESH is a file in any format that the engine reads, or sample:NAME[,key=value...] (see "
+          "gd_sample --list).\n"
           "OPTION: --runs N        repetitions: sources, pairs, rounds of questions, loadings\n"
           "        --pin PROCESSOR stay on that processor\n"
           "        --cpu NAME      kernels: baseline, avx2, avx512 (auto)\n"

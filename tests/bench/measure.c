@@ -107,7 +107,8 @@ void bench_print_mesh(const char *name, const struct gd_mesh *mesh)
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
     putchar('{');
     bench_print_text("mesh", name);
-    printf("\"vertices\":%u,\"faces\":%u,\"edges\":%u,", summary->vertices, summary->faces, summary->edges);
+    printf("\"vertices\":%u,\"faces\":%u,\"edges\":%u,", summary->vertices, summary->faces,
+           summary->edges);
 }
 
 void bench_print_end(void)

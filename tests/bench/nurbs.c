@@ -1,7 +1,10 @@
-/* gd_bench nurbs: the shortest path between two closed curves, after the examples of W.-H. Chen, "Improvement of the shortest path problem with geodesic-like
- * method": an open bicubic B-spline surface of 8 x 4 control points, and a face with two holes. The engine in pieces to its default tolerance; single splines of so
- * many control points, as in the paper's table; and its Algorithm 1, which takes the least of all shortest paths between points sampled on the two curves.
- * Errors are measured against the geodesic equation, shot from one curve at a right angle until it meets the other at one. */
+/* gd_bench nurbs: the shortest path between two closed curves, after the examples of W.-H. Chen,
+ * "Improvement of the shortest path problem with geodesic-like method": an open bicubic B-spline
+ * surface of 8 x 4 control points, and a face with two holes. The engine in pieces to its default
+ * tolerance; single splines of so many control points, as in the paper's table; and its Algorithm
+ * 1, which takes the least of all shortest paths between points sampled on the two curves. Errors
+ * are measured against the geodesic equation, shot from one curve at a right angle until it meets
+ * the other at one. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +26,7 @@ struct scene {
     double exact;
 };
 
-/* --- the scenes --------------------------------------------------------------------------------------------------- */
+/* --- the scenes ------------------------------------------------------------------------------- */
 
 /* Control points over a grid of cells of size 1, with bumps of up to one cell. */
 static struct gd_parametric *make_bumps(void)
@@ -53,12 +56,15 @@ static struct gd_parametric *make_bumps(void)
 }
 
 /* Returns the length; `*points`, if it is not NULL: how many control points the path has. */
-static double solve(const struct scene *scene, const struct gd_domain_curve *from, const struct gd_domain_curve *to,
-                    const struct gd_geodesic_options *options, uint32_t *points)
+static double solve(const struct scene *scene, const struct gd_domain_curve *from,
+                    const struct gd_domain_curve *to, const struct gd_geodesic_options *options,
+                    uint32_t *points)
 {
     struct gd_geodesics found;
     struct gd_detail detail = {0};
-    bench_require(gd_geodesic_solve(scene->tessellation, from, to, options, bench_control(), &found, &detail), &detail);
+    bench_require(
+        gd_geodesic_solve(scene->tessellation, from, to, options, bench_control(), &found, &detail),
+        &detail);
     double length = found.items[0].length;
     for (uint32_t i = 0; points && i < found.items[0].piece_count; i++)
         *points += found.items[0].pieces[i].count - (i > 0);
@@ -71,7 +77,9 @@ static double shoot_scene(const struct scene *scene)
 {
     struct gd_geodesics found;
     double places[257][2];
-    bench_require(gd_geodesic_solve(scene->tessellation, scene->from, scene->to, NULL, NULL, &found, NULL), NULL);
+    bench_require(
+        gd_geodesic_solve(scene->tessellation, scene->from, scene->to, NULL, NULL, &found, NULL),
+        NULL);
     const struct gd_geodesic *path = &found.items[0];
     bench_require(gd_geodesic_sample(scene->surface, path, 257, places, NULL), NULL);
     struct shot shot = {path->from_parameter, path->to_parameter, path->length, 0};
@@ -84,7 +92,8 @@ static double shoot_scene(const struct scene *scene)
 
 static void prepare(struct scene *scene)
 {
-    bench_require(gd_tessellation_build(scene->surface, NULL, NULL, &scene->tessellation, NULL), NULL);
+    bench_require(gd_tessellation_build(scene->surface, NULL, NULL, &scene->tessellation, NULL),
+                  NULL);
     scene->exact = shoot_scene(scene);
 }
 
@@ -116,18 +125,20 @@ static void close_scene(struct scene *scene)
     gd_parametric_release(scene->surface);
 }
 
-/* --- the rows ----------------------------------------------------------------------------------------------------- */
+/* --- the rows --------------------------------------------------------------------------------- */
 
-static void print_row(const struct scene *scene, const char *method, uint32_t points, double length, double ms)
+static void print_row(const struct scene *scene, const char *method, uint32_t points, double length,
+                      double ms)
 {
-    printf("{\"surface\":\"%s\",\"method\":\"%s\",\"points\":%u,\"length\":%.12g,\"error_percent\":%.2g,\"cpu_ms\":%."
+    printf("{\"surface\":\"%s\",\"method\":\"%s\",\"points\":%u,\"length\":%.12g,\"error_percent\":"
+           "%.2g,\"cpu_ms\":%."
            "2f}\n",
            scene->name, method, points, length, 100 * (length / scene->exact - 1), ms);
 }
 
 /* The median time of so many runs. */
-static void measure_spline(const struct scene *scene, const char *method, const struct gd_geodesic_options *options,
-                           uint32_t runs)
+static void measure_spline(const struct scene *scene, const char *method,
+                           const struct gd_geodesic_options *options, uint32_t runs)
 {
     double *ms = bench_allocate(runs * sizeof *ms), length = 0;
     uint32_t points = 0;
@@ -141,17 +152,20 @@ static void measure_spline(const struct scene *scene, const char *method, const 
     free(ms);
 }
 
-static struct gd_domain_curve *sample(const struct gd_domain_curve *curve, uint32_t i, uint32_t count)
+static struct gd_domain_curve *sample(const struct gd_domain_curve *curve, uint32_t i,
+                                      uint32_t count)
 {
     struct gd_domain_curve *point;
     double low, high, uv[2];
     gd_domain_curve_range(curve, &low, &high);
     gd_domain_curve_at(curve, low + (high - low) * i / count, uv);
-    bench_require(gd_domain_curve_point(gd_domain_curve_surface(curve), uv[0], uv[1], &point, NULL), NULL);
+    bench_require(gd_domain_curve_point(gd_domain_curve_surface(curve), uv[0], uv[1], &point, NULL),
+                  NULL);
     return point;
 }
 
-/* Algorithm 1 with `count` points on each curve, each pair of them solved well below the error that sampling makes. */
+/* Algorithm 1 with `count` points on each curve, each pair of them solved well below the error that
+ * sampling makes. */
 static void measure_sampling(const struct scene *scene, uint32_t count)
 {
     const struct gd_geodesic_options options = {.tolerance = 1e-8};
@@ -170,12 +184,14 @@ static void measure_sampling(const struct scene *scene, uint32_t count)
 
 static void measure(struct scene scene, uint32_t runs, uint32_t samples)
 {
-    static const uint32_t counts[] = {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 20, 30, 60};
+    static const uint32_t counts[] = {3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                      12, 13, 14, 15, 16, 17, 20, 30, 60};
     static const char *const methods[] = {"one quadratic", "one cubic"};
     measure_spline(&scene, "pieces", NULL, runs);
     for (uint32_t degree = 2; degree <= 3; degree++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-            const struct gd_geodesic_options options = {.degree = degree, .control_points = counts[i]};
+            const struct gd_geodesic_options options = {.degree = degree,
+                                                        .control_points = counts[i]};
             if (counts[i] > degree) measure_spline(&scene, methods[degree - 2], &options, runs);
         }
     }
@@ -188,7 +204,8 @@ int bench_nurbs(char **arguments)
     uint32_t runs = 5, samples = 16;
     while (*arguments) {
         char **before = arguments;
-        if (!bench_take_count(&arguments, "--runs", &runs) || !bench_take_count(&arguments, "--samples", &samples))
+        if (!bench_take_count(&arguments, "--runs", &runs) ||
+            !bench_take_count(&arguments, "--samples", &samples))
             return BENCH_USAGE;
         if (arguments == before) break;
     }

@@ -13,7 +13,8 @@ bool bench_take_word(char ***arguments, const char *word)
     return true;
 }
 
-/* "NAME NUMBER" with a number from `least` to `most`; `*out` is untouched when the name is not there. */
+/* "NAME NUMBER" with a number from `least` to `most`; `*out` is untouched when the name is not
+ * there. */
 static bool take_number(char ***arguments, const char *name, double least, double most, double *out)
 {
     if (!bench_take_word(arguments, name)) return true;
@@ -21,8 +22,9 @@ static bool take_number(char ***arguments, const char *name, double least, doubl
     char *end;
     double value = strtod(text, &end);
     if (end == text || *end || !(value >= least && value <= most)) {
-        fprintf(stderr, "gd_bench: %s must be followed by a number from %.15g to %.15g, not by \"%s\".\n", name, least,
-                most, text);
+        fprintf(stderr,
+                "gd_bench: %s must be followed by a number from %.15g to %.15g, not by \"%s\".\n",
+                name, least, most, text);
         return false;
     }
     ++*arguments;
@@ -30,7 +32,8 @@ static bool take_number(char ***arguments, const char *name, double least, doubl
     return true;
 }
 
-static bool take_whole(char ***arguments, const char *name, double least, double most, uint32_t *out)
+static bool take_whole(char ***arguments, const char *name, double least, double most,
+                       uint32_t *out)
 {
     double value = *out;
     if (!take_number(arguments, name, least, most, &value)) return false;
@@ -48,7 +51,9 @@ bool bench_take_count(char ***arguments, const char *name, uint32_t *count)
 bool bench_arguments_end(char **arguments, bool wants_mesh)
 {
     if (*arguments && **arguments == '-') {
-        fprintf(stderr, "gd_bench: there is no option \"%s\" here; gd_bench alone lists what there is.\n", *arguments);
+        fprintf(stderr,
+                "gd_bench: there is no option \"%s\" here; gd_bench alone lists what there is.\n",
+                *arguments);
         return false;
     }
     if (wants_mesh && !*arguments) {
@@ -64,7 +69,8 @@ bool bench_take_cpu(char ***arguments)
     const char *name = **arguments ? **arguments : "";
     if (gd_cpu_select(name)) {
         fprintf(stderr,
-                "gd_bench: --cpu wants auto, baseline, avx2 or avx512, and one that this machine has, not \"%s\".\n",
+                "gd_bench: --cpu wants auto, baseline, avx2 or avx512, and one that this machine "
+                "has, not \"%s\".\n",
                 name);
         return false;
     }
@@ -72,7 +78,8 @@ bool bench_take_cpu(char ***arguments)
     return true;
 }
 
-/* Keeps the process on one processor; false, after a sentence, where there is none of that number. */
+/* Keeps the process on one processor; false, after a sentence, where there is none of that number.
+ */
 static bool pin(uint32_t cpu)
 {
     cpu_set_t set;
@@ -95,7 +102,8 @@ bool bench_take_options(char ***arguments, struct bench_options *options)
             !take_whole(arguments, "--pin", 0, CPU_SETSIZE - 1, &cpu) ||
             !take_whole(arguments, "--subdivide", 0, 8, &options->levels) ||
             !take_whole(arguments, "--threads", 1, 64, &options->threads) ||
-            !take_whole(arguments, "--landmarks", 1, 16, &options->landmarks) || !bench_take_cpu(arguments) ||
+            !take_whole(arguments, "--landmarks", 1, 16, &options->landmarks) ||
+            !bench_take_cpu(arguments) ||
             !take_number(arguments, "--noise", 0, 10, &options->noise))
             return false;
     } while (*arguments != before);

@@ -5,13 +5,14 @@
 #include "gd/query.h"
 #include "tests/bench/bench.h"
 
-static double time_pair(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks, const struct gd_point *from,
-                        const struct gd_point *to)
+static double time_pair(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks,
+                        const struct gd_point *from, const struct gd_point *to)
 {
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
     uint64_t start = gd_now_ns();
-    enum gd_status status = gd_pair_solve(mesh, from, to, false, landmarks, bench_control(), &answer, &detail);
+    enum gd_status status =
+        gd_pair_solve(mesh, from, to, false, landmarks, bench_control(), &answer, &detail);
     double ms = bench_ms_since(start);
     bench_require(status, &detail);
     gd_pair_answer_free(&answer);
@@ -19,7 +20,8 @@ static double time_pair(const struct gd_mesh *mesh, const struct gd_landmarks *l
 }
 
 /* Every run is a fresh pair; the process' first one is solved once more as the first run. */
-static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+static void measure(const char *name, const struct gd_mesh *mesh,
+                    const struct bench_options *options)
 {
     uint32_t pairs = options->runs;
     double *ms = bench_allocate(sizeof *ms * pairs), first_ms = 0, landmarks_ms = 0;
@@ -27,7 +29,8 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
     struct gd_landmarks *landmarks = NULL;
     if (options->landmarks) {
         uint64_t start = gd_now_ns();
-        bench_require(gd_landmarks_build(mesh, options->landmarks, bench_control(), &landmarks), NULL);
+        bench_require(gd_landmarks_build(mesh, options->landmarks, bench_control(), &landmarks),
+                      NULL);
         landmarks_ms = bench_ms_since(start);
     }
     for (uint32_t i = 0; i < pairs; i++) {

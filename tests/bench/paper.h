@@ -1,5 +1,5 @@
-/* The paper's models and what its tables print about them: Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based
- * data structures", Tables 1 to 4. */
+/* The paper's models and what its tables print about them: Y.-J. Liu, "Exact geodesic metric in
+ * 2-manifold triangle meshes using edge-based data structures", Tables 1 to 4. */
 #ifndef TESTS_BENCH_PAPER_H
 #define TESTS_BENCH_PAPER_H
 

@@ -70,8 +70,8 @@ static bool take_number(const struct course *course, bool of_face, char ***argum
     unsigned long value = strtoul(text, &end, 10);
     uint32_t count = of_face ? course->faces : course->vertices;
     if (end == text || *end || value >= count) {
-        fprintf(stderr, "%s: \"%s\" is no %s: they are numbered from 0 to %u.\n", course->peer->name, text,
-                of_face ? "face" : "vertex", count - 1);
+        fprintf(stderr, "%s: \"%s\" is no %s: they are numbered from 0 to %u.\n",
+                course->peer->name, text, of_face ? "face" : "vertex", count - 1);
         return false;
     }
     *out = (uint32_t)value;
@@ -83,10 +83,11 @@ static int run_all(const struct course *course, const struct question *question,
     while (*arguments) {
         uint32_t numbers[2];
         for (uint32_t i = 0; i < question->arguments; i++)
-            if (!take_number(course, question->of_faces, &arguments, &numbers[i])) return BENCH_USAGE;
+            if (!take_number(course, question->of_faces, &arguments, &numbers[i]))
+                return BENCH_USAGE;
         if (!question->answer(course, numbers)) {
-            fprintf(stderr, "%s: no answer from %s %u.\n", course->peer->name, question->of_faces ? "face" : "vertex",
-                    numbers[0]);
+            fprintf(stderr, "%s: no answer from %s %u.\n", course->peer->name,
+                    question->of_faces ? "face" : "vertex", numbers[0]);
             return EXIT_FAILURE;
         }
         fflush(stdout);
@@ -102,7 +103,8 @@ static double mean_edge(const struct gd_polygons *triangles)
     for (uint32_t i = 0; i < sides; i++) {
         const double *a = triangles->positions[triangles->corners[i]],
                      *b = triangles->positions[triangles->corners[i % 3 == 2 ? i - 2 : i + 1]];
-        sum += sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+        sum += sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                    (a[2] - b[2]) * (a[2] - b[2]));
     }
     return sum / sides;
 }

@@ -1,15 +1,20 @@
-/* Peer: the protocol by which exact solvers are raced, the same for the engine, CGAL, and programs built elsewhere.
+/* Peer: the protocol by which exact solvers are raced, the same for the engine, CGAL, and programs
+ * built elsewhere.
  *
  *     PROGRAM mesh.obj SOURCE...        a line {"field_ms":…,"cpu_ms":…,"sum":…} for each source
  *     PROGRAM --pair mesh.obj S T ...   a line {"pair_ms":…,"cpu_ms":…,"distance":…} for each pair
- *     PROGRAM --trace mesh.obj FACE...  a line {"trace_ms":…,"cpu_ms":…,"crossings":…,"ends":…} for each face
+ *     PROGRAM --trace mesh.obj FACE...  a line {"trace_ms":…,"cpu_ms":…,"crossings":…,"ends":…} for
+ * each face
  *
- * Vertices and faces are numbered from 0 in the file's order; every vertex belongs to a face, and the mesh is one oriented 2-manifold of triangles
- * (gd_bench export writes such files). Timed are: the distances of all vertices from the source, with whatever the solver keeps to answer
- * later questions; or the distance of the two; or PEER_LINES straightest geodesics with their paths, from the middle of the face in directions that part a whole turn
- * equally, the first being the face's first edge, PEER_LINE_EDGES mean edges long. Reading the file, building the mesh and freeing an answer are not. `sum` is that of all
- * distances, `ends` that of the three coordinates of all ends, `crossings` of edges are points of the paths but for both ends: those that are right agree on them. A
- * program that does not do what is asked, or gets no arguments, ends with status 2. */
+ * Vertices and faces are numbered from 0 in the file's order; every vertex belongs to a face, and
+ * the mesh is one oriented 2-manifold of triangles (gd_bench export writes such files). Timed are:
+ * the distances of all vertices from the source, with whatever the solver keeps to answer later
+ * questions; or the distance of the two; or PEER_LINES straightest geodesics with their paths, from
+ * the middle of the face in directions that part a whole turn equally, the first being the face's
+ * first edge, PEER_LINE_EDGES mean edges long. Reading the file, building the mesh and freeing an
+ * answer are not. `sum` is that of all distances, `ends` that of the three coordinates of all ends,
+ * `crossings` of edges are points of the paths but for both ends: those that are right agree on
+ * them. A program that does not do what is asked, or gets no arguments, ends with status 2. */
 #ifndef TESTS_BENCH_PEER_H
 #define TESTS_BENCH_PEER_H
 

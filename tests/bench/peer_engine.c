@@ -1,4 +1,5 @@
-/* gd_bench peer: the engine in the race. A field is built whole, with its compact wedges; a pair is solved from nothing. */
+/* gd_bench peer: the engine in the race. A field is built whole, with its compact wedges; a pair is
+ * solved from nothing. */
 #include <stdlib.h>
 
 #include "gd/query.h"
@@ -24,7 +25,8 @@ static struct gd_point at_vertex(const struct engine *engine, uint32_t vertex)
 {
     struct gd_point point = {0};
     struct gd_detail detail = {0};
-    bench_require(gd_point_at_vertex(engine->mesh, (struct gd_vertex){vertex}, &point, &detail), &detail);
+    bench_require(gd_point_at_vertex(engine->mesh, (struct gd_vertex){vertex}, &point, &detail),
+                  &detail);
     return point;
 }
 
@@ -33,7 +35,8 @@ static bool field(void *surface, uint32_t source, double *out)
     struct engine *engine = surface;
     struct gd_seed seed = {.point = at_vertex(engine, source)};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    if (gd_field_build(engine->mesh, &request, bench_control(), NULL, &engine->field, NULL)) return false;
+    if (gd_field_build(engine->mesh, &request, bench_control(), NULL, &engine->field, NULL))
+        return false;
     gd_field_vertex_distances(engine->field, out);
     return true;
 }
@@ -43,14 +46,15 @@ static bool pair(void *surface, uint32_t from, uint32_t to, double *out)
     struct engine *engine = surface;
     struct gd_point a = at_vertex(engine, from), b = at_vertex(engine, to);
     struct gd_pair_answer answer = {0};
-    if (gd_pair_solve(engine->mesh, &a, &b, false, NULL, bench_control(), &answer, NULL)) return false;
+    if (gd_pair_solve(engine->mesh, &a, &b, false, NULL, bench_control(), &answer, NULL))
+        return false;
     *out = answer.distance;
     gd_pair_answer_free(&answer);
     return true;
 }
 
-static bool trace_line(const struct gd_mesh *mesh, const struct gd_point *from, double angle, double length,
-                       struct peer_lines *out)
+static bool trace_line(const struct gd_mesh *mesh, const struct gd_point *from, double angle,
+                       double length, struct peer_lines *out)
 {
     struct gd_direction ahead;
     struct gd_trace trace;
@@ -70,7 +74,8 @@ static bool trace(void *surface, uint32_t face, double length, struct peer_lines
     const double thirds[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
     if (gd_point_in_face(engine->mesh, (struct gd_face){face}, thirds, &middle, NULL)) return false;
     for (int i = 0; i < PEER_LINES; i++)
-        if (!trace_line(engine->mesh, &middle, 2 * M_PI * i / PEER_LINES, length, out)) return false;
+        if (!trace_line(engine->mesh, &middle, 2 * M_PI * i / PEER_LINES, length, out))
+            return false;
     return true;
 }
 
@@ -91,6 +96,7 @@ static void release(void *surface)
 
 int bench_peer(char **arguments)
 {
-    static const struct peer engine = {"gd_bench peer", create, field, pair, trace, forget, release};
+    static const struct peer engine = {"gd_bench peer", create, field,  pair,
+                                       trace,           forget, release};
     return bench_take_cpu(&arguments) ? peer_run(&engine, arguments) : 2;
 }

@@ -1,5 +1,6 @@
-/* gd_bench_geometry_central: geometry-central in the race, see peer.h: fields by its exact solver, lines by traceGeodesic. It is built where GEOMETRY_CENTRAL names
- * its source, with its library in GEOMETRY_CENTRAL/build/src (see the Makefile). */
+/* gd_bench_geometry_central: geometry-central in the race, see peer.h: fields by its exact solver,
+ * lines by traceGeodesic. It is built where GEOMETRY_CENTRAL names its source, with its library in
+ * GEOMETRY_CENTRAL/build/src (see the Makefile). */
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -28,13 +29,16 @@ void *create(const gd_polygons *triangles)
     std::vector<Vector3> positions(triangles->position_count);
     std::vector<std::vector<size_t>> faces(triangles->polygon_count);
     for (size_t i = 0; i < positions.size(); i++)
-        positions[i] = {triangles->positions[i][0], triangles->positions[i][1], triangles->positions[i][2]};
+        positions[i] = {triangles->positions[i][0], triangles->positions[i][1],
+                        triangles->positions[i][2]};
     for (size_t i = 0; i < faces.size(); i++)
-        faces[i] = {triangles->corners[3 * i], triangles->corners[3 * i + 1], triangles->corners[3 * i + 2]};
+        faces[i] = {triangles->corners[3 * i], triangles->corners[3 * i + 1],
+                    triangles->corners[3 * i + 2]};
     try {
         auto made = std::make_unique<model>();
         std::tie(made->mesh, made->geometry) = makeManifoldSurfaceMeshAndGeometry(faces, positions);
-        made->geometry->requireHalfedgeVectorsInFace(); /* what it would compute at the first line */
+        /* what it would compute at the first line */
+        made->geometry->requireHalfedgeVectorsInFace();
         made->geometry->requireHalfedgeVectorsInVertex();
         made->geometry->requireVertexAngleSums();
         return made.release();
@@ -46,7 +50,8 @@ void *create(const gd_polygons *triangles)
 bool field(void *surface, uint32_t source, double *out)
 {
     auto *at = static_cast<model *>(surface);
-    VertexData<double> distances = exactGeodesicDistance(*at->mesh, *at->geometry, at->mesh->vertex(source));
+    VertexData<double> distances =
+        exactGeodesicDistance(*at->mesh, *at->geometry, at->mesh->vertex(source));
     for (Vertex v : at->mesh->vertices()) out[v.getIndex()] = distances[v];
     return true;
 }
@@ -59,7 +64,8 @@ bool trace(void *surface, uint32_t face, double length, peer_lines *out)
     options.includePath = true;
     for (int i = 0; i < PEER_LINES; i++) {
         double angle = 2 * M_PI * i / PEER_LINES;
-        auto line = traceGeodesic(*at->geometry, middle, Vector2{std::cos(angle), std::sin(angle)} * length, options);
+        auto line = traceGeodesic(*at->geometry, middle,
+                                  Vector2{std::cos(angle), std::sin(angle)} * length, options);
         Vector3 end = line.endPoint.interpolate(at->geometry->vertexPositions);
         out->crossings += line.pathPoints.size() - 2;
         out->ends += end.x + end.y + end.z;
@@ -72,7 +78,8 @@ void release(void *surface)
     delete static_cast<model *>(surface);
 }
 
-const peer geometry_central = {"gd_bench_geometry_central", create, field, nullptr, trace, nullptr, release};
+const peer geometry_central = {
+    "gd_bench_geometry_central", create, field, nullptr, trace, nullptr, release};
 
 } // namespace
 

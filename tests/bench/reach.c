@@ -4,7 +4,8 @@
 #include "tests/bench/ablation.h"
 #include "tests/bench/bench.h"
 
-/* Targets are vertices, one a source from each tenth of the largest distance: pairs drawn blindly would leave the near tenths empty. */
+/* Targets are vertices, one a source from each tenth of the largest distance: pairs drawn blindly
+ * would leave the near tenths empty. */
 
 enum { TENTHS = 10 };
 
@@ -13,8 +14,10 @@ struct reach {
     uint32_t count[TENTHS];
 };
 
-/* A random vertex index whose distance lies in that tenth of `farthest`; GD_NONE when there is none. */
-static uint32_t pick_target(const double *distances, uint32_t count, double farthest, uint32_t tenth, struct rng *rng)
+/* A random vertex index whose distance lies in that tenth of `farthest`; GD_NONE when there is
+ * none. */
+static uint32_t pick_target(const double *distances, uint32_t count, double farthest,
+                            uint32_t tenth, struct rng *rng)
 {
     uint32_t start = rng_below(rng, count);
     for (uint32_t i = 0; i < count; i++) {
@@ -25,8 +28,8 @@ static uint32_t pick_target(const double *distances, uint32_t count, double fart
     return GD_NONE;
 }
 
-static void reach_from(const struct gd_mesh *mesh, enum setting setting, struct rng *rng, double *distances,
-                       struct reach *reach)
+static void reach_from(const struct gd_mesh *mesh, enum setting setting, struct rng *rng,
+                       double *distances, struct reach *reach)
 {
     uint32_t count = gd_mesh_summary(mesh)->index_count;
     struct trial_request request = {.source = bench_random_point(mesh, GD_POINT_FACE, rng),
@@ -50,7 +53,8 @@ static void reach_from(const struct gd_mesh *mesh, enum setting setting, struct 
     }
 }
 
-static void print_medians(const char *name, double *const values[TENTHS], const uint32_t count[TENTHS], const char *end)
+static void print_medians(const char *name, double *const values[TENTHS],
+                          const uint32_t count[TENTHS], const char *end)
 {
     printf("\"%s\":[", name);
     for (int i = 0; i < TENTHS; i++) {
@@ -62,7 +66,8 @@ static void print_medians(const char *name, double *const values[TENTHS], const 
     printf("]%s", end);
 }
 
-void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh, enum setting setting, uint32_t sources)
+void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh,
+                    enum setting setting, uint32_t sources)
 {
     struct reach reach = {0};
     double *values = bench_allocate(sizeof *values * 2 * TENTHS * sources);

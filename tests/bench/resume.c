@@ -1,4 +1,5 @@
-/* gd_bench resume: fields that reach R, a quarter of the way to the farthest vertex, then 2R, then all: each step resumed, and built from nothing. */
+/* gd_bench resume: fields that reach R, a quarter of the way to the farthest vertex, then 2R, then
+ * all: each step resumed, and built from nothing. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -26,7 +27,8 @@ static struct gd_field *resume(const struct gd_field *partial, double radius)
 {
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    bench_require(gd_field_resume(partial, radius, bench_control(), NULL, &field, &detail), &detail);
+    bench_require(gd_field_resume(partial, radius, bench_control(), NULL, &field, &detail),
+                  &detail);
     return field;
 }
 
@@ -36,8 +38,8 @@ static double windows_of(const struct gd_field *field)
 }
 
 /* Resumes the field to the radius and builds the same from nothing; returns the resumed one. */
-static struct gd_field *measure_step(const struct gd_field *partial, const struct gd_seed *seed, double radius,
-                                     struct figures *figures, int step, uint32_t run)
+static struct gd_field *measure_step(const struct gd_field *partial, const struct gd_seed *seed,
+                                     double radius, struct figures *figures, int step, uint32_t run)
 {
     double start = bench_thread_ms();
     struct gd_field *resumed = resume(partial, radius);
@@ -62,8 +64,8 @@ static double farthest_vertex(const struct gd_field *field)
     return farthest;
 }
 
-static void measure_source(const struct gd_mesh *mesh, const struct gd_seed *seed, struct figures *figures,
-                           uint32_t run)
+static void measure_source(const struct gd_mesh *mesh, const struct gd_seed *seed,
+                           struct figures *figures, uint32_t run)
 {
     struct gd_field *whole = build(mesh, seed, 0);
     double radius = farthest_vertex(whole) / 4;
@@ -80,13 +82,15 @@ static void measure_source(const struct gd_mesh *mesh, const struct gd_seed *see
 
 static void print_step(const char *name, struct figures *figures, int step, uint32_t runs)
 {
-    printf("\"%s\":{\"resumed_cpu_ms\":%.2f,\"built_cpu_ms\":%.2f,", name, bench_median(figures->ms[step][0], runs),
-           bench_median(figures->ms[step][1], runs));
-    printf("\"resumed_windows\":%.0f,\"built_windows\":%.0f},", bench_median(figures->windows[step][0], runs),
+    printf("\"%s\":{\"resumed_cpu_ms\":%.2f,\"built_cpu_ms\":%.2f,", name,
+           bench_median(figures->ms[step][0], runs), bench_median(figures->ms[step][1], runs));
+    printf("\"resumed_windows\":%.0f,\"built_windows\":%.0f},",
+           bench_median(figures->windows[step][0], runs),
            bench_median(figures->windows[step][1], runs));
 }
 
-static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+static void measure(const char *name, const struct gd_mesh *mesh,
+                    const struct bench_options *options)
 {
     uint32_t runs = options->runs;
     double *values = bench_allocate((4 * STEPS + 1) * sizeof *values * runs);

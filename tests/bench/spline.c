@@ -1,4 +1,5 @@
-/* gd_bench spline: geodesic Hermite splines at the sizes of the paper's Table 1, through farthest points: made, and looked at. */
+/* gd_bench spline: geodesic Hermite splines at the sizes of the paper's Table 1, through farthest
+ * points: made, and looked at. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,7 +10,8 @@
 
 enum { RUNS = 9, LANDMARKS = 16, SAMPLES = 16 };
 
-/* A mesh of as many vertices as the paper's, and its milliseconds (printed run together there; as smooth.md reads them). */
+/* A mesh of as many vertices as the paper's, and its milliseconds (printed run together there; as
+ * smooth.md reads them). */
 static const struct row {
     const char *mesh;
     uint32_t points;
@@ -22,7 +24,8 @@ static const struct row {
 
 enum { ROWS = sizeof rows / sizeof *rows, POINTS_MOST = 15 };
 
-/* Milliseconds to make the spline: of processor time on one thread; on two by the clock, the least of all runs, since others may be at work beside them. */
+/* Milliseconds to make the spline: of processor time on one thread; on two by the clock, the least
+ * of all runs, since others may be at work beside them. */
 static double build_time(const struct gd_mesh *mesh, const struct gd_spline_request *request)
 {
     double times[RUNS];
@@ -46,9 +49,10 @@ static double sample_time(const struct gd_mesh *mesh, const struct gd_spline_req
     for (int i = 0; i < RUNS; i++) {
         struct gd_spline_line line;
         double start = bench_thread_ms();
-        bench_require(
-            gd_spline_sample(mesh, &spline, &(struct gd_spline_sampling){.per_segment = SAMPLES}, NULL, &line, NULL),
-            NULL);
+        bench_require(gd_spline_sample(mesh, &spline,
+                                       &(struct gd_spline_sampling){.per_segment = SAMPLES}, NULL,
+                                       &line, NULL),
+                      NULL);
         times[i] = bench_thread_ms() - start;
         gd_spline_line_free(&line);
     }
@@ -78,7 +82,9 @@ static void measure(const struct row *row, const struct gd_mesh *mesh)
     double radii[POINTS_MOST];
     struct gd_landmarks *landmarks;
     bench_require(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &start, NULL), NULL);
-    bench_require(gd_sampling_farthest(mesh, &start, row->points, bench_control(), NULL, points, radii, NULL), NULL);
+    bench_require(
+        gd_sampling_farthest(mesh, &start, row->points, bench_control(), NULL, points, radii, NULL),
+        NULL);
     sort_points(mesh, points, row->points);
     bench_require(gd_landmarks_build(mesh, LANDMARKS, bench_control(), &landmarks), NULL);
     struct gd_spline_request request = {.points = points, .count = row->points, .alpha = 0.5};
@@ -88,11 +94,13 @@ static void measure(const struct row *row, const struct gd_mesh *mesh)
     request.executor = bench_executor(2);
     double together = build_time(mesh, &request);
     bench_print_mesh(row->mesh, mesh);
-    printf("\"points\":%u,\"paper_ms\":%g,\"build_ms\":%.3f,\"build_with_landmarks_ms\":%.3f,\"build_on_2_threads_ms\":"
+    printf("\"points\":%u,\"paper_ms\":%g,\"build_ms\":%.3f,\"build_with_landmarks_ms\":%.3f,"
+           "\"build_on_2_threads_ms\":"
            "%.3f,"
            "\"sample_%d_ms\":%.3f,",
            row->points, row->paper_ms, build, guided, together, SAMPLES, sampling);
-    printf("\"times_faster\":%.2f,\"times_faster_on_2_threads\":%.2f,\"times_faster_and_sampled\":%.2f,",
+    printf("\"times_faster\":%.2f,\"times_faster_on_2_threads\":%.2f,\"times_faster_and_sampled\":%"
+           ".2f,",
            row->paper_ms / guided, row->paper_ms / together, row->paper_ms / (together + sampling));
     bench_print_end();
     gd_landmarks_release(landmarks);

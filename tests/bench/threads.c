@@ -1,4 +1,5 @@
-/* An executor of the program's own threads. They wait by looking, as the tasks of one field follow each other within microseconds. */
+/* An executor of the program's own threads. They wait by looking, as the tasks of one field follow
+ * each other within microseconds. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -44,7 +45,8 @@ static void *help(void *unused)
 static uint32_t helpers;
 
 /* The helpers count as tasks, so that none of them still looks at a round when the next begins. */
-static void run(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
+                uint32_t count)
 {
     (void)user;
     job.task = task;

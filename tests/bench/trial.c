@@ -12,7 +12,8 @@ struct recorder {
 };
 
 /* A sink: stops the clock, counts, and keeps the wedges as a field does. */
-static enum gd_status record(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+static enum gd_status record(void *user, struct gd__wavefront *front,
+                             const struct gd_executor *executor)
 {
     struct recorder *recorder = user;
     struct trial *trial = recorder->trial;
@@ -22,7 +23,8 @@ static enum gd_status record(void *user, struct gd__wavefront *front, const stru
     return gd__field_take(recorder->field, front, executor);
 }
 
-/* Wedges of the final stage: as stored, without gaps, and with the chunks of each edge merged into one list. */
+/* Wedges of the final stage: as stored, without gaps, and with the chunks of each edge merged into
+ * one list. */
 static void count_wedges(const struct gd_field *field, struct trial *trial)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -34,7 +36,8 @@ static void count_wedges(const struct gd_field *field, struct trial *trial)
         bench_require(gd_field_wedges(field, a, b, &wedges, &count), NULL);
         free(wedges);
         trial->kept_merged += count;
-        for (uint32_t at = field->newest[edge]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+        for (uint32_t at = field->newest[edge]; at != GD_NONE;
+             at = gd__field_chunk(field, at)->previous) {
             const struct gd__chunk *chunk = gd__field_chunk(field, at);
             for (uint32_t i = 0; i < chunk->count; i++)
                 trial->kept_half += gd__wedge_source(gd__chunk_wedges(chunk).start[i]) != GD_NONE;

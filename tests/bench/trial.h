@@ -8,14 +8,17 @@ struct trial_request {
     struct gd_point source;
     const struct gd_point *target; /* stop when its distance is final; NULL: the whole mesh */
     struct gd__methods methods;
-    double *distances; /* receives the distance at every vertex index, NAN at unreferenced ones; may be NULL */
+    /* receives the distance at every vertex index, NAN at unreferenced ones; may be NULL */
+    double *distances;
 };
 
 struct trial {
-    double ms;                       /* processor time of propagation, without the merge at the end */
-    uint64_t produced;               /* windows offered to the lists */
-    uint64_t propagated;             /* windows propagated across a face */
-    uint64_t kept_half, kept_merged; /* in the end: in the lists of the sides; in one merged list an edge */
+    /* processor time of propagation, without the merge at the end */
+    double ms;
+    uint64_t produced;   /* windows offered to the lists */
+    uint64_t propagated; /* windows propagated across a face */
+    /* in the end: in the lists of the sides; in one merged list an edge */
+    uint64_t kept_half, kept_merged;
 };
 
 /* Ends the program on failure. */

@@ -1,4 +1,5 @@
-/* gd_bench warm: questions to a field that is kept: distances in random order and in order of faces, one by one and as a batch, and paths. */
+/* gd_bench warm: questions to a field that is kept: distances in random order and in order of
+ * faces, one by one and as a batch, and paths. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,7 +11,8 @@ enum { POINTS = 100000, PATHS = 5000 };
 /* Questions a second of each run. */
 struct rates {
     double *random_order, *face_order, *random_batch, *face_batch, *paths;
-    double crossings, traced; /* of all paths together: points but for their two ends; how many there were */
+    /* of all paths together: points but for their two ends; how many there were */
+    double crossings, traced;
 };
 
 static struct gd_field *build_field(const struct gd_mesh *mesh, struct rng *rng)
@@ -18,9 +20,9 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, struct rng *rng)
     struct gd_seed seed = {.point = bench_random_point(mesh, GD_POINT_FACE, rng)};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    bench_require(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
-        &detail);
+    bench_require(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                 NULL, NULL, &field, &detail),
+                  &detail);
     return field;
 }
 
@@ -37,7 +39,8 @@ static double distance_rate(const struct gd_field *field, const struct gd_point 
     return 1e3 * POINTS / ms;
 }
 
-static double batch_rate(const struct gd_field *field, const struct gd_point *points, double *distances)
+static double batch_rate(const struct gd_field *field, const struct gd_point *points,
+                         double *distances)
 {
     uint64_t start = gd_now_ns();
     bench_require(gd_field_distances(field, points, POINTS, NULL, distances), NULL);
@@ -45,7 +48,8 @@ static double batch_rate(const struct gd_field *field, const struct gd_point *po
 }
 
 /* Where the source can't be reached there is no path to count. */
-static double path_rate(const struct gd_field *field, const struct gd_point *points, struct rates *rates)
+static double path_rate(const struct gd_field *field, const struct gd_point *points,
+                        struct rates *rates)
 {
     double before = rates->traced;
     uint64_t start = gd_now_ns();
@@ -68,8 +72,8 @@ static int by_element(const void *a, const void *b)
     return (p->element > q->element) - (p->element < q->element);
 }
 
-static void run(const struct gd_mesh *mesh, uint32_t at, struct rng *rng, struct gd_point *points, double *distances,
-                struct rates *rates)
+static void run(const struct gd_mesh *mesh, uint32_t at, struct rng *rng, struct gd_point *points,
+                double *distances, struct rates *rates)
 {
     struct gd_field *field = build_field(mesh, rng);
     for (uint32_t i = 0; i < POINTS; i++) points[i] = bench_random_point(mesh, GD_POINT_FACE, rng);
@@ -82,10 +86,12 @@ static void run(const struct gd_mesh *mesh, uint32_t at, struct rng *rng, struct
     gd_field_release(field);
 }
 
-static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+static void measure(const char *name, const struct gd_mesh *mesh,
+                    const struct bench_options *options)
 {
     uint32_t runs = options->runs;
-    double *values = bench_allocate(5 * sizeof *values * runs), *distances = bench_allocate(sizeof *distances * POINTS);
+    double *values = bench_allocate(5 * sizeof *values * runs),
+           *distances = bench_allocate(sizeof *distances * POINTS);
     struct rates rates = {.random_order = values,
                           .face_order = values + runs,
                           .random_batch = values + 2 * runs,
@@ -95,8 +101,9 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
     struct rng rng = {6};
     for (uint32_t i = 0; i < runs; i++) run(mesh, i, &rng, points, distances, &rates);
     bench_print_mesh(name, mesh);
-    printf("\"runs\":%u,\"points\":%d,\"distances_per_s\":%.0f,\"distances_per_s_face_order\":%.0f,", runs, POINTS,
-           bench_median(rates.random_order, runs), bench_median(rates.face_order, runs));
+    printf(
+        "\"runs\":%u,\"points\":%d,\"distances_per_s\":%.0f,\"distances_per_s_face_order\":%.0f,",
+        runs, POINTS, bench_median(rates.random_order, runs), bench_median(rates.face_order, runs));
     printf("\"batch_distances_per_s\":%.0f,\"batch_distances_per_s_face_order\":%.0f,",
            bench_median(rates.random_batch, runs), bench_median(rates.face_batch, runs));
     printf("\"paths_per_s\":%.0f,\"crossings_per_path\":%.1f,", bench_median(rates.paths, runs),

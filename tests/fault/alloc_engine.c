@@ -1,10 +1,14 @@
-/* Fails the allocations of the engine, one after the other, in each of its operations (operations.h): a call either says that there is no memory and
- * leaves its output alone, or gives the right answer to the last bit; it holds nothing afterwards that it did not hold before, and works again.
+/* Fails the allocations of the engine, one after the other, in each of its operations
+ * (operations.h): a call either says that there is no memory and leaves its output alone, or gives
+ * the right answer to the last bit; it holds nothing afterwards that it did not hold before, and
+ * works again.
  *
- *     gd_alloc [--short] [--list] [WORD]     operations whose name has that word in it; --list: prints the addresses of the calls that failed
+ *     gd_alloc [--short] [--list] [WORD]     operations whose name has that word in it; --list:
+ * prints the addresses of the calls that failed
  *
- * Each way of calling (stack of return addresses) is failed once, alone, and once with all calls behind it; the long form fails each call by its
- * number, too. A child process does an operation's trials, so that a crash is counted. */
+ * Each way of calling (stack of return addresses) is failed once, alone, and once with all calls
+ * behind it; the long form fails each call by its number, too. A child process does an operation's
+ * trials, so that a crash is counted. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,21 +33,24 @@ static struct tally {
 static bool is_short;
 
 static const struct operations *const suites[] = {
-    &file_operations, &mesh_operations,       &field_operations, &query_operations, &curve_operations,
-    &line_operations, &parametric_operations, &limit_operations, &json_operations,  &picture_operations,
+    &file_operations,  &mesh_operations,    &field_operations,      &query_operations,
+    &curve_operations, &line_operations,    &parametric_operations, &limit_operations,
+    &json_operations,  &picture_operations,
 };
 
-/* --- one trial --------------------------------------------------------------------------------------------------------------------- */
+/* --- one trial -------------------------------------------------------------------------------- */
 
 static unsigned char out[OUT_MOST] __attribute__((aligned(64)));
 
 static void say(const struct operation *operation, const char *what)
 {
-    if (tally->leaks + tally->wrong <= SHOWN) printf("wrong: %s, %s: %s\n", operation->name, tally->trial, what);
+    if (tally->leaks + tally->wrong <= SHOWN)
+        printf("wrong: %s, %s: %s\n", operation->name, tally->trial, what);
     fflush(stdout);
 }
 
-static void judge(bool is_right, unsigned long *count, const struct operation *operation, const char *what)
+static void judge(bool is_right, unsigned long *count, const struct operation *operation,
+                  const char *what)
 {
     if (is_right) return;
     ++*count;
@@ -67,7 +74,8 @@ static struct result look_at(const struct operation *operation, enum gd_status s
 {
     struct digest digest = {0xcbf29ce484222325u};
     if (status) {
-        judge(is_untouched(operation->answer->size), &tally->wrong, operation, "its output was touched");
+        judge(is_untouched(operation->answer->size), &tally->wrong, operation,
+              "its output was touched");
         return (struct result){status, 0};
     }
     operation->answer->digest(&digest, out);
@@ -81,11 +89,14 @@ static struct result run_fine(const struct operation *operation)
     return look_at(operation, operation->run(out));
 }
 
-static void expect(struct result expected, struct result got, const struct operation *operation, const char *when)
+static void expect(struct result expected, struct result got, const struct operation *operation,
+                   const char *when)
 {
     char what[100];
-    snprintf(what, sizeof what, "%s%s", got.status ? gd_status_name(got.status) : "another answer", when);
-    judge(got.status == expected.status && got.digest == expected.digest, &tally->wrong, operation, what);
+    snprintf(what, sizeof what, "%s%s", got.status ? gd_status_name(got.status) : "another answer",
+             when);
+    judge(got.status == expected.status && got.digest == expected.digest, &tally->wrong, operation,
+          what);
 }
 
 static void settle(const struct operation *operation)
@@ -95,7 +106,8 @@ static void settle(const struct operation *operation)
 }
 
 /* Runs it with the order; did a call fail? */
-static bool try_one(const struct operation *operation, struct result expected, struct allocator_order order)
+static bool try_one(const struct operation *operation, struct result expected,
+                    struct allocator_order order)
 {
     settle(operation);
     struct allocator_live before = allocator_live();
@@ -111,12 +123,13 @@ static bool try_one(const struct operation *operation, struct result expected, s
     if (operation->settle) expect(expected, run_fine(operation), operation, " afterwards");
     settle(operation);
     struct allocator_live after = allocator_live();
-    judge(after.blocks == before.blocks && after.mapped == before.mapped, &tally->leaks, operation, "memory is left");
+    judge(after.blocks == before.blocks && after.mapped == before.mapped, &tally->leaks, operation,
+          "memory is left");
     tally->trials += has_failed;
     return has_failed;
 }
 
-/* --- all of one operation ------------------------------------------------------------------------------------------- */
+/* --- all of one operation --------------------------------------------------------------------- */
 
 /* Trials by an order until no call fails any more. */
 static void try_each(const struct operation *operation, struct result expected, const char *kind,
@@ -135,10 +148,12 @@ static void try_all(const struct operation *operation)
 {
     strcpy(tally->trial, "nothing fails");
     struct result expected = run_fine(operation);
-    judge(expected.status == operation->status, &tally->wrong, operation, gd_status_name(expected.status));
+    judge(expected.status == operation->status, &tally->wrong, operation,
+          gd_status_name(expected.status));
     if (operation->settle) expect(expected, run_fine(operation), operation, " the second time");
     try_each(operation, expected, "way", (struct allocator_order){.fresh = true});
-    try_each(operation, expected, "way and all behind it", (struct allocator_order){.fresh = true, .lasting = true});
+    try_each(operation, expected, "way and all behind it",
+             (struct allocator_order){.fresh = true, .lasting = true});
     if (!is_short) try_each(operation, expected, "call", (struct allocator_order){0});
 }
 
@@ -158,7 +173,7 @@ static void try_in_child(const struct operation *operation)
            WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit");
 }
 
-/* --- all of all -------------------------------------------------------------------------------------------------------------------- */
+/* --- all of all ------------------------------------------------------------------------------- */
 
 /* For addr2line. */
 static void list_sites(void)
@@ -166,19 +181,23 @@ static void list_sites(void)
     extern const char __executable_start[];
     for (uint32_t i = 0; i < STACKS_SLOTS; i++)
         if (tally->book.sites.keys[i])
-            printf("site %lx\n", (unsigned long)(tally->book.sites.keys[i] - 1 - (uintptr_t)__executable_start));
+            printf("site %lx\n",
+                   (unsigned long)(tally->book.sites.keys[i] - 1 - (uintptr_t)__executable_start));
 }
 
 static int report(unsigned operations)
 {
-    unsigned long sites = tally->book.sites.count, faults = tally->crashes + tally->leaks + tally->wrong;
-    printf("# figure {\"promise\": \"allocation failures in the engine, %u operations\", \"asked\": \"0 crashes, 0 "
+    unsigned long sites = tally->book.sites.count,
+                  faults = tally->crashes + tally->leaks + tally->wrong;
+    printf("# figure {\"promise\": \"allocation failures in the engine, %u operations\", "
+           "\"asked\": \"0 crashes, 0 "
            "leaks, 0 wrong answers\", "
-           "\"measured\": \"%lu call sites, %lu failures (%lu refused, the others did without), %lu crashes, %lu "
+           "\"measured\": \"%lu call sites, %lu failures (%lu refused, the others did without), "
+           "%lu crashes, %lu "
            "leaks, %lu wrong answers\", "
            "\"ok\": %s}\n",
-           operations, sites, tally->trials, tally->refused, tally->crashes, tally->leaks, tally->wrong,
-           faults ? "false" : "true");
+           operations, sites, tally->trials, tally->refused, tally->crashes, tally->leaks,
+           tally->wrong, faults ? "false" : "true");
     printf("%s alloc_engine\n", faults || !sites ? "not ok" : "ok");
     return faults || !sites;
 }

@@ -1,5 +1,6 @@
-/* A library to preload, which makes allocations of a whole process fail (its own, its libraries' and libc's) as the file ALLOC_CONTROL says: a
- * struct control, mapped by the process and by who gives the orders (alloc.py). */
+/* A library to preload, which makes allocations of a whole process fail (its own, its libraries'
+ * and libc's) as the file ALLOC_CONTROL says: a struct control, mapped by the process and by who
+ * gives the orders (alloc.py). */
 #include "stacks.h"
 
 #include <dlfcn.h>
@@ -14,7 +15,9 @@ enum order { ORDER_FINE, ORDER_FRESH, ORDER_LASTING };
 
 struct control {
     _Atomic uint32_t
-        order; /* FRESH: the first call that comes by a way by which none has failed; LASTING: and all behind it */
+        /* FRESH: the first call that comes by a way by which none has failed; LASTING: and all
+           behind it */
+        order;
     _Atomic uint32_t failures; /* since the giver of orders set it to 0 */
     _Atomic int64_t blocks;    /* held */
     struct stacks stacks;      /* ways of calling that have failed */
@@ -22,7 +25,8 @@ struct control {
 };
 
 static struct control *control;
-static __thread bool is_inside __attribute__((tls_model("initial-exec"))); /* this file's own calls don't fail */
+/* this file's own calls don't fail */
+static __thread bool is_inside __attribute__((tls_model("initial-exec")));
 
 __attribute__((constructor)) static void open_control(void)
 {
@@ -39,7 +43,8 @@ static __attribute__((noinline)) bool fails(const void *site)
 {
     if (!control || is_inside || control->order == ORDER_FINE) return false;
     is_inside = true;
-    bool failed = control->failures ? control->order == ORDER_LASTING : stacks_add(&control->stacks, stacks_here());
+    bool failed = control->failures ? control->order == ORDER_LASTING
+                                    : stacks_add(&control->stacks, stacks_here());
     if (failed) {
         stacks_add(&control->sites, (uintptr_t)site);
         control->failures++;

@@ -1,4 +1,5 @@
-/* Allocator: malloc and its kin, mmap and mremap as the engine calls them, which fail on order. The program is linked with --wrap. */
+/* Allocator: malloc and its kin, mmap and mremap as the engine calls them, which fail on order. The
+ * program is linked with --wrap. */
 #ifndef TESTS_FAULT_ALLOCATOR_H
 #define TESTS_FAULT_ALLOCATOR_H
 

@@ -1,16 +1,18 @@
-/* Inject: a library to preload, which makes the disk under INJECT_ROOT, the sockets and the clock fail as the file INJECT_ORDER says:
+/* Inject: a library to preload, which makes the disk under INJECT_ROOT, the sockets and the clock
+ * fail as the file INJECT_ORDER says:
  *
- *     fsync N     the N-th fsync from now on fails, with EIO; those after it succeed, as Linux has it
- *     full N      from the N-th write from now on there is no room: what would make a file larger fails with ENOSPC, until
- *                 removed files have made room
- *     eio N       the N-th call that opens, reads, writes, renames, links, removes, makes or cuts a file fails, with EIO
- *     short N     every N-th read or write is interrupted (EINTR), and the others get half of what is asked for, as disks may have it
- *     reset N     the N-th send or receive finds that the client is gone (ECONNRESET), accepting that there is none (ECONNABORTED)
- *     clock N     the time of day is N seconds later, or earlier
- *     slow N      each fsync, and each removal of a file, takes N milliseconds longer
- *     fine        nothing fails
+ *     fsync N     the N-th fsync from now on fails, with EIO; those after it succeed, as Linux has
+ * it full N      from the N-th write from now on there is no room: what would make a file larger
+ * fails with ENOSPC, until removed files have made room eio N       the N-th call that opens,
+ * reads, writes, renames, links, removes, makes or cuts a file fails, with EIO short N     every
+ * N-th read or write is interrupted (EINTR), and the others get half of what is asked for, as disks
+ * may have it reset N     the N-th send or receive finds that the client is gone (ECONNRESET),
+ * accepting that there is none (ECONNABORTED) clock N     the time of day is N seconds later, or
+ * earlier slow N      each fsync, and each removal of a file, takes N milliseconds longer fine
+ * nothing fails
  *
- * "From now on" begins when the order changes. The first failure of an order leaves a file INJECT_ORDER.fired. */
+ * "From now on" begins when the order changes. The first failure of an order leaves a file
+ * INJECT_ORDER.fired. */
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
@@ -31,8 +33,8 @@ static char order[64];
 static long countdown; /* calls until the failure begins */
 static long long room; /* bytes, once the disk is full */
 
-#define REAL(type, name, ...)                                                                                          \
-    static type (*real_##name)(__VA_ARGS__);                                                                           \
+#define REAL(type, name, ...)                                                                      \
+    static type (*real_##name)(__VA_ARGS__);                                                       \
     if (!real_##name) real_##name = (type(*)(__VA_ARGS__))dlsym(RTLD_NEXT, #name)
 
 static int is_ours(const char *path)
@@ -87,7 +89,7 @@ static void dawdle(void)
     if (milliseconds) usleep((useconds_t)milliseconds * 1000);
 }
 
-/* --- fsync -------------------------------------------------------------------------------------------------------- */
+/* --- fsync ------------------------------------------------------------------------------------ */
 
 static int fails(int file)
 {
@@ -101,17 +103,17 @@ static int fails(int file)
     return failed;
 }
 
-#define SYNC(name)                                                                                                     \
-    int name(int file)                                                                                                 \
-    {                                                                                                                  \
-        REAL(int, name, int);                                                                                          \
-        return fails(file) ? -1 : real_##name(file);                                                                   \
+#define SYNC(name)                                                                                 \
+    int name(int file)                                                                             \
+    {                                                                                              \
+        REAL(int, name, int);                                                                      \
+        return fails(file) ? -1 : real_##name(file);                                               \
     }
 
 SYNC(fsync)
 SYNC(fdatasync)
 
-/* --- single calls ------------------------------------------------------------------------------------------------- */
+/* --- single calls ----------------------------------------------------------------------------- */
 
 /* Does the order of that kind come to its call now? */
 static int is_due(const char *kind)
@@ -144,44 +146,44 @@ static size_t part_of(int file, size_t size)
     return interrupted ? 0 : is_short ? size / 2 : size;
 }
 
-#define BY_PATH(name)                                                                                                  \
-    int name(const char *path)                                                                                         \
-    {                                                                                                                  \
-        REAL(int, name, const char *);                                                                                 \
-        return breaks(is_ours(path)) ? -1 : real_##name(path);                                                         \
+#define BY_PATH(name)                                                                              \
+    int name(const char *path)                                                                     \
+    {                                                                                              \
+        REAL(int, name, const char *);                                                             \
+        return breaks(is_ours(path)) ? -1 : real_##name(path);                                     \
     }
 
-#define BY_TWO_PATHS(name)                                                                                             \
-    int name(const char *from, const char *to)                                                                         \
-    {                                                                                                                  \
-        REAL(int, name, const char *, const char *);                                                                   \
-        return breaks(is_ours(to)) ? -1 : real_##name(from, to);                                                       \
+#define BY_TWO_PATHS(name)                                                                         \
+    int name(const char *from, const char *to)                                                     \
+    {                                                                                              \
+        REAL(int, name, const char *, const char *);                                               \
+        return breaks(is_ours(to)) ? -1 : real_##name(from, to);                                   \
     }
 
-#define CUT(name)                                                                                                      \
-    int name(int file, off_t size)                                                                                     \
-    {                                                                                                                  \
-        REAL(int, name, int, off_t);                                                                                   \
-        return breaks(is_our_file(file)) ? -1 : real_##name(file, size);                                               \
+#define CUT(name)                                                                                  \
+    int name(int file, off_t size)                                                                 \
+    {                                                                                              \
+        REAL(int, name, int, off_t);                                                               \
+        return breaks(is_our_file(file)) ? -1 : real_##name(file, size);                           \
     }
 
-#define OPEN(name)                                                                                                     \
-    int name(const char *path, int flags, ...)                                                                         \
-    {                                                                                                                  \
-        REAL(int, name, const char *, int, ...);                                                                       \
-        va_list arguments;                                                                                             \
-        va_start(arguments, flags);                                                                                    \
-        mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;                                                 \
-        va_end(arguments);                                                                                             \
-        return breaks(is_ours(path)) ? -1 : real_##name(path, flags, mode);                                            \
+#define OPEN(name)                                                                                 \
+    int name(const char *path, int flags, ...)                                                     \
+    {                                                                                              \
+        REAL(int, name, const char *, int, ...);                                                   \
+        va_list arguments;                                                                         \
+        va_start(arguments, flags);                                                                \
+        mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;                             \
+        va_end(arguments);                                                                         \
+        return breaks(is_ours(path)) ? -1 : real_##name(path, flags, mode);                        \
     }
 
-#define PREAD(name)                                                                                                    \
-    ssize_t name(int file, void *bytes, size_t size, off_t at)                                                         \
-    {                                                                                                                  \
-        REAL(ssize_t, name, int, void *, size_t, off_t);                                                               \
-        size_t part = breaks(is_our_file(file)) ? 0 : part_of(file, size);                                             \
-        return part || !size ? real_##name(file, bytes, part, at) : -1;                                                \
+#define PREAD(name)                                                                                \
+    ssize_t name(int file, void *bytes, size_t size, off_t at)                                     \
+    {                                                                                              \
+        REAL(ssize_t, name, int, void *, size_t, off_t);                                           \
+        size_t part = breaks(is_our_file(file)) ? 0 : part_of(file, size);                         \
+        return part || !size ? real_##name(file, bytes, part, at) : -1;                            \
     }
 
 BY_PATH(rmdir)
@@ -213,7 +215,7 @@ ssize_t read(int file, void *bytes, size_t size)
     return part || !size ? real_read(file, bytes, part) : -1;
 }
 
-/* --- sockets and the clock ---------------------------------------------------------------------------------------- */
+/* --- sockets and the clock -------------------------------------------------------------------- */
 
 static int resets(int error)
 {
@@ -234,11 +236,12 @@ ssize_t send(int socket, const void *bytes, size_t size, int flags)
     return resets(ECONNRESET) ? -1 : real_send(socket, bytes, size, flags);
 }
 
-ssize_t recvfrom(int socket, void *restrict bytes, size_t size, int flags, struct sockaddr *restrict address,
-                 socklen_t *restrict address_size)
+ssize_t recvfrom(int socket, void *restrict bytes, size_t size, int flags,
+                 struct sockaddr *restrict address, socklen_t *restrict address_size)
 {
     REAL(ssize_t, recvfrom, int, void *, size_t, int, struct sockaddr *, socklen_t *);
-    return resets(ECONNRESET) ? -1 : real_recvfrom(socket, bytes, size, flags, address, address_size);
+    return resets(ECONNRESET) ? -1
+                              : real_recvfrom(socket, bytes, size, flags, address, address_size);
 }
 
 ssize_t sendmsg(int socket, const struct msghdr *message, int flags)
@@ -285,7 +288,7 @@ time_t time(time_t *out)
     return now.tv_sec;
 }
 
-/* --- room --------------------------------------------------------------------------------------------------------- */
+/* --- room ------------------------------------------------------------------------------------- */
 
 /* Is there no room for a write that ends at `end`? */
 static int is_full(int file, long long end)
@@ -314,13 +317,13 @@ ssize_t write(int file, const void *bytes, size_t size)
     return part || !size ? real_write(file, bytes, part) : -1;
 }
 
-#define PWRITE(name)                                                                                                   \
-    ssize_t name(int file, const void *bytes, size_t size, off_t at)                                                   \
-    {                                                                                                                  \
-        REAL(ssize_t, name, int, const void *, size_t, off_t);                                                         \
-        if (is_full(file, (long long)at + (long long)size)) return -1;                                                 \
-        size_t part = breaks(is_our_file(file)) ? 0 : part_of(file, size);                                             \
-        return part || !size ? real_##name(file, bytes, part, at) : -1;                                                \
+#define PWRITE(name)                                                                               \
+    ssize_t name(int file, const void *bytes, size_t size, off_t at)                               \
+    {                                                                                              \
+        REAL(ssize_t, name, int, const void *, size_t, off_t);                                     \
+        if (is_full(file, (long long)at + (long long)size)) return -1;                             \
+        size_t part = breaks(is_our_file(file)) ? 0 : part_of(file, size);                         \
+        return part || !size ? real_##name(file, bytes, part, at) : -1;                            \
     }
 
 PWRITE(pwrite)

@@ -1,14 +1,17 @@
-/* Load: HTTP requests as fast as they are answered, or at a rate whatever the answers (an open loop), from one thread: Python would take the
- * processors away from the daemon that it measures.
+/* Load: HTTP requests as fast as they are answered, or at a rate whatever the answers (an open
+ * loop), from one thread: Python would take the processors away from the daemon that it measures.
  *
  * usage: gd_load PORT FILE CONNECTIONS RATE WARM SECONDS
  *
- * FILE: requests in turn, each its length in bytes as a decimal line and then its bytes. RATE 0: each connection asks again when it is answered. Else
- * requests are due at equal distances, and go out on whichever connection is free; a latency counts from when the request was due. Beside them one
- * connection asks for /livez every ten milliseconds. What comes in the first WARM seconds is not counted.
+ * FILE: requests in turn, each its length in bytes as a decimal line and then its bytes. RATE 0:
+ * each connection asks again when it is answered. Else requests are due at equal distances, and go
+ * out on whichever connection is free; a latency counts from when the request was due. Beside them
+ * one connection asks for /livez every ten milliseconds. What comes in the first WARM seconds is
+ * not counted.
  *
- * Prints one line of JSON: answers by status, {"p50", "p99", "max"} in milliseconds of the answers 2xx, of those 503 and of /livez, the requests
- * that found no connection free and the connections that broke. */
+ * Prints one line of JSON: answers by status, {"p50", "p99", "max"} in milliseconds of the answers
+ * 2xx, of those 503 and of /livez, the requests that found no connection free and the connections
+ * that broke. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -78,7 +81,7 @@ static uint64_t now_ns(void)
     return (uint64_t)time.tv_sec * UINT64_C(1000000000) + (uint64_t)time.tv_nsec;
 }
 
-/* --- what is counted -------------------------------------------------------------------------------------------------- */
+/* --- what is counted -------------------------------------------------------------------------- */
 
 static void add(struct latencies *latencies, double ms)
 {
@@ -115,14 +118,15 @@ static void print_latencies(const char *name, struct latencies *latencies)
     size_t n = latencies->count;
     if (n) qsort(latencies->ms, n, sizeof *latencies->ms, compare);
     printf(", \"%s\": {\"count\": %zu, \"p50\": %.3f, \"p99\": %.3f, \"max\": %.3f}", name, n,
-           n ? latencies->ms[n / 2] : 0, n ? latencies->ms[(n * 99 + 99) / 100 - 1] : 0, n ? latencies->ms[n - 1] : 0);
+           n ? latencies->ms[n / 2] : 0, n ? latencies->ms[(n * 99 + 99) / 100 - 1] : 0,
+           n ? latencies->ms[n - 1] : 0);
 }
 
 static void print_results(void)
 {
     printf("{\"seconds\": %.3f, \"no_connection\": %llu, \"broken\": %llu, \"statuses\": {",
-           (double)(load.end_ns - load.counted_ns) / 1e9, (unsigned long long)load.without_connection,
-           (unsigned long long)load.broken);
+           (double)(load.end_ns - load.counted_ns) / 1e9,
+           (unsigned long long)load.without_connection, (unsigned long long)load.broken);
     const char *comma = "";
     for (unsigned status = 0; status < STATUSES; status++) {
         if (!load.statuses[status]) continue;
@@ -136,14 +140,16 @@ static void print_results(void)
     printf("}\n");
 }
 
-/* --- connections -------------------------------------------------------------------------------------------------------- */
+/* --- connections ------------------------------------------------------------------------------ */
 
 static void join(struct client *client)
 {
     int on = 1;
     client->descriptor = socket(AF_INET, SOCK_STREAM, 0);
     if (client->descriptor < 0) fail("socket");
-    if (connect(client->descriptor, (const struct sockaddr *)&load.address, sizeof load.address) != 0) fail("connect");
+    if (connect(client->descriptor, (const struct sockaddr *)&load.address, sizeof load.address) !=
+        0)
+        fail("connect");
     fcntl(client->descriptor, F_SETFL, O_NONBLOCK);
     setsockopt(client->descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     struct epoll_event event = {.events = EPOLLIN | EPOLLOUT | EPOLLET, .data.ptr = client};
@@ -161,8 +167,8 @@ static void rejoin(struct client *client)
 static void send_rest(struct client *client)
 {
     while (client->is_busy && client->sent < client->asked.size) {
-        ssize_t size = send(client->descriptor, client->asked.bytes + client->sent, client->asked.size - client->sent,
-                            MSG_NOSIGNAL);
+        ssize_t size = send(client->descriptor, client->asked.bytes + client->sent,
+                            client->asked.size - client->sent, MSG_NOSIGNAL);
         if (size < 0 && errno == EAGAIN) return;
         if (size < 0) {
             rejoin(client);
@@ -191,7 +197,8 @@ static struct request next_request(void)
 static void read_head(struct client *client, const char *end)
 {
     const char *length = NULL;
-    client->status = client->have > 12 ? (unsigned)strtoul(client->head + 9, NULL, 10) % STATUSES : 0;
+    client->status =
+        client->have > 12 ? (unsigned)strtoul(client->head + 9, NULL, 10) % STATUSES : 0;
     for (const char *line = client->head; (line = strstr(line, "\r\n")) != NULL && line < end;) {
         line += 2;
         if (strncasecmp(line, "Content-Length:", 15) == 0) length = line + 15;
@@ -243,7 +250,7 @@ static void serve(struct client *client, uint32_t events)
     while (take(client)) continue;
 }
 
-/* --- the loops ------------------------------------------------------------------------------------------------------------ */
+/* --- the loops -------------------------------------------------------------------------------- */
 
 static struct client *find_idle(void)
 {
@@ -285,7 +292,8 @@ static void run(void)
         uint64_t next = ask_due(&due_ns, &probe_ns);
         if (next > load.end_ns) next = load.end_ns;
         uint64_t wait = next > now ? next - now : 0;
-        struct timespec time = {(time_t)(wait / UINT64_C(1000000000)), (long)(wait % UINT64_C(1000000000))};
+        struct timespec time = {(time_t)(wait / UINT64_C(1000000000)),
+                                (long)(wait % UINT64_C(1000000000))};
         int count = epoll_pwait2(load.epoll, events, 256, &time, NULL);
         for (int i = 0; i < count; i++) serve(events[i].data.ptr, events[i].events);
     }
@@ -315,8 +323,9 @@ int main(int argc, char *argv[])
         fprintf(stderr, "usage: gd_load PORT FILE CONNECTIONS RATE WARM SECONDS\n");
         return 2;
     }
-    load.address = (struct sockaddr_in){
-        .sin_family = AF_INET, .sin_port = htons((uint16_t)atoi(argv[1])), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    load.address = (struct sockaddr_in){.sin_family = AF_INET,
+                                        .sin_port = htons((uint16_t)atoi(argv[1])),
+                                        .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     read_requests(argv[2]);
     load.client_count = (size_t)atoi(argv[3]) + 1;
     load.clients = calloc(load.client_count, sizeof *load.clients);

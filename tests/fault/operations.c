@@ -48,7 +48,8 @@ void digest_mesh(struct digest *digest, const struct gd_mesh *mesh)
     }
     for (uint32_t i = 0; i < summary->face_index_count; i++) {
         struct gd_vertex corners[3] = {{GD_NONE}, {GD_NONE}, {GD_NONE}};
-        if (gd_mesh_has_face(mesh, (struct gd_face){i})) gd_mesh_corners(mesh, (struct gd_face){i}, corners);
+        if (gd_mesh_has_face(mesh, (struct gd_face){i}))
+            gd_mesh_corners(mesh, (struct gd_face){i}, corners);
         digest_bytes(digest, corners, sizeof corners);
     }
 }

@@ -1,4 +1,5 @@
-/* Operations: one call of the engine each, over inputs made beforehand, for the sweep of failing allocations (alloc_engine.c). */
+/* Operations: one call of the engine each, over inputs made beforehand, for the sweep of failing
+ * allocations (alloc_engine.c). */
 #ifndef TESTS_FAULT_OPERATIONS_H
 #define TESTS_FAULT_OPERATIONS_H
 
@@ -36,7 +37,8 @@ struct operation {
     const struct answer *answer;
     enum gd_status (*run)(void *out);
     enum gd_status status; /* what comes of it when nothing fails */
-    void (*settle)(void);  /* gives back what the call may leave behind for the next; NULL: nothing */
+    /* gives back what the call may leave behind for the next; NULL: nothing */
+    void (*settle)(void);
 };
 
 /* `open` makes the inputs, which live as long as the program. */
@@ -46,7 +48,8 @@ struct operations {
     uint32_t count;
 };
 
-extern const struct operations file_operations, mesh_operations, field_operations, query_operations, curve_operations,
-    line_operations, parametric_operations, limit_operations, json_operations, picture_operations;
+extern const struct operations file_operations, mesh_operations, field_operations, query_operations,
+    curve_operations, line_operations, parametric_operations, limit_operations, json_operations,
+    picture_operations;
 
 #endif

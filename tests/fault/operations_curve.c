@@ -34,21 +34,26 @@ static void open_curves(void)
     check_ok(sample_torus(8, 6, 2, 0.7, &tube), NULL);
     mesh = test_mesh(&polygons);
     ring = test_mesh(&tube);
-    for (int i = 0; i < PLACES; i++) places[i] = test_point(mesh, test_random_place(&polygons, &rng));
-    open_line = resolve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_POINTS, .points = places, .count = PLACES});
+    for (int i = 0; i < PLACES; i++)
+        places[i] = test_point(mesh, test_random_place(&polygons, &rng));
+    open_line = resolve(mesh, &(struct gd_curve_request){
+                                  .kind = GD_CURVE_POINTS, .points = places, .count = PLACES});
     closed_line = resolve(
-        mesh, &(struct gd_curve_request){.kind = GD_CURVE_POINTS, .points = places, .count = PLACES, .closed = true});
+        mesh, &(struct gd_curve_request){
+                  .kind = GD_CURVE_POINTS, .points = places, .count = PLACES, .closed = true});
     struct gd_point stops[4];
     for (uint32_t i = 0; i < 4; i++)
-        stops[i] = test_point(ring, (struct test_place){.face = i * tube.polygon_count / 4, .weight = {0.3, 0.3, 0.4}});
+        stops[i] = test_point(ring, (struct test_place){.face = i * tube.polygon_count / 4,
+                                                        .weight = {0.3, 0.3, 0.4}});
     around =
-        resolve(ring, &(struct gd_curve_request){.kind = GD_CURVE_POINTS, .points = stops, .count = 4, .closed = true});
+        resolve(ring, &(struct gd_curve_request){
+                          .kind = GD_CURVE_POINTS, .points = stops, .count = 4, .closed = true});
     check_ok(gd_spline_build(mesh, &request, NULL, &spline, NULL), NULL);
     gd_polygons_free(&polygons);
     gd_polygons_free(&tube);
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static void digest_spline(struct digest *digest, const void *out)
 {
@@ -127,7 +132,8 @@ static void digest_cut(struct digest *digest, const void *out)
         const struct gd_polygons *p = &piece->polygons;
         digest_number(digest, piece->area);
         digest_bytes(digest, piece->face_map, piece->face_count * sizeof *piece->face_map);
-        if (p->positions) digest_bytes(digest, p->positions, p->position_count * sizeof *p->positions);
+        if (p->positions)
+            digest_bytes(digest, p->positions, p->position_count * sizeof *p->positions);
     }
 }
 
@@ -139,12 +145,15 @@ static void discard_cut(void *out)
 static const struct answer a_spline = {sizeof(struct gd_spline), digest_spline, discard_spline};
 static const struct answer a_line = {sizeof(struct gd_spline_line), digest_line, discard_line};
 static const struct answer a_curve = {sizeof(struct gd_curve), digest_resolved, discard_resolved};
-static const struct answer a_shortening = {sizeof(struct gd_shortening), digest_shortened, discard_shortened};
-static const struct answer a_resampling = {sizeof(struct gd_resampling), digest_resampled, discard_resampled};
-static const struct answer an_isoline = {sizeof(struct gd_isoline), digest_isoline, discard_isoline};
+static const struct answer a_shortening = {sizeof(struct gd_shortening), digest_shortened,
+                                           discard_shortened};
+static const struct answer a_resampling = {sizeof(struct gd_resampling), digest_resampled,
+                                           discard_resampled};
+static const struct answer an_isoline = {sizeof(struct gd_isoline), digest_isoline,
+                                         discard_isoline};
 static const struct answer a_cut = {sizeof(struct gd_cut), digest_cut, discard_cut};
 
-/* --- calls --------------------------------------------------------------------------------------------------------------- */
+/* --- calls ------------------------------------------------------------------------------------ */
 
 static enum gd_status build_spline(void *out)
 {
@@ -189,7 +198,8 @@ static enum gd_status sample_parameters(void *out)
 
 static enum gd_status spline_as_curve(void *out)
 {
-    return gd_spline_curve(mesh, &request, &(struct gd_spline_sampling){.per_segment = 3}, NULL, out, NULL);
+    return gd_spline_curve(mesh, &request, &(struct gd_spline_sampling){.per_segment = 3}, NULL,
+                           out, NULL);
 }
 
 static enum gd_status shorten_open(void *out)
@@ -230,7 +240,9 @@ static enum gd_status cut_all(void *out)
 
 static enum gd_status cut_inside(void *out)
 {
-    return cut(&(struct gd_cut_request){.curve = &closed_line, .inside = &(struct gd_point){.element = 0}}, out);
+    return cut(
+        &(struct gd_cut_request){.curve = &closed_line, .inside = &(struct gd_point){.element = 0}},
+        out);
 }
 
 static enum gd_status cut_select(void *out)

@@ -31,7 +31,8 @@ static struct gd_mesh *terrain(uint32_t cells, struct gd_polygons *polygons)
 
 static void choose_seeds(void)
 {
-    for (uint32_t i = 0; i < 3; i++) seeds[i] = (struct gd_seed){.point = places[i], .offset = 0.01 * i};
+    for (uint32_t i = 0; i < 3; i++)
+        seeds[i] = (struct gd_seed){.point = places[i], .offset = 0.01 * i};
     struct gd_point a = test_point(mesh, (struct test_place){.face = 5, .weight = {0.2, 0.3, 0.5}}),
                     b = test_point(mesh, (struct test_place){.face = 5, .weight = {0.7, 0.2, 0.1}});
     seeds[3] = (struct gd_seed){.point = a};
@@ -40,7 +41,8 @@ static void choose_seeds(void)
 }
 
 static enum gd_status build_on(const struct gd_mesh *on, struct gd_field_request request,
-                               const struct gd_control *control, const struct gd_executor *executor, void *out)
+                               const struct gd_control *control, const struct gd_executor *executor,
+                               void *out)
 {
     struct gd_detail detail = {0};
     return gd_field_build(on, &request, control, executor, out, &detail);
@@ -59,7 +61,8 @@ static void open_fields(void)
     struct rng rng = {4};
     mesh = terrain(CELLS, &polygons);
     large = terrain(LARGE_CELLS, &large_polygons);
-    for (int i = 0; i < PLACES; i++) places[i] = test_point(mesh, test_random_place(&polygons, &rng));
+    for (int i = 0; i < PLACES; i++)
+        places[i] = test_point(mesh, test_random_place(&polygons, &rng));
     gd_polygons_free(&polygons);
     gd_polygons_free(&large_polygons);
     choose_seeds();
@@ -73,7 +76,7 @@ static void open_fields(void)
     gd_field_write_image(field, image);
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static void digest_field(struct digest *digest, const void *out)
 {
@@ -110,8 +113,9 @@ struct farthest {
 static void digest_farthest(struct digest *digest, const void *out)
 {
     const struct farthest *farthest = out;
-    digest_path(digest, &(struct gd_path){
-                            .length = farthest->distance, .count = 1, .points = (struct gd_point *)&farthest->point});
+    digest_path(digest, &(struct gd_path){.length = farthest->distance,
+                                          .count = 1,
+                                          .points = (struct gd_point *)&farthest->point});
 }
 
 struct wedges {
@@ -122,7 +126,8 @@ struct wedges {
 static void digest_wedges(struct digest *digest, const void *out)
 {
     const struct wedges *wedges = out;
-    for (uint32_t i = 0; i < wedges->count; i++) digest_bytes(digest, &wedges->items[i], 5 * sizeof(double));
+    for (uint32_t i = 0; i < wedges->count; i++)
+        digest_bytes(digest, &wedges->items[i], 5 * sizeof(double));
 }
 
 static void discard_wedges(void *out)
@@ -186,32 +191,38 @@ static const struct answer a_farthest = {sizeof(struct farthest), digest_farthes
 static const struct answer some_wedges = {sizeof(struct wedges), digest_wedges, discard_wedges};
 static const struct answer at_vertices = {sizeof(struct numbers), digest_vertices, NULL};
 static const struct answer at_places = {PLACES * sizeof(double), digest_places, NULL};
-static const struct answer labels = {(CELLS + 1) * (CELLS + 1) * sizeof(uint32_t), digest_labels, NULL};
-static const struct answer an_isoline = {sizeof(struct gd_isoline), digest_isoline, discard_isoline};
+static const struct answer labels = {(CELLS + 1) * (CELLS + 1) * sizeof(uint32_t), digest_labels,
+                                     NULL};
+static const struct answer an_isoline = {sizeof(struct gd_isoline), digest_isoline,
+                                         discard_isoline};
 static const struct answer a_voronoi = {sizeof(struct gd_voronoi), digest_voronoi, discard_voronoi};
 
-/* --- fields -------------------------------------------------------------------------------------------------------------- */
+/* --- fields ----------------------------------------------------------------------------------- */
 
 static enum gd_status build_point(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1}, NULL, NULL, out);
+    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1}, NULL, NULL,
+                    out);
 }
 
 static enum gd_status build_set(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, NULL, out);
+    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL,
+                    NULL, out);
 }
 
 static enum gd_status build_partial(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = 0.2}, NULL, NULL,
-                    out);
+    return build_on(mesh,
+                    (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = 0.2},
+                    NULL, NULL, out);
 }
 
 static enum gd_status build_to_target(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1, .target = &places[9]}, NULL, NULL,
-                    out);
+    return build_on(
+        mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1, .target = &places[9]},
+        NULL, NULL, out);
 }
 
 static enum gd_status build_in_workspace(void *out)
@@ -244,7 +255,8 @@ static void *run_task(void *user)
     return NULL;
 }
 
-static void run_on_threads(void *user, void (*run)(void *context, uint32_t index), void *context, uint32_t count)
+static void run_on_threads(void *user, void (*run)(void *context, uint32_t index), void *context,
+                           uint32_t count)
 {
     pthread_t threads[8];
     struct task tasks[8] = {0};
@@ -262,14 +274,15 @@ static const struct gd_executor two = {.width = 2, .run = run_on_threads};
 static enum gd_status build_on_two(void *out)
 {
     return build_on(large,
-                    (struct gd_field_request){.seeds = &(struct gd_seed){.point = {.element = 100}}, .seed_count = 1},
+                    (struct gd_field_request){.seeds = &(struct gd_seed){.point = {.element = 100}},
+                                              .seed_count = 1},
                     NULL, &two, out);
 }
 
 static enum gd_status build_distances(void *out)
 {
-    return gd_field_distances_only(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, out,
-                                   NULL);
+    return gd_field_distances_only(
+        mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, out, NULL);
 }
 
 static enum gd_status resume(void *out)
@@ -289,7 +302,7 @@ static enum gd_status open_image(void *out)
     return gd_field_open_image(mesh, image, image_size, NULL, NULL, out, &detail);
 }
 
-/* --- questions ----------------------------------------------------------------------------------------------------------- */
+/* --- questions -------------------------------------------------------------------------------- */
 
 static enum gd_status many_distances(void *out)
 {

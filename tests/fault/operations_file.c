@@ -18,9 +18,10 @@ struct text {
 
 static struct text files[GD_FORMAT_GLTF + 1];
 
-static const char tagged[] = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
-                             "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
-                             "t crease 3/1/0 0 1 3 2.5\nt corner 1/1/0 7 3\nt interpolateboundary 1/0/0 1\n";
+static const char tagged[] =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+    "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+    "t crease 3/1/0 0 1 3 2.5\nt corner 1/1/0 7 3\nt interpolateboundary 1/0/0 1\n";
 static const char text_ply[] =
     "ply\nformat ascii 1.0\ncomment none\nelement vertex 4\nproperty float x\nproperty float y\n"
     "property float z\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\n"
@@ -35,7 +36,9 @@ static void open_files(void)
     check_ok(sample_terrain(10, 0.4, 7, &polygons), NULL);
     check_ok(gd_read_polygons(tagged, strlen(tagged), GD_FORMAT_OBJ, NULL, &quads, NULL), NULL);
     for (int format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++)
-        check_ok(gd_write_polygons(&polygons, (enum gd_format)format, &files[format].bytes, &files[format].size), NULL);
+        check_ok(gd_write_polygons(&polygons, (enum gd_format)format, &files[format].bytes,
+                                   &files[format].size),
+                 NULL);
 }
 
 static void digest_polygons(struct digest *digest, const void *out)
@@ -73,8 +76,10 @@ static void discard_text(void *out)
     free(((struct text *)out)->bytes);
 }
 
-static const struct answer read_polygons = {sizeof(struct gd_polygons), digest_polygons, discard_polygons};
-static const struct answer read_control = {sizeof(struct gd_control_mesh), digest_control_mesh, discard_control_mesh};
+static const struct answer read_polygons = {sizeof(struct gd_polygons), digest_polygons,
+                                            discard_polygons};
+static const struct answer read_control = {sizeof(struct gd_control_mesh), digest_control_mesh,
+                                           discard_control_mesh};
 static const struct answer written = {sizeof(struct text), digest_text, discard_text};
 
 static enum gd_status read_text(const void *bytes, size_t size, enum gd_format format, void *out)
@@ -83,15 +88,16 @@ static enum gd_status read_text(const void *bytes, size_t size, enum gd_format f
     return gd_read_polygons(bytes, size, format, NULL, out, &detail);
 }
 
-#define FORMAT(NAME, name)                                                                                             \
-    static enum gd_status read_##name(void *out)                                                                       \
-    {                                                                                                                  \
-        return read_text(files[GD_FORMAT_##NAME].bytes, files[GD_FORMAT_##NAME].size, GD_FORMAT_ANY, out);             \
-    }                                                                                                                  \
-    static enum gd_status write_##name(void *out)                                                                      \
-    {                                                                                                                  \
-        struct text *text = out;                                                                                       \
-        return gd_write_polygons(&polygons, GD_FORMAT_##NAME, &text->bytes, &text->size);                              \
+#define FORMAT(NAME, name)                                                                         \
+    static enum gd_status read_##name(void *out)                                                   \
+    {                                                                                              \
+        return read_text(files[GD_FORMAT_##NAME].bytes, files[GD_FORMAT_##NAME].size,              \
+                         GD_FORMAT_ANY, out);                                                      \
+    }                                                                                              \
+    static enum gd_status write_##name(void *out)                                                  \
+    {                                                                                              \
+        struct text *text = out;                                                                   \
+        return gd_write_polygons(&polygons, GD_FORMAT_##NAME, &text->bytes, &text->size);          \
     }
 
 FORMAT(OBJ, obj)

@@ -6,13 +6,14 @@
 #include "proto/decode.h"
 #include "proto/set.h"
 
-static const char text[] = "{\"points\":[{\"xyz\":[0.1234567890123456789,1e-300,-2.5],\"max_snap\":"
-                           "12345678901234567890,\"label\":\"a label of some length, "
-                           "\\u00e9\\ud83d\\ude00 and escapes: \\\"\\\\\\n\\t, so that the buffer of the parser grows "
-                           "more than once\",\"offset\":0.25},{\"vertex\":3}],"
-                           "\"curves\":[{\"points\":[{\"vertex\":1},{\"edge\":[1,2],\"t\":0.5}],\"closed\":true,"
-                           "\"label\":\"c\"}],\"boundaries\":[0,{\"boundary\":1,"
-                           "\"offset\":2}]}";
+static const char text[] =
+    "{\"points\":[{\"xyz\":[0.1234567890123456789,1e-300,-2.5],\"max_snap\":"
+    "12345678901234567890,\"label\":\"a label of some length, "
+    "\\u00e9\\ud83d\\ude00 and escapes: \\\"\\\\\\n\\t, so that the buffer of the parser grows "
+    "more than once\",\"offset\":0.25},{\"vertex\":3}],"
+    "\"curves\":[{\"points\":[{\"vertex\":1},{\"edge\":[1,2],\"t\":0.5}],\"closed\":true,"
+    "\"label\":\"c\"}],\"boundaries\":[0,{\"boundary\":1,"
+    "\"offset\":2}]}";
 
 static json_t *document, *curve;
 
@@ -20,13 +21,16 @@ static void open_json(void)
 {
     struct proto_problem problem;
     document = proto_decode_document(text, strlen(text), &problem);
-    static const char line[] = "{\"curve\":{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"closed\":true}}";
+    static const char line[] =
+        "{\"curve\":{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"closed\":true}}";
     curve = proto_decode_document(line, strlen(line), &problem);
 }
 
 static enum gd_status status_of(bool ok, const struct proto_problem *problem)
 {
-    return ok ? GD_OK : problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY ? GD_NO_MEMORY : GD_SYNTAX;
+    return ok                                                   ? GD_OK
+           : problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY ? GD_NO_MEMORY
+                                                                : GD_SYNTAX;
 }
 
 static void digest_document(struct digest *digest, const void *out)

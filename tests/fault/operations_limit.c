@@ -13,8 +13,9 @@ enum { PLACES = 6 };
 static struct gd_control_mesh cube, prism, octahedron, sheet;
 static struct gd_subdivision *on_cube, *on_octahedron, *on_sheet;
 static struct gd_limit_mesh *fine;
-static const struct gd_limit_point places[PLACES] = {{0, 0, 0.2, 0.3},   {1, 0, 0.7, 0.1}, {2, 0, 0.5, 0.5},
-                                                     {3, 0, 0.01, 0.02}, {4, 0, 0.9, 0.8}, {5, 0, 0, 0}};
+static const struct gd_limit_point places[PLACES] = {{0, 0, 0.2, 0.3}, {1, 0, 0.7, 0.1},
+                                                     {2, 0, 0.5, 0.5}, {3, 0, 0.01, 0.02},
+                                                     {4, 0, 0.9, 0.8}, {5, 0, 0, 0}};
 static const char tags[] = SKEW_CUBE "t crease 3/1/0 0 1 3 2.5\nt corner 1/1/0 7 3\n";
 
 static const char prism_text[] = "v 0 0 0\nv 2 0 0\nv 1 2 0\nv 0 0 2\nv 2 0 2\nv 1 2 2\n"
@@ -38,12 +39,13 @@ static void open_limits(void)
     check_ok(gd_limit_mesh_build(on_sheet, 2, 0, NULL, &fine, NULL), NULL);
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static void digest_surface(struct digest *digest, const void *out)
 {
     struct gd_limit_jet jet = {0};
-    enum gd_status status = gd_limit_evaluate(*(struct gd_subdivision *const *)out, &places[0], &jet, NULL);
+    enum gd_status status =
+        gd_limit_evaluate(*(struct gd_subdivision *const *)out, &places[0], &jet, NULL);
     digest_number(digest, status);
     digest_bytes(digest, &jet.position, sizeof jet.position);
 }
@@ -56,7 +58,8 @@ static void discard_surface(void *out)
 static void digest_jets(struct digest *digest, const void *out, uint32_t count)
 {
     const struct gd_limit_jet *jets = out;
-    for (uint32_t i = 0; i < count; i++) digest_bytes(digest, &jets[i], offsetof(struct gd_limit_jet, singular));
+    for (uint32_t i = 0; i < count; i++)
+        digest_bytes(digest, &jets[i], offsetof(struct gd_limit_jet, singular));
 }
 
 static void digest_one_jet(struct digest *digest, const void *out)
@@ -111,7 +114,8 @@ static void discard_relaxed(void *out)
 static void digest_fine(struct digest *digest, const void *out)
 {
     const struct gd_discretization *made = out;
-    digest_bytes(digest, made->polygons.positions, made->polygons.position_count * sizeof *made->polygons.positions);
+    digest_bytes(digest, made->polygons.positions,
+                 made->polygons.position_count * sizeof *made->polygons.positions);
     digest_bytes(digest, made->normals, made->polygons.position_count * sizeof *made->normals);
 }
 
@@ -143,17 +147,22 @@ static void discard_shortest(void *out)
     gd_limit_shortest_free(out);
 }
 
-static const struct answer a_surface = {sizeof(struct gd_subdivision *), digest_surface, discard_surface};
+static const struct answer a_surface = {sizeof(struct gd_subdivision *), digest_surface,
+                                        discard_surface};
 static const struct answer a_jet = {sizeof(struct gd_limit_jet), digest_one_jet, NULL};
 static const struct answer jets = {sizeof(struct gd_limit_jet *), digest_all_jets, discard_jets};
 static const struct answer a_foot = {sizeof(struct gd_limit_foot), digest_foot, NULL};
 static const struct answer a_trace = {sizeof(struct gd_limit_path), digest_trace, discard_trace};
-static const struct answer a_geodesic = {sizeof(struct gd_limit_geodesic), digest_relaxed, discard_relaxed};
-static const struct answer triangles = {sizeof(struct gd_discretization), digest_fine, discard_fine};
-static const struct answer a_limit_mesh = {sizeof(struct gd_limit_mesh *), digest_limit_mesh, discard_limit_mesh};
-static const struct answer a_shortest = {sizeof(struct gd_limit_shortest), digest_shortest, discard_shortest};
+static const struct answer a_geodesic = {sizeof(struct gd_limit_geodesic), digest_relaxed,
+                                         discard_relaxed};
+static const struct answer triangles = {sizeof(struct gd_discretization), digest_fine,
+                                        discard_fine};
+static const struct answer a_limit_mesh = {sizeof(struct gd_limit_mesh *), digest_limit_mesh,
+                                           discard_limit_mesh};
+static const struct answer a_shortest = {sizeof(struct gd_limit_shortest), digest_shortest,
+                                         discard_shortest};
 
-/* --- calls --------------------------------------------------------------------------------------------------------------- */
+/* --- calls ------------------------------------------------------------------------------------ */
 
 static enum gd_status create_catmull_clark(void *out)
 {
@@ -185,7 +194,8 @@ static enum gd_status evaluate_loop(void *out)
 static enum gd_status evaluate_many(void *out)
 {
     struct gd_limit_jet *array = malloc(PLACES * sizeof *array);
-    enum gd_status status = array ? gd_limit_evaluate_many(on_cube, places, PLACES, NULL, array, NULL) : GD_NO_MEMORY;
+    enum gd_status status =
+        array ? gd_limit_evaluate_many(on_cube, places, PLACES, NULL, array, NULL) : GD_NO_MEMORY;
     if (status)
         free(array);
     else
@@ -205,7 +215,8 @@ static enum gd_status trace(void *out)
 
 static enum gd_status trace_loop(void *out)
 {
-    return gd_limit_trace(on_octahedron, &places[0], (struct gd_vec3){1, 0.4, 0.1}, 1, NULL, out, NULL);
+    return gd_limit_trace(on_octahedron, &places[0], (struct gd_vec3){1, 0.4, 0.1}, 1, NULL, out,
+                          NULL);
 }
 
 static enum gd_status relax(void *out)
@@ -221,12 +232,14 @@ static enum gd_status discretize_level(void *out)
 
 static enum gd_status discretize_loop(void *out)
 {
-    return gd_discretize(on_octahedron, &(struct gd_discretize_options){.level = 2}, NULL, out, NULL);
+    return gd_discretize(on_octahedron, &(struct gd_discretize_options){.level = 2}, NULL, out,
+                         NULL);
 }
 
 static enum gd_status discretize_near(void *out)
 {
-    return gd_discretize(on_cube, &(struct gd_discretize_options){.tolerance = 0.05}, NULL, out, NULL);
+    return gd_discretize(on_cube, &(struct gd_discretize_options){.tolerance = 0.05}, NULL, out,
+                         NULL);
 }
 
 static enum gd_status build_mesh(void *out)

@@ -24,10 +24,12 @@ static void open_lines(void)
     struct rng rng = {2};
     check_ok(sample_terrain(CELLS, 0.9, 3, &polygons), NULL);
     mesh = test_mesh(&polygons);
-    for (int i = 0; i < PLACES; i++) places[i] = test_point(mesh, test_random_place(&polygons, &rng));
+    for (int i = 0; i < PLACES; i++)
+        places[i] = test_point(mesh, test_random_place(&polygons, &rng));
     gd_polygons_free(&polygons);
     check_ok(gd_field_build(mesh,
-                            &(struct gd_field_request){.seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
+                            &(struct gd_field_request){
+                                .seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
                             NULL, NULL, &field, NULL),
              NULL);
     check_ok(gd_pair_solve(mesh, &places[1], &places[2], true, NULL, NULL, &pair, NULL), NULL);
@@ -36,7 +38,7 @@ static void open_lines(void)
     bent[1].direction.angle += 1;
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static void digest_trace(struct digest *digest, const void *out)
 {
@@ -55,7 +57,8 @@ static void digest_log(struct digest *digest, const void *out)
 {
     const struct gd_log *found = out;
     digest_number(digest, found->vector.length);
-    for (uint32_t i = 0; i < found->count; i++) digest_number(digest, found->segments[i].direction.angle);
+    for (uint32_t i = 0; i < found->count; i++)
+        digest_number(digest, found->segments[i].direction.angle);
 }
 
 static void discard_log(void *out)
@@ -82,8 +85,9 @@ static void digest_logs(struct digest *digest, const void *out)
 static void digest_mean(struct digest *digest, const void *out)
 {
     const struct gd_mean *mean = out;
-    digest_path(digest,
-                &(struct gd_path){.length = mean->spread, .count = 1, .points = (struct gd_point *)&mean->point});
+    digest_path(digest, &(struct gd_path){.length = mean->spread,
+                                          .count = 1,
+                                          .points = (struct gd_point *)&mean->point});
 }
 
 static const struct answer a_trace = {sizeof(struct gd_trace), digest_trace, discard_trace};
@@ -92,12 +96,13 @@ static const struct answer a_vector = {sizeof(struct gd_vector), digest_vector, 
 static const struct answer all_logs = {sizeof(struct logs), digest_logs, NULL};
 static const struct answer a_mean = {sizeof(struct gd_mean), digest_mean, NULL};
 
-/* --- calls --------------------------------------------------------------------------------------------------------------- */
+/* --- calls ------------------------------------------------------------------------------------ */
 
 static enum gd_status trace(const struct gd_trace_options *options, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_trace_follow(mesh, &places[0], &(struct gd_direction){.angle = 1}, 3, options, NULL, out, &detail);
+    return gd_trace_follow(mesh, &places[0], &(struct gd_direction){.angle = 1}, 3, options, NULL,
+                           out, &detail);
 }
 
 static enum gd_status trace_to_boundary(void *out)
@@ -107,13 +112,15 @@ static enum gd_status trace_to_boundary(void *out)
 
 static enum gd_status trace_along_boundary(void *out)
 {
-    return trace(
-        &(struct gd_trace_options){.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .vertex_rule = GD_VERTEX_RULE_NORMAL}, out);
+    return trace(&(struct gd_trace_options){.boundary_rule = GD_BOUNDARY_RULE_SLIDE,
+                                            .vertex_rule = GD_VERTEX_RULE_NORMAL},
+                 out);
 }
 
 static enum gd_status trace_to_itself(void *out)
 {
-    return trace(&(struct gd_trace_options){.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .stop_at_self_intersection = true},
+    return trace(&(struct gd_trace_options){.boundary_rule = GD_BOUNDARY_RULE_SLIDE,
+                                            .stop_at_self_intersection = true},
                  out);
 }
 
@@ -131,7 +138,8 @@ static enum gd_status take_all_logs(void *out)
 
 static enum gd_status take_exp(void *out)
 {
-    return gd_vector_exp(mesh, &places[1], logarithm.segments, logarithm.count, NULL, NULL, out, NULL);
+    return gd_vector_exp(mesh, &places[1], logarithm.segments, logarithm.count, NULL, NULL, out,
+                         NULL);
 }
 
 static enum gd_status take_bent_exp(void *out)
@@ -147,13 +155,15 @@ static enum gd_status transport(void *out)
 
 static enum gd_status find_mean(void *out)
 {
-    return gd_mean_find(mesh, &(struct gd_mean_request){.points = places, .count = 3}, NULL, out, NULL);
+    return gd_mean_find(mesh, &(struct gd_mean_request){.points = places, .count = 3}, NULL, out,
+                        NULL);
 }
 
 static enum gd_status find_mean_in_one_step(void *out)
 {
-    return gd_mean_find(mesh, &(struct gd_mean_request){.points = places, .count = 3, .one_step = true}, NULL, out,
-                        NULL);
+    return gd_mean_find(mesh,
+                        &(struct gd_mean_request){.points = places, .count = 3, .one_step = true},
+                        NULL, out, NULL);
 }
 
 static const struct operation items[] = {

@@ -13,25 +13,31 @@ static struct gd_polygons terrain, solid, broken, refused, twice, flat;
 static struct gd_mesh *mesh;
 
 /* Polygons of four, five and eight corners, one of which has a dent. */
-static const char polygons_text[] =
-    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 1 1 0\nv 0.5 1.5 0\nv 0 2 0\nv -1 1 0.5\nv 3 0 1\nv 3 2 1\n"
-    "f 1 2 3 4 5 6 7\nf 1 7 8\nf 2 9 10 3\n";
+static const char polygons_text[] = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 1 1 0\nv 0.5 1.5 0\nv 0 "
+                                    "2 0\nv -1 1 0.5\nv 3 0 1\nv 3 2 1\n"
+                                    "f 1 2 3 4 5 6 7\nf 1 7 8\nf 2 9 10 3\n";
 
-/* Edges of three faces, two fans at a vertex, faces twice, without extent, flat, turned over, and vertices that nearly coincide. */
+/* Edges of three faces, two fans at a vertex, faces twice, without extent, flat, turned over, and
+ * vertices that nearly coincide. */
 static const char broken_text[] =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"
     "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 4 0 0\nv 4 -1 0\nf 6 7 8\nf 6 9 10\n"
     "v 10 0 0\nv 11 0 0\nv 10 1 0\nv 11 1 0\nf 11 12 13\nf 11 12 13\nf 12 14 13\nf 11 11 12\n"
-    "v 20 0 0\nv 22 0 0\nv 21 0 0\nv 21 1 0\nv 21 -1 0\nf 15 16 18\nf 15 17 16\nf 15 19 17\nf 17 19 16\n"
-    "v 30 0 0\nv 31 0 0\nv 30 1 0\nv 31 0.0000001 0\nv 30 1.0000001 0\nv 31 1 0\nf 20 21 22\nf 23 24 25\n"
+    "v 20 0 0\nv 22 0 0\nv 21 0 0\nv 21 1 0\nv 21 -1 0\nf 15 16 18\nf 15 17 16\nf 15 19 17\nf 17 "
+    "19 16\n"
+    "v 30 0 0\nv 31 0 0\nv 30 1 0\nv 31 0.0000001 0\nv 30 1.0000001 0\nv 31 1 0\nf 20 21 22\nf 23 "
+    "24 25\n"
     "v 40 0 0\nv 41 0 0\nv 40 1 0\nv 41 1 0\nf 26 27 28\nf 27 28 29\n";
 
-/* Faces that others are, at an edge of more than two; and one that another is, beside nothing else. */
-static const char refused_text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 3 1 2\nf 1 3 2\n";
+/* Faces that others are, at an edge of more than two; and one that another is, beside nothing else.
+ */
+static const char refused_text[] =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 3 1 2\nf 1 3 2\n";
 static const char twice_text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\nf 1 2 3\n";
 
 /* A flat face, and nothing else to mend. */
-static const char flat_text[] = "v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 1 0\nv 1 -1 0\nf 1 2 4\nf 1 3 2\nf 1 5 3\nf 3 5 2\n";
+static const char flat_text[] =
+    "v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 1 0\nv 1 -1 0\nf 1 2 4\nf 1 3 2\nf 1 5 3\nf 3 5 2\n";
 
 static void read_text(const char *text, struct gd_polygons *out)
 {
@@ -78,10 +84,12 @@ static void digest_point(struct digest *digest, const void *out)
 }
 
 static const struct answer built = {sizeof(struct gd_mesh *), digest_built, discard_built};
-static const struct answer polygons_of = {sizeof(struct gd_polygons), digest_polygons, discard_polygons};
+static const struct answer polygons_of = {sizeof(struct gd_polygons), digest_polygons,
+                                          discard_polygons};
 static const struct answer place = {sizeof(struct gd_point), digest_point, NULL};
 
-static enum gd_status build(const struct gd_polygons *polygons, const struct gd_mesh_options *options, void *out)
+static enum gd_status build(const struct gd_polygons *polygons,
+                            const struct gd_mesh_options *options, void *out)
 {
     struct gd_detail detail = {0};
     return gd_mesh_build(polygons, options, NULL, out, &detail);
@@ -104,7 +112,9 @@ static enum gd_status build_repaired(void *out)
 
 static enum gd_status build_welded(void *out)
 {
-    return build(&broken, &(struct gd_mesh_options){.repair_split = true, .weld = true, .weld_tolerance = 1e-5}, out);
+    return build(
+        &broken,
+        &(struct gd_mesh_options){.repair_split = true, .weld = true, .weld_tolerance = 1e-5}, out);
 }
 
 static enum gd_status build_refused(void *out)
@@ -137,7 +147,8 @@ static enum gd_status locate_nearest(void *out)
 static enum gd_status locate_first_hit(void *out)
 {
     struct gd_detail detail = {0};
-    return gd_locate_first_hit(mesh, (struct gd_vec3){0.3, 0.4, 9}, (struct gd_vec3){0, 0, -1}, out, &detail);
+    return gd_locate_first_hit(mesh, (struct gd_vec3){0.3, 0.4, 9}, (struct gd_vec3){0, 0, -1}, out,
+                               &detail);
 }
 
 static const struct operation items[] = {

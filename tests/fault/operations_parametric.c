@@ -1,4 +1,5 @@
-/* Parametric surfaces: NURBS and others, tessellations, curves in their domains, geodesic-like curves. */
+/* Parametric surfaces: NURBS and others, tessellations, curves in their domains, geodesic-like
+ * curves. */
 #include "tests/fault/operations.h"
 
 #include <stdlib.h>
@@ -10,13 +11,16 @@
 
 static struct gd_parametric *tube, *sphere, *sheet;
 static struct gd_tessellation *on_tube, *on_sphere, *on_sheet;
-static struct gd_domain_curve *tube_a, *tube_b, *tube_loop, *sphere_a, *sphere_b, *sheet_a, *sheet_b;
+static struct gd_domain_curve *tube_a, *tube_b, *tube_loop, *sphere_a, *sphere_b, *sheet_a,
+    *sheet_b;
 static struct gd_geodesics found;
 
 static struct gd_tessellation *tessellate(const struct gd_parametric *surface)
 {
     struct gd_tessellation *made;
-    check_ok(gd_tessellation_build(surface, &(struct gd_tessellation_options){.faces = 300}, NULL, &made, NULL), NULL);
+    check_ok(gd_tessellation_build(surface, &(struct gd_tessellation_options){.faces = 300}, NULL,
+                                   &made, NULL),
+             NULL);
     return made;
 }
 
@@ -38,15 +42,15 @@ static void open_surfaces(void)
     check_ok(gd_geodesic_solve(on_tube, tube_a, tube_b, NULL, NULL, &found, NULL), NULL);
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static void digest_surface(struct digest *digest, const void *out)
 {
     const struct gd_parametric *surface = *(struct gd_parametric *const *)out;
     struct gd_jet jet = {0};
     const struct gd_axis *u = gd_parametric_axis_u(surface), *v = gd_parametric_axis_v(surface);
-    enum gd_status status =
-        gd_parametric_evaluate(surface, 0.3 * u->low + 0.7 * u->high, 0.6 * v->low + 0.4 * v->high, &jet);
+    enum gd_status status = gd_parametric_evaluate(surface, 0.3 * u->low + 0.7 * u->high,
+                                                   0.6 * v->low + 0.4 * v->high, &jet);
     digest_number(digest, status);
     digest_bytes(digest, &jet, sizeof jet);
     digest_number(digest, gd_parametric_size(surface));
@@ -88,7 +92,8 @@ static void digest_geodesics(struct digest *digest, const void *out)
         const struct gd_geodesic *item = &geodesics->items[i];
         digest_number(digest, item->length);
         for (uint32_t k = 0; k < item->piece_count; k++)
-            digest_bytes(digest, item->pieces[k].points, item->pieces[k].count * sizeof *item->pieces[k].points);
+            digest_bytes(digest, item->pieces[k].points,
+                         item->pieces[k].count * sizeof *item->pieces[k].points);
     }
 }
 
@@ -114,17 +119,19 @@ static void digest_places(struct digest *digest, const void *out)
     digest_bytes(digest, out, SAMPLED * sizeof(double[2]));
 }
 
-static const struct answer a_surface = {sizeof(struct gd_parametric *), digest_surface, discard_surface};
+static const struct answer a_surface = {sizeof(struct gd_parametric *), digest_surface,
+                                        discard_surface};
 static const struct answer a_tessellation = {sizeof(struct gd_tessellation *), digest_tessellation,
                                              discard_tessellation};
 static const struct answer a_domain_curve = {sizeof(struct gd_domain_curve *), digest_domain_curve,
                                              discard_domain_curve};
-static const struct answer geodesics = {sizeof(struct gd_geodesics), digest_geodesics, discard_geodesics};
+static const struct answer geodesics = {sizeof(struct gd_geodesics), digest_geodesics,
+                                        discard_geodesics};
 static const struct answer a_foot = {sizeof(struct gd_parametric_foot), digest_foot, NULL};
 static const struct answer a_space_foot = {sizeof(struct gd_space_foot), digest_space_foot, NULL};
 static const struct answer some_places = {SAMPLED * sizeof(double[2]), digest_places, NULL};
 
-/* --- calls --------------------------------------------------------------------------------------------------------------- */
+/* --- calls ------------------------------------------------------------------------------------ */
 
 static enum gd_status create_nurbs(void *out)
 {
@@ -156,15 +163,15 @@ static enum gd_status create_helicoid(void *out)
 
 static enum gd_status create_graph(void *out)
 {
-    return gd_parametric_graph(1, 1, (const double[4]){0, 0, 0, 1}, (const double[2]){0, 1}, (const double[2]){0, 1},
-                               out, NULL);
+    return gd_parametric_graph(1, 1, (const double[4]){0, 0, 0, 1}, (const double[2]){0, 1},
+                               (const double[2]){0, 1}, out, NULL);
 }
 
 static enum gd_status create_revolution(void *out)
 {
     static const double knots[] = {0, 0, 0, 1, 1, 1}, points[3][2] = {{1, 0}, {2, 1}, {1, 2}};
-    return gd_parametric_revolution(&(struct gd_profile){.degree = 2, .count = 3, .knots = knots, .points = points},
-                                    out, NULL);
+    return gd_parametric_revolution(
+        &(struct gd_profile){.degree = 2, .count = 3, .knots = knots, .points = points}, out, NULL);
 }
 
 static enum gd_status nearest(void *out)
@@ -174,30 +181,34 @@ static enum gd_status nearest(void *out)
 
 static enum gd_status build_tessellation(void *out)
 {
-    return gd_tessellation_build(sphere, &(struct gd_tessellation_options){.faces = 200}, NULL, out, NULL);
+    return gd_tessellation_build(sphere, &(struct gd_tessellation_options){.faces = 200}, NULL, out,
+                                 NULL);
 }
 
 static enum gd_status build_even_tessellation(void *out)
 {
-    return gd_tessellation_build(sheet, &(struct gd_tessellation_options){.steps = {5, 7}}, NULL, out, NULL);
+    return gd_tessellation_build(sheet, &(struct gd_tessellation_options){.steps = {5, 7}}, NULL,
+                                 out, NULL);
 }
 
 static enum gd_status build_near_tessellation(void *out)
 {
-    return gd_tessellation_build(sheet, &(struct gd_tessellation_options){.deviation = 0.1}, NULL, out, NULL);
+    return gd_tessellation_build(sheet, &(struct gd_tessellation_options){.deviation = 0.1}, NULL,
+                                 out, NULL);
 }
 
 static enum gd_status build_polyline(void *out)
 {
-    return gd_domain_curve_polyline(sheet, (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}}, 3, NULL, out,
-                                    NULL);
+    return gd_domain_curve_polyline(sheet, (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}},
+                                    3, NULL, out, NULL);
 }
 
 static enum gd_status build_bspline(void *out)
 {
     static const double knots[] = {0, 0, 0, 1, 1, 1};
-    return gd_domain_curve_bspline(sheet, 2, knots, (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}}, 3, NULL,
-                                   out, NULL);
+    return gd_domain_curve_bspline(sheet, 2, knots,
+                                   (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}}, 3,
+                                   NULL, out, NULL);
 }
 
 static enum gd_status build_iso(void *out)
@@ -211,7 +222,8 @@ static enum gd_status build_point(void *out)
 }
 
 static enum gd_status solve(const struct gd_tessellation *on, const struct gd_domain_curve *from,
-                            const struct gd_domain_curve *to, const struct gd_geodesic_options *options, void *out)
+                            const struct gd_domain_curve *to,
+                            const struct gd_geodesic_options *options, void *out)
 {
     struct gd_detail detail = {0};
     return gd_geodesic_solve(on, from, to, options, NULL, out, &detail);
@@ -249,7 +261,8 @@ static enum gd_status solve_sheet(void *out)
 
 static enum gd_status solve_as_the_paper(void *out)
 {
-    return solve(on_sheet, sheet_a, sheet_b, &(struct gd_geodesic_options){.control_points = 12, .degree = 3}, out);
+    return solve(on_sheet, sheet_a, sheet_b,
+                 &(struct gd_geodesic_options){.control_points = 12, .degree = 3}, out);
 }
 
 static enum gd_status sample(void *out)
@@ -260,10 +273,12 @@ static enum gd_status sample(void *out)
 static enum gd_status in_space(void *out)
 {
     static const double knots[] = {0, 0, 0, 0.5, 1, 1, 1}, straight[] = {0, 0, 1, 1};
-    static const struct gd_vec3 bent[] = {{0, 0, 0}, {1, 2, 0}, {2, -2, 1}, {3, 0, 0}}, line[] = {{0, 3, 3}, {3, 2, 2}};
-    return gd_space_distance(&(struct gd_space_curve){.degree = 2, .count = 4, .knots = knots, .points = bent},
-                             &(struct gd_space_curve){.degree = 1, .count = 2, .knots = straight, .points = line}, out,
-                             NULL);
+    static const struct gd_vec3 bent[] = {{0, 0, 0}, {1, 2, 0}, {2, -2, 1}, {3, 0, 0}},
+                                line[] = {{0, 3, 3}, {3, 2, 2}};
+    return gd_space_distance(
+        &(struct gd_space_curve){.degree = 2, .count = 4, .knots = knots, .points = bent},
+        &(struct gd_space_curve){.degree = 1, .count = 2, .knots = straight, .points = line}, out,
+        NULL);
 }
 
 static const struct operation items[] = {

@@ -20,9 +20,9 @@ static void open_pictures(void)
     gd_polygons_free(&polygons);
     struct gd_seed seed = {.point = test_vertex(mesh, 3)};
     struct gd_point to = test_vertex(mesh, 200);
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
-        &detail);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, &detail),
+             &detail);
     check_ok(gd_field_path(field, &to, &path), NULL);
 }
 
@@ -46,8 +46,13 @@ static const struct answer a_file = {sizeof(struct file), digest_file, discard_f
 
 static struct gd_picture small(void)
 {
-    return (struct gd_picture){
-        .mesh = mesh, .field = field, .path = &path, .width = 240, .height = 200, .isolines = 4, .legend = true};
+    return (struct gd_picture){.mesh = mesh,
+                               .field = field,
+                               .path = &path,
+                               .width = 240,
+                               .height = 200,
+                               .isolines = 4,
+                               .legend = true};
 }
 
 static enum gd_status draw_png(void *out)
@@ -67,8 +72,9 @@ static enum gd_status draw_svg(void *out)
 static enum gd_status draw_bare(void *out)
 {
     struct file *file = out;
-    return gd_picture_png(&(struct gd_picture){.mesh = mesh, .width = 60, .height = 40, .view = GD_VIEW_TOP}, NULL,
-                          &file->bytes, &file->size);
+    return gd_picture_png(
+        &(struct gd_picture){.mesh = mesh, .width = 60, .height = 40, .view = GD_VIEW_TOP}, NULL,
+        &file->bytes, &file->size);
 }
 
 static const struct operation items[] = {

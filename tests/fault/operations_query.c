@@ -23,10 +23,11 @@ static void *image;
 static struct gd_curve through(const struct gd_point *points, uint32_t count, bool closed)
 {
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(mesh,
-                              &(struct gd_curve_request){
-                                  .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed},
-                              NULL, NULL, &curve, NULL),
+    check_ok(gd_curve_resolve(
+                 mesh,
+                 &(struct gd_curve_request){
+                     .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed},
+                 NULL, NULL, &curve, NULL),
              NULL);
     return curve;
 }
@@ -37,9 +38,9 @@ static struct gd_field *field_of_curve(const struct gd_curve *curve)
     uint32_t count = gd_curve_seed_count(curve);
     struct gd_seed *seeds = malloc(count * sizeof *seeds);
     gd_curve_seeds(curve, 0, seeds);
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = count}, NULL, NULL, &made, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = count},
+                            NULL, NULL, &made, NULL),
+             NULL);
     free(seeds);
     return made;
 }
@@ -50,14 +51,16 @@ static void open_queries(void)
     struct rng rng = {9};
     check_ok(sample_terrain(14, 0.5, 3, &polygons), NULL);
     mesh = test_mesh(&polygons);
-    for (int i = 0; i < PLACES; i++) places[i] = test_point(mesh, test_random_place(&polygons, &rng));
+    for (int i = 0; i < PLACES; i++)
+        places[i] = test_point(mesh, test_random_place(&polygons, &rng));
     gd_polygons_free(&polygons);
     check_ok(gd_landmarks_build(mesh, 4, NULL, &landmarks), NULL);
     image = malloc(gd_landmarks_image_size(landmarks));
     gd_landmarks_write_image(landmarks, image);
     workspace = gd_workspace_create();
     check_ok(gd_field_build(mesh,
-                            &(struct gd_field_request){.seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
+                            &(struct gd_field_request){
+                                .seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
                             NULL, NULL, &field, NULL),
              NULL);
     first = through(places, 3, false);
@@ -65,7 +68,7 @@ static void open_queries(void)
     of_curve = field_of_curve(&first);
 }
 
-/* --- answers ------------------------------------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 static void digest_pair(struct digest *digest, const void *out)
 {
@@ -102,7 +105,8 @@ struct sampled {
 static void digest_sampled(struct digest *digest, const void *out)
 {
     const struct sampled *sampled = out;
-    digest_path(digest, &(struct gd_path){.count = SAMPLES, .points = (struct gd_point *)sampled->points});
+    digest_path(digest,
+                &(struct gd_path){.count = SAMPLES, .points = (struct gd_point *)sampled->points});
     digest_bytes(digest, sampled->radii, sizeof sampled->radii);
 }
 
@@ -131,14 +135,17 @@ static void discard_between(void *out)
 }
 
 static const struct answer a_pair = {sizeof(struct gd_pair_answer), digest_pair, discard_pair};
-static const struct answer some_landmarks = {sizeof(struct gd_landmarks *), digest_landmarks, discard_landmarks};
+static const struct answer some_landmarks = {sizeof(struct gd_landmarks *), digest_landmarks,
+                                             discard_landmarks};
 static const struct answer a_sample = {sizeof(struct sampled), digest_sampled, NULL};
 static const struct answer a_curve = {sizeof(struct gd_curve), digest_line, discard_line};
-static const struct answer between = {sizeof(struct gd_curve_distance), digest_between, discard_between};
+static const struct answer between = {sizeof(struct gd_curve_distance), digest_between,
+                                      discard_between};
 
-/* --- calls --------------------------------------------------------------------------------------------------------------- */
+/* --- calls ------------------------------------------------------------------------------------ */
 
-static enum gd_status search(const struct gd_landmarks *with, const struct gd_control *control, void *out)
+static enum gd_status search(const struct gd_landmarks *with, const struct gd_control *control,
+                             void *out)
 {
     struct gd_detail detail = {0};
     return gd_pair_solve(mesh, &places[1], &places[6], true, with, control, out, &detail);
@@ -182,7 +189,8 @@ static enum gd_status open_image(void *out)
 static enum gd_status sample(void *out)
 {
     struct sampled *sampled = out;
-    return gd_sampling_farthest(mesh, NULL, SAMPLES, NULL, NULL, sampled->points, sampled->radii, NULL);
+    return gd_sampling_farthest(mesh, NULL, SAMPLES, NULL, NULL, sampled->points, sampled->radii,
+                                NULL);
 }
 
 static enum gd_status resolve(const struct gd_curve_request *request, void *out)
@@ -194,7 +202,9 @@ static enum gd_status resolve(const struct gd_curve_request *request, void *out)
 static enum gd_status resolve_points(void *out)
 {
     return resolve(
-        &(struct gd_curve_request){.kind = GD_CURVE_POINTS, .points = places, .count = PLACES, .closed = true}, out);
+        &(struct gd_curve_request){
+            .kind = GD_CURVE_POINTS, .points = places, .count = PLACES, .closed = true},
+        out);
 }
 
 static enum gd_status resolve_vertices(void *out)
@@ -202,7 +212,9 @@ static enum gd_status resolve_vertices(void *out)
     struct gd_vertex corners[3];
     gd_mesh_corners(mesh, (struct gd_face){50}, corners);
     return resolve(
-        &(struct gd_curve_request){.kind = GD_CURVE_VERTICES, .vertices = corners, .count = 3, .closed = true}, out);
+        &(struct gd_curve_request){
+            .kind = GD_CURVE_VERTICES, .vertices = corners, .count = 3, .closed = true},
+        out);
 }
 
 static enum gd_status resolve_boundary(void *out)

@@ -1,11 +1,14 @@
-/* Record: a library to preload, which writes down every change that a process makes to the files under RECORD_ROOT,
- * in order, into RECORD_LOG: what replay.py plays back with what was not synced left out.
+/* Record: a library to preload, which writes down every change that a process makes to the files
+ * under RECORD_ROOT, in order, into RECORD_LOG: what replay.py plays back with what was not synced
+ * left out.
  *
- * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" with SIZE bytes of data behind it. Kinds: C create file, M make
- * folder, W write at A, T truncate to A, S sync, R rename, L link, U unlink, D remove folder. Calls that fail are
- * left out. One mutex covers call and entry, so that the log has them in the order in which they happened.
+ * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" with SIZE bytes of data behind it. Kinds: C
+ * create file, M make folder, W write at A, T truncate to A, S sync, R rename, L link, U unlink, D
+ * remove folder. Calls that fail are left out. One mutex covers call and entry, so that the log has
+ * them in the order in which they happened.
  *
- * RECORD_KILL, if it is set, is a kind: the process is killed right after its first change of that kind. */
+ * RECORD_KILL, if it is set, is a kind: the process is killed right after its first change of that
+ * kind. */
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -22,8 +25,8 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static int log_file = -1;
 static const char *root;
 
-#define REAL(type, name, ...)                                                                                          \
-    static type (*real_##name)(__VA_ARGS__);                                                                           \
+#define REAL(type, name, ...)                                                                      \
+    static type (*real_##name)(__VA_ARGS__);                                                       \
     if (!real_##name) real_##name = (type(*)(__VA_ARGS__))dlsym(RTLD_NEXT, #name)
 
 static void ready(void)
@@ -55,11 +58,13 @@ static int path_of(int file, char path[4096])
     return is_ours(path);
 }
 
-static void entry(char kind, long long a, const char *first, const char *second, const void *data, size_t size)
+static void entry(char kind, long long a, const char *first, const char *second, const void *data,
+                  size_t size)
 {
     REAL(ssize_t, write, int, const void *, size_t);
     char head[9000];
-    int head_size = snprintf(head, sizeof head, "%c %zu %lld [%s] [%s]\n", kind, size, a, first, second ? second : "");
+    int head_size = snprintf(head, sizeof head, "%c %zu %lld [%s] [%s]\n", kind, size, a, first,
+                             second ? second : "");
     char *whole = malloc((size_t)head_size + size);
     if (!whole) abort();
     memcpy(whole, head, (size_t)head_size);
@@ -70,30 +75,30 @@ static void entry(char kind, long long a, const char *first, const char *second,
     if (end && *end == kind) raise(SIGKILL);
 }
 
-/* --- files are made ----------------------------------------------------------------------------------------------- */
+/* --- files are made --------------------------------------------------------------------------- */
 
-#define OPEN(name)                                                                                                     \
-    int name(const char *path, int flags, ...)                                                                         \
-    {                                                                                                                  \
-        REAL(int, name, const char *, int, ...);                                                                       \
-        va_list arguments;                                                                                             \
-        va_start(arguments, flags);                                                                                    \
-        mode_t mode = (flags & O_CREAT) ? va_arg(arguments, mode_t) : 0;                                               \
-        va_end(arguments);                                                                                             \
-        if (!is_ours(path)) return real_##name(path, flags, mode);                                                     \
-        pthread_mutex_lock(&lock);                                                                                     \
-        int is_new = (flags & O_CREAT) && access(path, F_OK) != 0;                                                     \
-        int file = real_##name(path, flags, mode);                                                                     \
-        if (file >= 0 && is_new) entry('C', 0, path, NULL, NULL, 0);                                                   \
-        if (file >= 0 && !is_new && (flags & O_TRUNC)) entry('T', 0, path, NULL, NULL, 0);                             \
-        pthread_mutex_unlock(&lock);                                                                                   \
-        return file;                                                                                                   \
+#define OPEN(name)                                                                                 \
+    int name(const char *path, int flags, ...)                                                     \
+    {                                                                                              \
+        REAL(int, name, const char *, int, ...);                                                   \
+        va_list arguments;                                                                         \
+        va_start(arguments, flags);                                                                \
+        mode_t mode = (flags & O_CREAT) ? va_arg(arguments, mode_t) : 0;                           \
+        va_end(arguments);                                                                         \
+        if (!is_ours(path)) return real_##name(path, flags, mode);                                 \
+        pthread_mutex_lock(&lock);                                                                 \
+        int is_new = (flags & O_CREAT) && access(path, F_OK) != 0;                                 \
+        int file = real_##name(path, flags, mode);                                                 \
+        if (file >= 0 && is_new) entry('C', 0, path, NULL, NULL, 0);                               \
+        if (file >= 0 && !is_new && (flags & O_TRUNC)) entry('T', 0, path, NULL, NULL, 0);         \
+        pthread_mutex_unlock(&lock);                                                               \
+        return file;                                                                               \
     }
 
 OPEN(open)
 OPEN(open64)
 
-/* --- files change ------------------------------------------------------------------------------------------------- */
+/* --- files change ----------------------------------------------------------------------------- */
 
 ssize_t write(int file, const void *bytes, size_t size)
 {
@@ -108,81 +113,81 @@ ssize_t write(int file, const void *bytes, size_t size)
     return written;
 }
 
-#define PWRITE(name)                                                                                                   \
-    ssize_t name(int file, const void *bytes, size_t size, off_t at)                                                   \
-    {                                                                                                                  \
-        REAL(ssize_t, name, int, const void *, size_t, off_t);                                                         \
-        char path[4096];                                                                                               \
-        if (!path_of(file, path)) return real_##name(file, bytes, size, at);                                           \
-        pthread_mutex_lock(&lock);                                                                                     \
-        ssize_t written = real_##name(file, bytes, size, at);                                                          \
-        if (written > 0) entry('W', at, path, NULL, bytes, (size_t)written);                                           \
-        pthread_mutex_unlock(&lock);                                                                                   \
-        return written;                                                                                                \
+#define PWRITE(name)                                                                               \
+    ssize_t name(int file, const void *bytes, size_t size, off_t at)                               \
+    {                                                                                              \
+        REAL(ssize_t, name, int, const void *, size_t, off_t);                                     \
+        char path[4096];                                                                           \
+        if (!path_of(file, path)) return real_##name(file, bytes, size, at);                       \
+        pthread_mutex_lock(&lock);                                                                 \
+        ssize_t written = real_##name(file, bytes, size, at);                                      \
+        if (written > 0) entry('W', at, path, NULL, bytes, (size_t)written);                       \
+        pthread_mutex_unlock(&lock);                                                               \
+        return written;                                                                            \
     }
 
 PWRITE(pwrite)
 PWRITE(pwrite64)
 
-#define TRUNCATE(name)                                                                                                 \
-    int name(int file, off_t size)                                                                                     \
-    {                                                                                                                  \
-        REAL(int, name, int, off_t);                                                                                   \
-        char path[4096];                                                                                               \
-        if (!path_of(file, path)) return real_##name(file, size);                                                      \
-        pthread_mutex_lock(&lock);                                                                                     \
-        int result = real_##name(file, size);                                                                          \
-        if (result == 0) entry('T', size, path, NULL, NULL, 0);                                                        \
-        pthread_mutex_unlock(&lock);                                                                                   \
-        return result;                                                                                                 \
+#define TRUNCATE(name)                                                                             \
+    int name(int file, off_t size)                                                                 \
+    {                                                                                              \
+        REAL(int, name, int, off_t);                                                               \
+        char path[4096];                                                                           \
+        if (!path_of(file, path)) return real_##name(file, size);                                  \
+        pthread_mutex_lock(&lock);                                                                 \
+        int result = real_##name(file, size);                                                      \
+        if (result == 0) entry('T', size, path, NULL, NULL, 0);                                    \
+        pthread_mutex_unlock(&lock);                                                               \
+        return result;                                                                             \
     }
 
 TRUNCATE(ftruncate)
 TRUNCATE(ftruncate64)
 
-#define SYNC(name)                                                                                                     \
-    int name(int file)                                                                                                 \
-    {                                                                                                                  \
-        REAL(int, name, int);                                                                                          \
-        char path[4096];                                                                                               \
-        if (!path_of(file, path)) return real_##name(file);                                                            \
-        pthread_mutex_lock(&lock);                                                                                     \
-        int result = real_##name(file);                                                                                \
-        if (result == 0) entry('S', 0, path, NULL, NULL, 0);                                                           \
-        pthread_mutex_unlock(&lock);                                                                                   \
-        return result;                                                                                                 \
+#define SYNC(name)                                                                                 \
+    int name(int file)                                                                             \
+    {                                                                                              \
+        REAL(int, name, int);                                                                      \
+        char path[4096];                                                                           \
+        if (!path_of(file, path)) return real_##name(file);                                        \
+        pthread_mutex_lock(&lock);                                                                 \
+        int result = real_##name(file);                                                            \
+        if (result == 0) entry('S', 0, path, NULL, NULL, 0);                                       \
+        pthread_mutex_unlock(&lock);                                                               \
+        return result;                                                                             \
     }
 
 SYNC(fsync)
 SYNC(fdatasync)
 
-/* --- names change ------------------------------------------------------------------------------------------------- */
+/* --- names change ----------------------------------------------------------------------------- */
 
-#define PAIR(name, kind)                                                                                               \
-    int name(const char *first, const char *second)                                                                    \
-    {                                                                                                                  \
-        REAL(int, name, const char *, const char *);                                                                   \
-        if (!is_ours(first)) return real_##name(first, second);                                                        \
-        pthread_mutex_lock(&lock);                                                                                     \
-        int result = real_##name(first, second);                                                                       \
-        if (result == 0) entry(kind, 0, first, second, NULL, 0);                                                       \
-        pthread_mutex_unlock(&lock);                                                                                   \
-        return result;                                                                                                 \
+#define PAIR(name, kind)                                                                           \
+    int name(const char *first, const char *second)                                                \
+    {                                                                                              \
+        REAL(int, name, const char *, const char *);                                               \
+        if (!is_ours(first)) return real_##name(first, second);                                    \
+        pthread_mutex_lock(&lock);                                                                 \
+        int result = real_##name(first, second);                                                   \
+        if (result == 0) entry(kind, 0, first, second, NULL, 0);                                   \
+        pthread_mutex_unlock(&lock);                                                               \
+        return result;                                                                             \
     }
 
 PAIR(rename, 'R')
 PAIR(link, 'L')
 
-#define SINGLE(name, kind)                                                                                             \
-    int name(const char *path)                                                                                         \
-    {                                                                                                                  \
-        REAL(int, name, const char *);                                                                                 \
-        if (!is_ours(path)) return real_##name(path);                                                                  \
-        pthread_mutex_lock(&lock);                                                                                     \
-        int result = real_##name(path);                                                                                \
-        if (result == 0) entry(kind, 0, path, NULL, NULL, 0);                                                          \
-        pthread_mutex_unlock(&lock);                                                                                   \
-        return result;                                                                                                 \
+#define SINGLE(name, kind)                                                                         \
+    int name(const char *path)                                                                     \
+    {                                                                                              \
+        REAL(int, name, const char *);                                                             \
+        if (!is_ours(path)) return real_##name(path);                                              \
+        pthread_mutex_lock(&lock);                                                                 \
+        int result = real_##name(path);                                                            \
+        if (result == 0) entry(kind, 0, path, NULL, NULL, 0);                                      \
+        pthread_mutex_unlock(&lock);                                                               \
+        return result;                                                                             \
     }
 
 SINGLE(unlink, 'U')

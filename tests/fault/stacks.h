@@ -1,5 +1,5 @@
-/* Stacks: which ways of calling have been seen, so that each is made to fail once. Threads may share a set; it lies in shared memory, so that
- * processes may, too. */
+/* Stacks: which ways of calling have been seen, so that each is made to fail once. Threads may
+ * share a set; it lies in shared memory, so that processes may, too. */
 #ifndef TESTS_FAULT_STACKS_H
 #define TESTS_FAULT_STACKS_H
 

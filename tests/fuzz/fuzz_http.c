@@ -1,7 +1,9 @@
-/* Fuzzes the daemon through its socket: the input is what a client sends, but for its first byte, which says how the client ends: it shuts its side down at
- * once, or asks for one thing more, behind which the daemon closes, and shuts down only after a silence. Whatever is sent, the daemon hangs up in
- * the end; what it says begins with a line of HTTP/1.1 and is never status 500, and it goes on answering /livez. Behind the socket is all of it: grammar,
- * library, router, handlers, workers and engine. */
+/* Fuzzes the daemon through its socket: the input is what a client sends, but for its first byte,
+ * which says how the client ends: it shuts its side down at once, or asks for one thing more,
+ * behind which the daemon closes, and shuts down only after a silence. Whatever is sent, the daemon
+ * hangs up in the end; what it says begins with a line of HTTP/1.1 and is never status 500, and it
+ * goes on answering /livez. Behind the socket is all of it: grammar, library, router, handlers,
+ * workers and engine. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
@@ -30,7 +32,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static struct server *server;
 static uint64_t inputs;
 
-/* --- the daemon ------------------------------------------------------------------------------------------------------ */
+/* --- the daemon ------------------------------------------------------------------------------- */
 
 static void stop(void)
 {
@@ -40,13 +42,15 @@ static void stop(void)
 static void start(void)
 {
     static char *const flags[] = {
-        "geodesicd", "--listen",        "127.0.0.1:0", "--store",     "memory", "--workers",   "1",    "--http-threads",
-        "1",         "--memory-budget", "64MiB",       "--max-body",  "64KiB",  "--max-faces", "2000", "--timeout-ms",
-        "200",       "--landmarks",     "0",           "--log-level", "error",  "--max-jobs",  "50",   "--drain-ms",
+        "geodesicd", "--listen",       "127.0.0.1:0", "--store",         "memory", "--workers",
+        "1",         "--http-threads", "1",           "--memory-budget", "64MiB",  "--max-body",
+        "64KiB",     "--max-faces",    "2000",        "--timeout-ms",    "200",    "--landmarks",
+        "0",         "--log-level",    "error",       "--max-jobs",      "50",     "--drain-ms",
         "100"};
     struct server_config config;
     char error[512];
-    promise(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) == SERVER_CONFIG_RUN);
+    promise(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) ==
+            SERVER_CONFIG_RUN);
     server_log_set_level(config.log_level);
     int listening = server_address_bind(&config.listen, error, sizeof error);
     promise(listening >= 0);
@@ -55,9 +59,10 @@ static void start(void)
     atexit(stop);
 }
 
-/* --- a client -------------------------------------------------------------------------------------------------------- */
+/* --- a client --------------------------------------------------------------------------------- */
 
-/* A connection that leaves nothing behind: a client in TIME_WAIT for each input would use up the ports. */
+/* A connection that leaves nothing behind: a client in TIME_WAIT for each input would use up the
+ * ports. */
 static int join(void)
 {
     const struct sockaddr *address = (const struct sockaddr *)&server->config.listen.socket;
@@ -69,12 +74,15 @@ static int join(void)
         usleep(100000);
     }
     setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    setsockopt(client, SOL_SOCKET, SO_LINGER, &(struct linger){.l_onoff = 1}, sizeof(struct linger));
+    setsockopt(client, SOL_SOCKET, SO_LINGER, &(struct linger){.l_onoff = 1},
+               sizeof(struct linger));
     return client;
 }
 
-/* Sends in two pieces, and reads until the daemon hangs up; how much of the answer there is in `answer`. */
-static size_t exchange(const char *bytes, size_t size, bool asks_more, char answer[ANSWER_BYTES + 1])
+/* Sends in two pieces, and reads until the daemon hangs up; how much of the answer there is in
+ * `answer`. */
+static size_t exchange(const char *bytes, size_t size, bool asks_more,
+                       char answer[ANSWER_BYTES + 1])
 {
     struct pollfd poll_of = {.fd = join(), .events = POLLIN};
     const int client = poll_of.fd;
@@ -95,10 +103,12 @@ static size_t exchange(const char *bytes, size_t size, bool asks_more, char answ
 
 static void upload(void)
 {
-    static const char request[] = "PUT /v1/meshes/m HTTP/1.1\r\nHost: localhost\r\nContent-Length: 64\r\n\r\n"
-                                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    static const char request[] =
+        "PUT /v1/meshes/m HTTP/1.1\r\nHost: localhost\r\nContent-Length: 64\r\n\r\n"
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     static char answer[ANSWER_BYTES + 1];
-    promise(exchange(request, sizeof request - 1, true, answer) > 0 && strncmp(answer, "HTTP/1.1 20", 11) == 0);
+    promise(exchange(request, sizeof request - 1, true, answer) > 0 &&
+            strncmp(answer, "HTTP/1.1 20", 11) == 0);
 }
 
 static void require_life(void)
@@ -118,6 +128,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     size_t length = exchange((const char *)data + 1, size - 1, data[0] & 1, answer);
     promise(length == 0 || strncmp(answer, "HTTP/1.1 ", 9) == 0);
-    promise(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL); /* no body has a CR LF */
+    /* no body has a CR LF */
+    promise(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL);
     return 0;
 }

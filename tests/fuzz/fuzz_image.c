@@ -1,4 +1,5 @@
-/* Fuzzes field images as they lie in the store. What is opened is asked everywhere; no answer may lead outside of the image. */
+/* Fuzzes field images as they lie in the store. What is opened is asked everywhere; no answer may
+ * lead outside of the image. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,9 +16,10 @@ static const char *image(size_t *size)
     if (!bytes) {
         struct gd_seed seed = {.offset = 0.125};
         struct gd_field *field;
-        promise(gd_point_in_face(patched_surface(), (struct gd_face){2}, (double[3]){0.5, 0.25, 0.25}, &seed.point,
-                                 NULL) == GD_OK);
-        promise(gd_field_build(patched_surface(), &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+        promise(gd_point_in_face(patched_surface(), (struct gd_face){2},
+                                 (double[3]){0.5, 0.25, 0.25}, &seed.point, NULL) == GD_OK);
+        promise(gd_field_build(patched_surface(),
+                               &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
                                NULL, &field, NULL) == GD_OK);
         length = gd_field_image_size(field);
         bytes = malloc(length);
@@ -39,8 +41,10 @@ static void ask_everywhere(const struct gd_field *field)
             struct gd_path path;
             struct gd_vec3 gradient;
             uint32_t seed;
-            promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, places[i], &point, NULL) == GD_OK);
-            if (gd_field_distance(field, &point, &distance) == GD_OK && gd_field_path(field, &point, &path) == GD_OK)
+            promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, places[i], &point,
+                                     NULL) == GD_OK);
+            if (gd_field_distance(field, &point, &distance) == GD_OK &&
+                gd_field_path(field, &point, &path) == GD_OK)
                 gd_path_free(&path);
             if (gd_field_nearest(field, &point, &distance, &seed) == GD_OK && isfinite(distance))
                 promise(seed < gd_field_seed_count(field));
@@ -51,7 +55,8 @@ static void ask_everywhere(const struct gd_field *field)
         for (uint32_t b = 0; b < 9; b++) {
             struct gd_wedge *wedges;
             uint32_t count;
-            if (gd_field_wedges(field, (struct gd_vertex){a}, (struct gd_vertex){b}, &wedges, &count) == GD_OK)
+            if (gd_field_wedges(field, (struct gd_vertex){a}, (struct gd_vertex){b}, &wedges,
+                                &count) == GD_OK)
                 free(wedges);
         }
     }
@@ -64,7 +69,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char *patched = patched_copy(whole, length, data, size, &left);
     struct gd_field *field;
     struct gd_detail detail = {.text = ""};
-    enum gd_status status = gd_field_open_image(patched_surface(), patched, left, NULL, NULL, &field, &detail);
+    enum gd_status status =
+        gd_field_open_image(patched_surface(), patched, left, NULL, NULL, &field, &detail);
     if (status == GD_OK) {
         ask_everywhere(field);
         gd_field_release(field);

@@ -1,5 +1,6 @@
-/* Fuzzes landmark images as they lie in the store. What is opened holds finite numbers only and narrows searches without leading outside of them; that a
- * search finds the distance all the same is for the store's checksum to see to. */
+/* Fuzzes landmark images as they lie in the store. What is opened holds finite numbers only and
+ * narrows searches without leading outside of them; that a search finds the distance all the same
+ * is for the store's checksum to see to. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -35,8 +36,10 @@ static void search_with(const struct gd_landmarks *landmarks)
     for (uint32_t face = 1; face < gd_mesh_summary(patched_surface())->faces; face++) {
         struct gd_pair_answer answer = {.distance = -1};
         struct gd_detail detail = {.text = ""};
-        promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, place, &to, NULL) == GD_OK);
-        enum gd_status status = gd_pair_solve(patched_surface(), &from, &to, true, landmarks, NULL, &answer, &detail);
+        promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, place, &to, NULL) ==
+                GD_OK);
+        enum gd_status status =
+            gd_pair_solve(patched_surface(), &from, &to, true, landmarks, NULL, &answer, &detail);
         promise(status ? detail.text[0] != '\0' : answer.distance > 0 && isfinite(answer.distance));
         gd_pair_answer_free(&answer);
     }

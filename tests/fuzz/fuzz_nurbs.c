@@ -1,6 +1,7 @@
-/* Fuzzes what decodes NURBS files and curves in their domains. The first byte picks the decoder (files, or the three questions about shortest paths),
- * the rest is its input. A surface that is taken has finite points everywhere in its domain, with unit normals; a curve that is taken lies in
- * the domain of its surface. */
+/* Fuzzes what decodes NURBS files and curves in their domains. The first byte picks the decoder
+ * (files, or the three questions about shortest paths), the rest is its input. A surface that is
+ * taken has finite points everywhere in its domain, with unit normals; a curve that is taken lies
+ * in the domain of its surface. */
 #include <math.h>
 
 #include "proto/decode.h"
@@ -10,7 +11,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* --- files -------------------------------------------------------------------------------------------------------- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 static void require_points(const struct gd_parametric *surface)
 {
@@ -31,7 +32,8 @@ static void require_points(const struct gd_parametric *surface)
 static void read_file(const uint8_t *data, size_t size)
 {
     static const struct proto_nurbs_options options;
-    struct proto_nurbs_description description = {.name = "n", .sha256 = "", .etag = "", .obstacle = "none"};
+    struct proto_nurbs_description description = {
+        .name = "n", .sha256 = "", .etag = "", .obstacle = "none"};
     struct proto_problem problem;
     struct proto_writer writer;
     struct gd_parametric *surface;
@@ -47,13 +49,15 @@ static void read_file(const uint8_t *data, size_t size)
     gd_parametric_release(surface);
 }
 
-/* --- questions ---------------------------------------------------------------------------------------------------- */
+/* --- questions -------------------------------------------------------------------------------- */
 
-/* A surface with lines in one direction and a period in the other; made once, reachable to the end. */
+/* A surface with lines in one direction and a period in the other; made once, reachable to the end.
+ */
 static const struct gd_parametric *vase(void)
 {
     static struct gd_parametric *surface;
-    static const double knots[] = {0, 0, 1, 2, 3, 3}, points[][2] = {{1, 0}, {2, 1}, {1.5, 2}, {3, 3}};
+    static const double knots[] = {0, 0, 1, 2, 3, 3},
+                        points[][2] = {{1, 0}, {2, 1}, {1.5, 2}, {3, 3}};
     const struct gd_profile profile = {.degree = 1, .count = 4, .knots = knots, .points = points};
     if (!surface) promise(gd_parametric_revolution(&profile, &surface, NULL) == GD_OK);
     return surface;
@@ -98,8 +102,8 @@ static void read_question(const uint8_t *data, size_t size, const struct proto_g
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const struct proto_geodesic_form *const forms[] = {&proto_geodesic_between_points, &proto_geodesic_to_curve,
-                                                              &proto_geodesic_between_curves};
+    static const struct proto_geodesic_form *const forms[] = {
+        &proto_geodesic_between_points, &proto_geodesic_to_curve, &proto_geodesic_between_curves};
     if (size == 0) return 0;
     if (data[0] % 4 == 0)
         read_file(data + 1, size - 1);

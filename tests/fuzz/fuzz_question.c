@@ -1,5 +1,6 @@
-/* Fuzzes what decodes the questions that a mesh is asked as JSON. The first byte picks the decoder, the rest is its input. What is refused has a
- * sentence; what is taken is freed (request.c and set.c go on from there with the questions about pairs and sets). */
+/* Fuzzes what decodes the questions that a mesh is asked as JSON. The first byte picks the decoder,
+ * the rest is its input. What is refused has a sentence; what is taken is freed (request.c and
+ * set.c go on from there with the questions about pairs and sets). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,13 +25,13 @@ enum { MOST_FACES = 100000 };
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* A decoder whose result has a function that frees it. */
-#define DECODES(name, type)                                                                                            \
-    static bool decode_##name(const json_t *document, struct proto_problem *problem)                                   \
-    {                                                                                                                  \
-        struct proto_##type out;                                                                                       \
-        bool is_taken = proto_##name##_decode(document, &out, problem);                                                \
-        if (is_taken) proto_##type##_free(&out);                                                                       \
-        return is_taken;                                                                                               \
+#define DECODES(name, type)                                                                        \
+    static bool decode_##name(const json_t *document, struct proto_problem *problem)               \
+    {                                                                                              \
+        struct proto_##type out;                                                                   \
+        bool is_taken = proto_##name##_decode(document, &out, problem);                            \
+        if (is_taken) proto_##type##_free(&out);                                                   \
+        return is_taken;                                                                           \
     }
 DECODES(curve_distance, curve_distance)
 DECODES(curve_operation, curve_operation)

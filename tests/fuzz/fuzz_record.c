@@ -1,5 +1,6 @@
-/* Fuzzes the records of the store: its manifests and the rows of its database. The first byte says whether the text is taken as it is, or is given
- * the checksum that fits, so that what lies behind the checksum is reached too. What is read must be written back as the same record. */
+/* Fuzzes the records of the store: its manifests and the rows of its database. The first byte says
+ * whether the text is taken as it is, or is given the checksum that fits, so that what lies behind
+ * the checksum is reached too. What is read must be written back as the same record. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,7 +18,8 @@ static void check(const char *text, size_t size)
     char *written = server_record_write(record, &length);
     promise(written != NULL);
     promise(server_record_read(written, length, &again) == SERVER_RECORD_READ);
-    promise(server_record_equal(record, again) && strcmp(record->description, again->description) == 0);
+    promise(server_record_equal(record, again) &&
+            strcmp(record->description, again->description) == 0);
     server_record_release(again);
     server_record_release(record);
     free(written);

@@ -1,5 +1,6 @@
-/* Fuzzes what decodes requests, and the answers behind it. The first byte picks the decoder, the rest is its input.
- * A request that is taken is located on a mesh and answered; the answer must be JSON again. */
+/* Fuzzes what decodes requests, and the answers behind it. The first byte picks the decoder, the
+ * rest is its input. A request that is taken is located on a mesh and answered; the answer must be
+ * JSON again. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +46,8 @@ static void answer(struct proto_points *stops)
         promise_sentence(&problem);
         return;
     }
-    promise(gd_pair_solve(cube(), &located.points[0], &located.points[1], true, NULL, NULL, &result, NULL) == GD_OK);
+    promise(gd_pair_solve(cube(), &located.points[0], &located.points[1], true, NULL, NULL, &result,
+                          NULL) == GD_OK);
     promise(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
     struct proto_options options = {.fields = ~0u};
     proto_writer_init(&writer, 1 << 20);

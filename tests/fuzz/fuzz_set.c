@@ -1,5 +1,6 @@
-/* Fuzzes what decodes sets and questions about them. The first byte picks the decoder (field requests, or distances to a set), the rest is its
- * input. What is taken is located on a mesh, built and evaluated: the distance to a set is the least over its members. */
+/* Fuzzes what decodes sets and questions about them. The first byte picks the decoder (field
+ * requests, or distances to a set), the rest is its input. What is taken is located on a mesh,
+ * built and evaluated: the distance to a set is the least over its members. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,8 @@
 #include "proto/field.h"
 #include "tests/fuzz/promise.h"
 
-enum { MOST_MEMBERS = 24, MOST_POINTS = 24 }; /* that are answered: each member has a field of its own here */
+/* that are answered: each member has a field of its own here */
+enum { MOST_MEMBERS = 24, MOST_POINTS = 24 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -38,8 +40,8 @@ static struct gd_field *build(const struct gd_seed *seeds, uint32_t count, doubl
     return status ? NULL : field;
 }
 
-static void check_least(const struct proto_located_set *set, const struct proto_located_points *points,
-                        const double *distances)
+static void check_least(const struct proto_located_set *set,
+                        const struct proto_located_points *points, const double *distances)
 {
     double least[MOST_POINTS], alone[MOST_POINTS];
     for (uint32_t i = 0; i < points->count; i++) least[i] = INFINITY;
@@ -50,7 +52,8 @@ static void check_least(const struct proto_located_set *set, const struct proto_
         for (uint32_t i = 0; i < points->count; i++) least[i] = fmin(least[i], alone[i]);
         gd_field_release(field);
     }
-    for (uint32_t i = 0; i < points->count; i++) promise(fabs(least[i] - distances[i]) <= 1e-9 * (1 + least[i]));
+    for (uint32_t i = 0; i < points->count; i++)
+        promise(fabs(least[i] - distances[i]) <= 1e-9 * (1 + least[i]));
 }
 
 static void encode(const struct gd_field *field, const struct proto_located_set *set,
@@ -131,7 +134,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memcpy(text, data + 1, size - 1);
     json_t *document = proto_decode_document(text, size - 1, &problem);
     free(text);
-    bool ok = document && (data[0] & 1 ? fuzz_field(document, &problem) : fuzz_distance_to_set(document, &problem));
+    bool ok = document && (data[0] & 1 ? fuzz_field(document, &problem)
+                                       : fuzz_distance_to_set(document, &problem));
     json_decref(document);
     if (!ok) promise_sentence(&problem);
     return 0;

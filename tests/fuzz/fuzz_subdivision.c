@@ -1,5 +1,6 @@
-/* Fuzzes what reads control meshes: OBJ with its tags, and OpenUSD's attributes as JSON. The first byte picks the scheme and the format, the rest is the
- * file. A surface that is taken is evaluated in the middle of some faces: what comes out is finite. */
+/* Fuzzes what reads control meshes: OBJ with its tags, and OpenUSD's attributes as JSON. The first
+ * byte picks the scheme and the format, the rest is the file. A surface that is taken is evaluated
+ * in the middle of some faces: what comes out is finite. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,8 @@ static void evaluate(const struct gd_subdivision *surface)
         struct gd_limit_jet jet;
         struct gd_detail detail = {.text = ""};
         enum gd_status status = gd_limit_evaluate(surface, &place, &jet, &detail);
-        promise(status ? detail.text[0] != '\0' : isfinite(jet.position.x + jet.position.y + jet.position.z));
+        promise(status ? detail.text[0] != '\0'
+                       : isfinite(jet.position.x + jet.position.y + jet.position.z));
     }
 }
 
@@ -41,18 +43,21 @@ static void create(const struct gd_control_mesh *control_mesh, enum gd_scheme sc
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const struct gd_read_limits limits = {.max_faces = MOST_FACES, .max_vertices = MOST_FACES};
+    static const struct gd_read_limits limits = {.max_faces = MOST_FACES,
+                                                 .max_vertices = MOST_FACES};
     if (size == 0) return 0;
-    const struct proto_subdivision_options options = {.format = data[0] & 1 ? GD_FORMAT_ANY : GD_FORMAT_OBJ,
-                                                      .has_scheme = data[0] & 2,
-                                                      .scheme = data[0] & 4 ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK};
+    const struct proto_subdivision_options options = {
+        .format = data[0] & 1 ? GD_FORMAT_ANY : GD_FORMAT_OBJ,
+        .has_scheme = data[0] & 2,
+        .scheme = data[0] & 4 ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK};
     char *file = malloc(size); /* exactly as large: overruns are seen */
     promise(file != NULL);
     memcpy(file, data + 1, size - 1);
     struct gd_control_mesh control_mesh;
     struct proto_problem problem;
     enum gd_scheme scheme;
-    if (proto_subdivision_read(file, size - 1, &options, &limits, &control_mesh, &scheme, &problem)) {
+    if (proto_subdivision_read(file, size - 1, &options, &limits, &control_mesh, &scheme,
+                               &problem)) {
         create(&control_mesh, scheme);
         gd_control_mesh_free(&control_mesh);
     } else {

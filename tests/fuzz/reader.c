@@ -1,5 +1,5 @@
-/* What the fuzzers of the readers share: whatever is read must keep its promises and survive the way through every writer that keeps
- * doubles. */
+/* What the fuzzers of the readers share: whatever is read must keep its promises and survive the
+ * way through every writer that keeps doubles. */
 #include "tests/fuzz/reader.h"
 #include "tests/fuzz/promise.h"
 
@@ -20,7 +20,8 @@ static void check_promises(const struct gd_polygons *polygons, const struct gd_r
     for (uint32_t i = 0; i < gd_polygons_corner_count(polygons); i++)
         promise(polygons->corners[i] < polygons->position_count);
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        for (int axis = 0; axis < 3; axis++) promise(polygons->positions[i][axis] - polygons->positions[i][axis] == 0);
+        for (int axis = 0; axis < 3; axis++)
+            promise(polygons->positions[i][axis] - polygons->positions[i][axis] == 0);
     }
 }
 
@@ -30,7 +31,8 @@ static void check_equal(const struct gd_polygons *a, const struct gd_polygons *b
     promise(gd_polygons_corner_count(a) == gd_polygons_corner_count(b));
     promise(memcmp(a->positions, b->positions, a->position_count * sizeof *a->positions) == 0);
     promise(memcmp(a->corners, b->corners, gd_polygons_corner_count(a) * sizeof *a->corners) == 0);
-    for (uint32_t i = 0; i < a->polygon_count; i++) promise(gd_polygons_first(a, i) == gd_polygons_first(b, i));
+    for (uint32_t i = 0; i < a->polygon_count; i++)
+        promise(gd_polygons_first(a, i) == gd_polygons_first(b, i));
 }
 
 static void check_round_trip(const struct gd_polygons *polygons, enum gd_format format)
@@ -62,7 +64,8 @@ int fuzz_reader(enum gd_format format, const uint8_t *data, size_t size)
     }
     check_promises(&polygons, &limits);
     promise(polygons.position_count * sizeof *polygons.positions <= cost);
-    for (format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++) check_round_trip(&polygons, format);
+    for (format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++)
+        check_round_trip(&polygons, format);
     gd_polygons_free(&polygons);
     return 0;
 }

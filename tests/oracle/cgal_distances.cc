@@ -2,7 +2,8 @@
 
 #if __has_include(<CGAL/Surface_mesh_shortest_path.h>)
 
-/* Header-only: Boost's numbers instead of GMP's; and as a published program runs, without assertions. */
+/* Header-only: Boost's numbers instead of GMP's; and as a published program runs, without
+ * assertions. */
 #define CGAL_DISABLE_GMP  1
 #define CGAL_DISABLE_MPFR 1
 #define CGAL_NDEBUG       1
@@ -22,7 +23,8 @@ namespace
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Solver = CGAL::Surface_mesh_shortest_path<CGAL::Surface_mesh_shortest_path_traits<Kernel, Mesh>>;
+using Solver =
+    CGAL::Surface_mesh_shortest_path<CGAL::Surface_mesh_shortest_path_traits<Kernel, Mesh>>;
 using Vertex = Mesh::Vertex_index;
 
 } // namespace
@@ -47,15 +49,16 @@ struct cgal_surface {
 namespace
 {
 
-/* Writes the simplices that CGAL's path passes into a polyline. A path between vertices never turns inside a face. */
+/* Writes the simplices that CGAL's path passes into a polyline. A path between vertices never turns
+ * inside a face. */
 struct Tracer {
     const cgal_surface &surface;
     polyline *line;
 
     void operator()(Mesh::Halfedge_index side, double t)
     {
-        polyline_add(
-            line, {surface.position_of[surface.mesh.source(side)], surface.position_of[surface.mesh.target(side)], t});
+        polyline_add(line, {surface.position_of[surface.mesh.source(side)],
+                            surface.position_of[surface.mesh.target(side)], t});
     }
     void operator()(Vertex vertex)
     {
@@ -80,8 +83,10 @@ try {
     surface->vertex_of.assign(triangles->position_count, Mesh::null_vertex());
     for (uint32_t f = 0; f < triangles->polygon_count; f++) {
         Vertex corner[3];
-        for (uint32_t k = 0; k < 3; k++) corner[k] = surface->add_corner(triangles, triangles->corners[3 * f + k]);
-        if (surface->mesh.add_face(corner[0], corner[1], corner[2]) == Mesh::null_face()) return nullptr;
+        for (uint32_t k = 0; k < 3; k++)
+            corner[k] = surface->add_corner(triangles, triangles->corners[3 * f + k]);
+        if (surface->mesh.add_face(corner[0], corner[1], corner[2]) == Mesh::null_face())
+            return nullptr;
     }
     surface->solver = std::make_unique<Solver>(surface->mesh);
     return surface.release();
@@ -102,7 +107,8 @@ try {
     for (size_t i = 0; i < surface->vertex_of.size(); i++) {
         out[i] = std::numeric_limits<double>::quiet_NaN();
         if (surface->vertex_of[i] == Mesh::null_vertex()) continue;
-        double distance = surface->solver->shortest_distance_to_source_points(surface->vertex_of[i]).first;
+        double distance =
+            surface->solver->shortest_distance_to_source_points(surface->vertex_of[i]).first;
         out[i] = distance < 0 ? HUGE_VAL : distance;
     }
     return true;
@@ -110,7 +116,8 @@ try {
     return false;
 }
 
-extern "C" bool cgal_surface_path(struct cgal_surface *surface, uint32_t vertex, struct polyline *line)
+extern "C" bool cgal_surface_path(struct cgal_surface *surface, uint32_t vertex,
+                                  struct polyline *line)
 try {
     Tracer tracer{*surface, line};
     surface->solver->shortest_path_sequence_to_source_points(surface->vertex_of[vertex], tracer);

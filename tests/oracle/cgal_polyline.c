@@ -31,7 +31,8 @@ static bool is_in_triangle(const uint32_t corner[3], struct polyline_point p)
     return has_a && has_b && p.t >= 0 && p.t <= 1;
 }
 
-static bool share_triangle(const struct gd_polygons *triangles, struct polyline_point p, struct polyline_point q)
+static bool share_triangle(const struct gd_polygons *triangles, struct polyline_point p,
+                           struct polyline_point q)
 {
     for (uint32_t f = 0; f < triangles->polygon_count; f++) {
         const uint32_t *corner = &triangles->corners[3 * f];
@@ -40,7 +41,8 @@ static bool share_triangle(const struct gd_polygons *triangles, struct polyline_
     return false;
 }
 
-static long double between(const struct gd_polygons *triangles, struct polyline_point p, struct polyline_point q)
+static long double between(const struct gd_polygons *triangles, struct polyline_point p,
+                           struct polyline_point q)
 {
     long double d[3];
     for (int k = 0; k < 3; k++) {
@@ -56,12 +58,13 @@ static bool is_vertex(struct polyline_point p, uint32_t vertex)
     return p.a == vertex && p.b == vertex;
 }
 
-long double polyline_length(const struct polyline *line, const struct gd_polygons *triangles, uint32_t from,
-                            uint32_t to)
+long double polyline_length(const struct polyline *line, const struct gd_polygons *triangles,
+                            uint32_t from, uint32_t to)
 {
     if (line->failed || line->count == 0) return NAN;
     struct polyline_point first = line->points[0], last = line->points[line->count - 1];
-    if (!(is_vertex(first, from) && is_vertex(last, to)) && !(is_vertex(first, to) && is_vertex(last, from)))
+    if (!(is_vertex(first, from) && is_vertex(last, to)) &&
+        !(is_vertex(first, to) && is_vertex(last, from)))
         return NAN;
     long double length = 0;
     for (uint32_t i = 1; i < line->count; i++) {

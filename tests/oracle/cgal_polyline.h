@@ -1,7 +1,8 @@
-/* A polyline on a surface, written so that it lies there exactly: the witness that a distance is no longer than it.
+/* A polyline on a surface, written so that it lies there exactly: the witness that a distance is no
+ * longer than it.
  *
- * Two solvers that disagree on a distance are judged by their paths: whoever comes with the shorter polyline is right
- * about the other, whatever either says about its own error. */
+ * Two solvers that disagree on a distance are judged by their paths: whoever comes with the shorter
+ * polyline is right about the other, whatever either says about its own error. */
 #ifndef TESTS_ORACLE_CGAL_POLYLINE_H
 #define TESTS_ORACLE_CGAL_POLYLINE_H
 
@@ -30,10 +31,10 @@ struct polyline {
 void polyline_add(struct polyline *line, struct polyline_point point);
 void polyline_free(struct polyline *line); /* and zeroes it */
 
-/* Its length, in long double; NAN unless consecutive points share a triangle and the ends are the two vertices, in
- * either order. O(count x triangles). */
-long double polyline_length(const struct polyline *line, const struct gd_polygons *triangles, uint32_t from,
-                            uint32_t to);
+/* Its length, in long double; NAN unless consecutive points share a triangle and the ends are the
+ * two vertices, in either order. O(count x triangles). */
+long double polyline_length(const struct polyline *line, const struct gd_polygons *triangles,
+                            uint32_t from, uint32_t to);
 
 #ifdef __cplusplus
 }

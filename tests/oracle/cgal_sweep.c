@@ -1,7 +1,8 @@
-/* gd_sweep [--sources N] MESH...: the engine against CGAL, distances of all vertices from N random ones. A MESH is a
- * file, or a sample as "name:key=value,key=value"; what is no surface is cut apart (repair_split) for both. Where the two
- * differ by more than 1e-9 their paths decide (cgal_polyline.h). Prints
- * `ok`, `not ok` or `skip` for each mesh; not ok: the engine was wrong, or nobody could tell. */
+/* gd_sweep [--sources N] MESH...: the engine against CGAL, distances of all vertices from N random
+ * ones. A MESH is a file, or a sample as "name:key=value,key=value"; what is no surface is cut
+ * apart (repair_split) for both. Where the two differ by more than 1e-9 their paths decide
+ * (cgal_polyline.h). Prints `ok`, `not ok` or `skip` for each mesh; not ok: the engine was wrong,
+ * or nobody could tell. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -22,9 +23,17 @@ enum { EXIT_USAGE = 2, LISTED = 5, DEFAULT_SOURCES = 20, MAX_SOURCES = 100000, M
 static const char usage[] = "usage: gd_sweep [--sources N] FILE-OR-SAMPLE...\n";
 
 /* Who is right about a distance on which the two differ. */
-enum verdict { CGAL_TOO_LONG, CGAL_TOO_SHORT, ENGINE_TOO_LONG, ENGINE_TOO_SHORT, UNDECIDED, VERDICTS };
+enum verdict {
+    CGAL_TOO_LONG,
+    CGAL_TOO_SHORT,
+    ENGINE_TOO_LONG,
+    ENGINE_TOO_SHORT,
+    UNDECIDED,
+    VERDICTS
+};
 
-static const char *const verdict_texts[VERDICTS] = {"CGAL is too long", "CGAL is too short", "the engine is too long",
+static const char *const verdict_texts[VERDICTS] = {"CGAL is too long", "CGAL is too short",
+                                                    "the engine is too long",
                                                     "the engine is too short", "undecided"};
 
 struct sweep {
@@ -39,13 +48,15 @@ struct sweep {
     uint32_t listed, given_up;
 };
 
-/* --- meshes ----------------------------------------------------------------------------------------------------- */
+/* --- meshes ----------------------------------------------------------------------------------- */
 
 static enum gd_status read_file(const char *path, struct gd_polygons *out, struct gd_detail *detail)
 {
     size_t size = 0;
     char *bytes = test_read_file(path, &size);
-    if (!bytes) return gd_fail(detail, GD_INVALID_ARGUMENT, "there is neither a sample nor a file \"%s\"", path);
+    if (!bytes)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "there is neither a sample nor a file \"%s\"",
+                       path);
     enum gd_status status = gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, out, detail);
     free(bytes);
     return status;
@@ -79,9 +90,10 @@ static enum gd_status load(const char *name, struct gd_mesh **out, struct gd_det
     return status;
 }
 
-/* --- who is right ----------------------------------------------------------------------------------------------- */
+/* --- who is right ----------------------------------------------------------------------------- */
 
-static long double our_length(const struct sweep *sweep, const struct gd_field *field, uint32_t source, uint32_t target)
+static long double our_length(const struct sweep *sweep, const struct gd_field *field,
+                              uint32_t source, uint32_t target)
 {
     struct gd_point point;
     struct gd_path path = {0};
@@ -95,7 +107,8 @@ static long double our_length(const struct sweep *sweep, const struct gd_field *
             polyline_add(&line, (struct polyline_point){at.vertex.index, at.vertex.index, 0});
         else
             polyline_add(&line, (struct polyline_point){at.edge[0].index, at.edge[1].index, at.t});
-        line.failed |= at.kind == GD_POINT_FACE; /* a path between vertices never turns inside a face */
+        /* a path between vertices never turns inside a face */
+        line.failed |= at.kind == GD_POINT_FACE;
     }
     gd_path_free(&path);
     long double length = polyline_length(&line, &sweep->triangles, source, target);
@@ -119,30 +132,36 @@ static double difference(double a, double b)
     return isinf(a) || isinf(b) ? 1 : fabs(a - b) / fmax(a, b);
 }
 
-/* The shortest path that either can show is the measure; who says less than it has no path to show for it. */
+/* The shortest path that either can show is the measure; who says less than it has no path to show
+ * for it. */
 static enum verdict judge(double ours, double theirs, long double our_path, long double their_path)
 {
     double best = (double)fminl(our_path, their_path);
-    bool we_have_it = difference(ours, best) <= promise, they_have_it = difference(theirs, best) <= promise;
+    bool we_have_it = difference(ours, best) <= promise,
+         they_have_it = difference(theirs, best) <= promise;
     if (we_have_it && !they_have_it) return theirs > best ? CGAL_TOO_LONG : CGAL_TOO_SHORT;
     if (they_have_it && !we_have_it) return ours > best ? ENGINE_TOO_LONG : ENGINE_TOO_SHORT;
     return UNDECIDED;
 }
 
-static void settle(struct sweep *sweep, const struct gd_field *field, uint32_t source, uint32_t target)
+static void settle(struct sweep *sweep, const struct gd_field *field, uint32_t source,
+                   uint32_t target)
 {
     double ours = sweep->ours[target], theirs = sweep->theirs[target];
-    long double our_path = our_length(sweep, field, source, target), their_path = their_length(sweep, source, target);
+    long double our_path = our_length(sweep, field, source, target),
+                their_path = their_length(sweep, source, target);
     enum verdict verdict = judge(ours, theirs, our_path, their_path);
     sweep->exceptions[verdict]++;
-    sweep->worst_exception[verdict] = fmax(sweep->worst_exception[verdict], difference(ours, theirs));
+    sweep->worst_exception[verdict] =
+        fmax(sweep->worst_exception[verdict], difference(ours, theirs));
     if (sweep->listed++ < LISTED || verdict >= ENGINE_TOO_LONG)
-        printf("# %s: from vertex %u to %u: engine %.17g, CGAL %.17g (%.2g); paths of %.20Lg and %.20Lg: %s\n",
-               sweep->name, source, target, ours, theirs, difference(ours, theirs), our_path, their_path,
-               verdict_texts[verdict]);
+        printf("# %s: from vertex %u to %u: engine %.17g, CGAL %.17g (%.2g); paths of %.20Lg and "
+               "%.20Lg: %s\n",
+               sweep->name, source, target, ours, theirs, difference(ours, theirs), our_path,
+               their_path, verdict_texts[verdict]);
 }
 
-/* --- the sweep -------------------------------------------------------------------------------------------------- */
+/* --- the sweep -------------------------------------------------------------------------------- */
 
 static struct gd_field *solve(struct sweep *sweep, uint32_t source)
 {
@@ -151,8 +170,9 @@ static struct gd_field *solve(struct sweep *sweep, uint32_t source)
     struct gd_detail detail = {0};
     if (gd_point_at_vertex(sweep->mesh, (struct gd_vertex){source}, &seed.point, NULL)) return NULL;
     uint64_t start = gd_now_ns();
-    enum gd_status status = gd_field_build(sweep->mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                           NULL, NULL, &field, &detail);
+    enum gd_status status =
+        gd_field_build(sweep->mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                       NULL, NULL, &field, &detail);
     sweep->our_ns += gd_now_ns() - start;
     if (status) printf("# %s: %s: %s\n", sweep->name, gd_status_name(status), detail.text);
     return field;
@@ -188,15 +208,17 @@ static void report(const struct sweep *sweep, uint32_t sources)
     for (int i = 0; i < VERDICTS; i++) exceptions += sweep->exceptions[i];
     printf("# %s: %u vertices, %u faces, %u sources: %" PRIu64 " of %" PRIu64
            " distances agree, to %.2g; a source takes %.1f ms, CGAL %.1f ms\n",
-           sweep->name, summary->vertices, summary->faces, sources, sweep->compared - exceptions, sweep->compared,
-           sweep->worst_agreement, 1e-6 * (double)sweep->our_ns / sources, 1e-6 * (double)sweep->their_ns / sources);
+           sweep->name, summary->vertices, summary->faces, sources, sweep->compared - exceptions,
+           sweep->compared, sweep->worst_agreement, 1e-6 * (double)sweep->our_ns / sources,
+           1e-6 * (double)sweep->their_ns / sources);
     if (sweep->unreachable)
-        printf("# %s: %" PRIu64 " of them are infinite: in other components\n", sweep->name, sweep->unreachable);
+        printf("# %s: %" PRIu64 " of them are infinite: in other components\n", sweep->name,
+               sweep->unreachable);
     if (sweep->given_up) printf("# %s: CGAL gave up on %u sources\n", sweep->name, sweep->given_up);
     for (int i = 0; i < VERDICTS; i++)
         if (sweep->exceptions[i])
-            printf("# %s: %" PRIu64 " times, by up to %.2g: %s\n", sweep->name, sweep->exceptions[i],
-                   sweep->worst_exception[i], verdict_texts[i]);
+            printf("# %s: %" PRIu64 " times, by up to %.2g: %s\n", sweep->name,
+                   sweep->exceptions[i], sweep->worst_exception[i], verdict_texts[i]);
 }
 
 static bool run(struct sweep *sweep, uint32_t sources)
@@ -206,7 +228,8 @@ static bool run(struct sweep *sweep, uint32_t sources)
     for (uint32_t i = 0; i < sources; i++)
         if (!compare(sweep, sweep->triangles.corners[rng_below(&rng, corners)])) return false;
     report(sweep, sources);
-    return !sweep->exceptions[ENGINE_TOO_LONG] && !sweep->exceptions[ENGINE_TOO_SHORT] && !sweep->exceptions[UNDECIDED];
+    return !sweep->exceptions[ENGINE_TOO_LONG] && !sweep->exceptions[ENGINE_TOO_SHORT] &&
+           !sweep->exceptions[UNDECIDED];
 }
 
 static bool sweep_mesh(const char *name, const struct gd_mesh *mesh, uint32_t sources)

@@ -4,20 +4,21 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* --- box -------------------------------------------------------------------------------------------------------- */
+/* --- box -------------------------------------------------------------------------------------- */
 
 /* A face is 2 axis + side: it lies where coordinate `axis` is 0 (side 0) or size[axis] (side 1). */
 enum { BOX_FACES = 6 };
 
-/* The box on its way of being rolled over the plane: space is mapped by x -> map x + shift, true on the face that
- * lies in the plane. */
+/* The box on its way of being rolled over the plane: space is mapped by x -> map x + shift, true on
+ * the face that lies in the plane. */
 struct roll {
     double map[2][3], shift[2];
     int face;
     unsigned passed; /* bit f: face f has lain in the plane */
 };
 
-/* The edges rolled over so far, in the plane: their ends to the right and to the left of who walks over them. */
+/* The edges rolled over so far, in the plane: their ends to the right and to the left of who walks
+ * over them. */
 struct hinges {
     double end[BOX_FACES][2][2];
     int count;
@@ -32,7 +33,8 @@ struct box_search {
 static void image(const struct roll *roll, const double x[3], double out[2])
 {
     for (int i = 0; i < 2; i++)
-        out[i] = roll->shift[i] + roll->map[i][0] * x[0] + roll->map[i][1] * x[1] + roll->map[i][2] * x[2];
+        out[i] = roll->shift[i] + roll->map[i][0] * x[0] + roll->map[i][1] * x[1] +
+                 roll->map[i][2] * x[2];
 }
 
 static bool is_on_face(const double size[3], const double x[3], int face)
@@ -45,12 +47,13 @@ static double orientation(const double a[2], const double b[2], const double c[2
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* Whether the straight line from p to q passes over every hinge, up to rounding: a line that passes a corner a
- * rounding's breadth outside is as long to within it. */
+/* Whether the straight line from p to q passes over every hinge, up to rounding: a line that passes
+ * a corner a rounding's breadth outside is as long to within it. */
 static bool passes_all(const struct hinges *hinges, const double p[2], const double q[2])
 {
     for (int i = 0; i < hinges->count; i++) {
-        double right = -orientation(p, q, hinges->end[i][0]), left = orientation(p, q, hinges->end[i][1]);
+        double right = -orientation(p, q, hinges->end[i][0]),
+               left = orientation(p, q, hinges->end[i][1]);
         if (fmin(left, right) < -1e-14 * (fabs(left) + fabs(right))) return false;
     }
     return true;
@@ -66,7 +69,8 @@ static void swap_ends(double end[2][2])
 }
 
 /* Rolls over the edge shared with the neighbour `next`, which becomes the last hinge. */
-static struct roll roll_over(const struct roll *roll, const double size[3], int next, struct hinges *hinges)
+static struct roll roll_over(const struct roll *roll, const double size[3], int next,
+                             struct hinges *hinges)
 {
     int from = roll->face / 2, to = next / 2, third = 3 - from - to;
     double from_sign = roll->face % 2 ? 1 : -1, to_sign = next % 2 ? 1 : -1;
@@ -83,7 +87,8 @@ static struct roll roll_over(const struct roll *roll, const double size[3], int 
     struct roll rolled = *roll;
     rolled.face = next;
     rolled.passed |= 1u << next;
-    for (int i = 0; i < 2; i++) { /* going on straight means: away from the old face's normal on the new one */
+    /* going on straight means: away from the old face's normal on the new one */
+    for (int i = 0; i < 2; i++) {
         rolled.map[i][from] = -from_sign * to_sign * roll->map[i][to];
         rolled.map[i][to] = 0;
         rolled.shift[i] = 0;
@@ -101,7 +106,8 @@ static void roll_on(struct box_search *search, const struct roll *roll, const st
         double end[2];
         image(roll, search->target, end);
         double distance = hypot(end[0] - search->start[0], end[1] - search->start[1]);
-        if (distance < search->best && passes_all(hinges, search->start, end)) search->best = distance;
+        if (distance < search->best && passes_all(hinges, search->start, end))
+            search->best = distance;
     }
     for (int next = 0; next < BOX_FACES; next++) {
         if (next / 2 == roll->face / 2 || roll->passed & 1u << next) continue;
@@ -125,7 +131,7 @@ double closed_form_box(const double size[3], const double p[3], const double q[3
     return search.best;
 }
 
-/* --- fan -------------------------------------------------------------------------------------------------------- */
+/* --- fan -------------------------------------------------------------------------------------- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -174,7 +180,7 @@ double closed_form_fan(const struct closed_form_fan *fan, const double p[3], con
     return hypot(reach[0] - reach[1], 2 * sqrt(reach[0] * reach[1]) * sin(0.5 * gap));
 }
 
-/* --- prism ------------------------------------------------------------------------------------------------------ */
+/* --- prism ------------------------------------------------------------------------------------ */
 
 static double girth(double radius, uint32_t sides, const double p[3])
 {
@@ -190,10 +196,10 @@ double closed_form_prism(double radius, uint32_t sides, const double p[3], const
     return hypot(fmin(gap, round - gap), p[2] - q[2]);
 }
 
-/* --- tetrahedron ------------------------------------------------------------------------------------------------ */
+/* --- tetrahedron ------------------------------------------------------------------------------ */
 
-/* A place of the point in the plane, in steps of the lattice, whose points (i,j) fold up to corner (i mod 2) + 2 (j
- * mod 2). */
+/* A place of the point in the plane, in steps of the lattice, whose points (i,j) fold up to corner
+ * (i mod 2) + 2 (j mod 2). */
 static void lay_down(const double weight[4], double out[2])
 {
     static const int lattice[4][4][2] = {/* by the corner that the face lacks */

@@ -67,7 +67,8 @@ static struct naive_side find_across(const struct naive_mesh *mesh, uint32_t fac
 
 static long double angle_at(const struct naive_mesh *mesh, uint32_t face, uint32_t k)
 {
-    const double *a = mesh->position[mesh->corner[face][k]], *b = mesh->position[mesh->corner[face][(k + 1) % 3]],
+    const double *a = mesh->position[mesh->corner[face][k]],
+                 *b = mesh->position[mesh->corner[face][(k + 1) % 3]],
                  *c = mesh->position[mesh->corner[face][(k + 2) % 3]];
     long double u[3], v[3], product = 0, area = 0;
     for (int i = 0; i < 3; i++) u[i] = (long double)b[i] - a[i], v[i] = (long double)c[i] - a[i];
@@ -87,19 +88,21 @@ static bool find_convex(struct naive_mesh *mesh)
     if (!angle) return false;
     for (uint32_t f = 0; f < mesh->face_count; f++)
         for (uint32_t k = 0; k < 3; k++) angle[mesh->corner[f][k]] += angle_at(mesh, f, k);
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) mesh->is_convex[v] = angle[v] < 2 * M_PI - 1e-9;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        mesh->is_convex[v] = angle[v] < 2 * M_PI - 1e-9;
     for (uint32_t f = 0; f < mesh->face_count; f++) {
         for (uint32_t k = 0; k < 3; k++) {
             if (mesh->across[f][k].face != NONE) continue;
-            mesh->is_convex[mesh->corner[f][k]] = mesh->is_convex[mesh->corner[f][(k + 1) % 3]] = false;
+            mesh->is_convex[mesh->corner[f][k]] = mesh->is_convex[mesh->corner[f][(k + 1) % 3]] =
+                false;
         }
     }
     free(angle);
     return true;
 }
 
-struct naive_mesh *naive_mesh_create(const double (*positions)[3], uint32_t position_count, const uint32_t *corners,
-                                     uint32_t face_count)
+struct naive_mesh *naive_mesh_create(const double (*positions)[3], uint32_t position_count,
+                                     const uint32_t *corners, uint32_t face_count)
 {
     struct naive_mesh *mesh = calloc(1, sizeof *mesh);
     if (!mesh) return NULL;
@@ -134,7 +137,8 @@ void naive_mesh_free(struct naive_mesh *mesh)
 /* --- fields ----------------------------------------------------------------------------------- */
 
 struct naive_field *naive_field_solve(const struct naive_mesh *mesh, enum naive_precision precision,
-                                      const struct naive_source *sources, uint32_t source_count, long double radius)
+                                      const struct naive_source *sources, uint32_t source_count,
+                                      long double radius)
 {
     struct naive_field *field = calloc(1, sizeof *field);
     if (!field) return NULL;
@@ -163,7 +167,8 @@ long double naive_field_distance(const struct naive_field *field, const struct n
 
 long double naive_field_vertex_distance(const struct naive_field *field, uint32_t vertex)
 {
-    return field->extended ? field->extended->distance[vertex] : (long double)field->quadruple->distance[vertex];
+    return field->extended ? field->extended->distance[vertex]
+                           : (long double)field->quadruple->distance[vertex];
 }
 
 uint32_t naive_field_windows(const struct naive_field *field)

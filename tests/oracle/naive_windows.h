@@ -36,15 +36,16 @@ struct naive_source {
 };
 
 /* A manifold triangle mesh of its own, faces oriented anyhow. NULL: out of memory. */
-struct naive_mesh *naive_mesh_create(const double (*positions)[3], uint32_t position_count, const uint32_t *corners,
-                                     uint32_t face_count);
+struct naive_mesh *naive_mesh_create(const double (*positions)[3], uint32_t position_count,
+                                     const uint32_t *corners, uint32_t face_count);
 void naive_mesh_free(struct naive_mesh *mesh); /* NULL is harmless */
 
 /* Distances from the nearest of the sources. Those up to `radius`, which may be INFINITY, are
  * exact; beyond it they are upper bounds. The mesh must outlive the field. NULL: out of memory,
  * or more than NAIVE_WINDOWS_MOST windows. */
 struct naive_field *naive_field_solve(const struct naive_mesh *mesh, enum naive_precision precision,
-                                      const struct naive_source *sources, uint32_t source_count, long double radius);
+                                      const struct naive_source *sources, uint32_t source_count,
+                                      long double radius);
 void naive_field_free(struct naive_field *field); /* NULL is harmless */
 
 enum { NAIVE_WINDOWS_MOST = 4000000 };

@@ -100,10 +100,12 @@ static bool NAME(is_left)(struct NAME(vector) a, struct NAME(vector) b, REAL sla
 
 /* --- faces laid flat -------------------------------------------------------------------------- */
 
-static void NAME(measure_face)(const struct naive_mesh *mesh, uint32_t face, struct NAME(shape) * shape)
+static void NAME(measure_face)(const struct naive_mesh *mesh, uint32_t face,
+                               struct NAME(shape) * shape)
 {
     for (uint32_t k = 0; k < 3; k++) {
-        const double *a = mesh->position[mesh->corner[face][k]], *b = mesh->position[mesh->corner[face][(k + 1) % 3]],
+        const double *a = mesh->position[mesh->corner[face][k]],
+                     *b = mesh->position[mesh->corner[face][(k + 1) % 3]],
                      *c = mesh->position[mesh->corner[face][(k + 2) % 3]];
         REAL u[3], v[3], square = 0, product = 0, area = 0;
         for (int i = 0; i < 3; i++) u[i] = (REAL)b[i] - a[i], v[i] = (REAL)c[i] - a[i];
@@ -127,28 +129,35 @@ static int NAME(nearest_corner)(const REAL weight[3])
 }
 
 /* Corners of a face, counter-clockwise, relative to the point with those weights. */
-static void NAME(lay_around)(const struct NAME(shape) * shape, const REAL weight[3], struct NAME(vector) out[3])
+static void NAME(lay_around)(const struct NAME(shape) * shape, const REAL weight[3],
+                             struct NAME(vector) out[3])
 {
     int a = NAME(nearest_corner)(weight), b = (a + 1) % 3, c = (a + 2) % 3;
     struct NAME(vector) to_b = {shape->length[a], 0};
-    struct NAME(vector) to_c = {shape->along[a] * shape->length[a], shape->across[a] * shape->length[a]};
-    out[a] = NAME(scaled)(-1, NAME(add)(NAME(scaled)(weight[b], to_b), NAME(scaled)(weight[c], to_c)));
+    struct NAME(vector)
+        to_c = {shape->along[a] * shape->length[a], shape->across[a] * shape->length[a]};
+    out[a] =
+        NAME(scaled)(-1, NAME(add)(NAME(scaled)(weight[b], to_b), NAME(scaled)(weight[c], to_c)));
     out[b] = NAME(add)(out[a], to_b);
     out[c] = NAME(add)(out[a], to_c);
 }
 
 /* Distance of two points of one face. */
-static REAL NAME(distance_in_face)(const struct NAME(shape) * shape, const REAL p[3], const REAL q[3])
+static REAL NAME(distance_in_face)(const struct NAME(shape) * shape, const REAL p[3],
+                                   const REAL q[3])
 {
     REAL sum[3] = {p[0] + q[0], p[1] + q[1], p[2] + q[2]};
     int a = NAME(nearest_corner)(sum), b = (a + 1) % 3, c = (a + 2) % 3;
     struct NAME(vector) to_b = {shape->length[a], 0};
-    struct NAME(vector) to_c = {shape->along[a] * shape->length[a], shape->across[a] * shape->length[a]};
-    return NAME(length)(NAME(add)(NAME(scaled)(p[b] - q[b], to_b), NAME(scaled)(p[c] - q[c], to_c)));
+    struct NAME(vector)
+        to_c = {shape->along[a] * shape->length[a], shape->across[a] * shape->length[a]};
+    return NAME(length)(
+        NAME(add)(NAME(scaled)(p[b] - q[b], to_b), NAME(scaled)(p[c] - q[c], to_c)));
 }
 
 /* From the right end of the window's side to the third corner of the face that it enters. */
-static struct NAME(vector) NAME(right_to_apex)(const struct NAME(solver) * solver, const struct NAME(window) * window)
+static struct NAME(vector)
+    NAME(right_to_apex)(const struct NAME(solver) * solver, const struct NAME(window) * window)
 {
     const struct NAME(shape) *shape = &solver->shape[window->face];
     REAL along = shape->along[window->side], across = shape->across[window->side];
@@ -196,7 +205,8 @@ static struct NAME(event) NAME(pop)(struct NAME(solver) * solver)
     struct NAME(event) first = solver->heap[0], last = solver->heap[--solver->heap_count];
     uint32_t i = 0;
     for (uint32_t child = 1; child < solver->heap_count; child = 2 * i + 1) {
-        if (child + 1 < solver->heap_count && solver->heap[child + 1].key < solver->heap[child].key) child++;
+        if (child + 1 < solver->heap_count && solver->heap[child + 1].key < solver->heap[child].key)
+            child++;
         if (!(solver->heap[child].key < last.key)) break;
         solver->heap[i] = solver->heap[child];
         i = child;
@@ -216,17 +226,19 @@ static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(
 
 /* Each point of the window is nearer by way of an end of its side. If that is so for the
  * window's far end, then by the triangle inequality for all points between. */
-static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window, REAL begin,
-                             REAL end)
+static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window,
+                             REAL begin, REAL end)
 {
     uint32_t corner[3];
     NAME(corners_entered)(window, corner);
     const uint32_t *vertex = solver->mesh->corner[window->face];
     REAL length = solver->shape[window->face].length[window->side], margin = 1 + 8 * REAL_SLACK;
     REAL to_end = NAME(length)(NAME(add)(window->right, NAME(scaled)(end, window->edge)));
-    if ((solver->distance[vertex[corner[0]]] + end * length) * margin < window->sigma + to_end) return true;
+    if ((solver->distance[vertex[corner[0]]] + end * length) * margin < window->sigma + to_end)
+        return true;
     REAL to_begin = NAME(length)(NAME(add)(window->right, NAME(scaled)(begin, window->edge)));
-    return (solver->distance[vertex[corner[1]]] + (1 - begin) * length) * margin < window->sigma + to_begin;
+    return (solver->distance[vertex[corner[1]]] + (1 - begin) * length) * margin <
+           window->sigma + to_begin;
 }
 
 /* The least distance of the part of the side between two places. */
@@ -251,38 +263,42 @@ static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(
 }
 
 /* Queues the window through that side out of a face, unless it is of no use. */
-static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t side, uint32_t right_corner,
-                        struct NAME(window) window)
+static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t side,
+                        uint32_t right_corner, struct NAME(window) window)
 {
     struct naive_side across = solver->mesh->across[face][side];
     if (across.face == NONE) return;
     window.face = across.face;
     window.side = across.side;
-    window.swapped = solver->mesh->corner[across.face][across.side] != solver->mesh->corner[face][right_corner];
+    window.swapped =
+        solver->mesh->corner[across.face][across.side] != solver->mesh->corner[face][right_corner];
     window.next = NONE;
-    REAL begin = NAME(place_on_side)(&window, window.from), end = NAME(place_on_side)(&window, window.to);
+    REAL begin = NAME(place_on_side)(&window, window.from),
+         end = NAME(place_on_side)(&window, window.to);
     if (NAME(is_useless)(solver, &window, begin, end) || NAME(returns)(solver, &window)) return;
     if (solver->window_count >= NAIVE_WINDOWS_MOST) solver->failed = true;
     if (solver->window_count == solver->window_capacity &&
-        !NAME(grow)(solver, (void **)&solver->window, &solver->window_capacity, sizeof *solver->window))
+        !NAME(grow)(solver, (void **)&solver->window, &solver->window_capacity,
+                    sizeof *solver->window))
         return;
     solver->window[solver->window_count] = window;
     NAME(push)
-    (solver,
-     (struct NAME(event)){window.sigma + NAME(least_on_side)(&window, begin, end), solver->window_count++, false});
+    (solver, (struct NAME(event)){window.sigma + NAME(least_on_side)(&window, begin, end),
+                                  solver->window_count++, false});
 }
 
 static void NAME(improve)(struct NAME(solver) * solver, uint32_t vertex, REAL distance)
 {
     if (!(distance < solver->distance[vertex])) return;
     solver->distance[vertex] = distance;
-    if (!solver->mesh->is_convex[vertex]) NAME(push)(solver, (struct NAME(event)){distance, vertex, true});
+    if (!solver->mesh->is_convex[vertex])
+        NAME(push)(solver, (struct NAME(event)){distance, vertex, true});
 }
 
 /* What a source inside or on the border of a face sees through the sides that it does not lie
  * on. */
-static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, const REAL weight[3], REAL sigma,
-                                 uint32_t origin)
+static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, const REAL weight[3],
+                                 REAL sigma, uint32_t origin)
 {
     struct NAME(vector) corner[3];
     NAME(lay_around)(&solver->shape[face], weight, corner);
@@ -291,7 +307,8 @@ static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, co
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t next = (k + 1) % 3;
         if (weight[(k + 2) % 3] == 0) continue;
-        struct NAME(window) window = {.right = corner[k], .left = corner[next], .from = corner[k], .to = corner[next]};
+        struct NAME(window) window = {
+            .right = corner[k], .left = corner[next], .from = corner[k], .to = corner[next]};
         window.edge = NAME(subtract)(corner[next], corner[k]);
         window.sigma = sigma;
         window.origin = origin;
@@ -314,8 +331,8 @@ static void NAME(emit_from_vertex)(struct NAME(solver) * solver, uint32_t vertex
 /* The window's parts on the other two sides of the face that it enters. `reach`, `back`: from
  * right and left to the apex. */
 static void NAME(offer_children)(struct NAME(solver) * solver, const struct NAME(window) * window,
-                                 const uint32_t corner[3], struct NAME(vector) apex, struct NAME(vector) reach,
-                                 struct NAME(vector) back)
+                                 const uint32_t corner[3], struct NAME(vector) apex,
+                                 struct NAME(vector) reach, struct NAME(vector) back)
 {
     bool is_left_of_from = NAME(is_left)(window->from, apex, REAL_SLACK);
     bool is_right_of_to = NAME(is_left)(apex, window->to, REAL_SLACK);
@@ -324,14 +341,16 @@ static void NAME(offer_children)(struct NAME(solver) * solver, const struct NAME
         child.left = apex;
         child.edge = reach;
         if (is_right_of_to) child.to = apex;
-        NAME(offer)(solver, window->face, (window->side + (window->swapped ? 1 : 2)) % 3, corner[0], child);
+        NAME(offer)
+        (solver, window->face, (window->side + (window->swapped ? 1 : 2)) % 3, corner[0], child);
     }
     if (is_right_of_to) {
         struct NAME(window) child = *window;
         child.right = apex;
         child.edge = NAME(scaled)(-1, back);
         if (is_left_of_from) child.from = apex;
-        NAME(offer)(solver, window->face, (window->side + (window->swapped ? 2 : 1)) % 3, corner[2], child);
+        NAME(offer)
+        (solver, window->face, (window->side + (window->swapped ? 2 : 1)) % 3, corner[2], child);
     }
 }
 
@@ -348,10 +367,14 @@ static void NAME(propagate)(struct NAME(solver) * solver, uint32_t index)
 
     uint32_t corner[3];
     NAME(corners_entered)(&window, corner);
-    struct NAME(vector) reach = NAME(right_to_apex)(solver, &window), back = NAME(subtract)(reach, window.edge);
-    struct NAME(vector) apex = window.swapped ? NAME(add)(window.left, back) : NAME(add)(window.right, reach);
-    if (NAME(is_left)(window.from, apex, -REAL_SLACK) && NAME(is_left)(apex, window.to, -REAL_SLACK))
-        NAME(improve)(solver, solver->mesh->corner[window.face][corner[2]], window.sigma + NAME(length)(apex));
+    struct NAME(vector) reach = NAME(right_to_apex)(solver, &window),
+                        back = NAME(subtract)(reach, window.edge);
+    struct NAME(vector) apex =
+        window.swapped ? NAME(add)(window.left, back) : NAME(add)(window.right, reach);
+    if (NAME(is_left)(window.from, apex, -REAL_SLACK) &&
+        NAME(is_left)(apex, window.to, -REAL_SLACK))
+        NAME(improve)
+    (solver, solver->mesh->corner[window.face][corner[2]], window.sigma + NAME(length)(apex));
     window.parent = index;
     NAME(offer_children)(solver, &window, corner, apex, reach, back);
 }
@@ -445,8 +468,9 @@ static struct NAME(solver) * NAME(open)(const struct naive_mesh *mesh, uint32_t 
     return solver;
 }
 
-static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh, const struct naive_source *sources,
-                                         uint32_t source_count, long double radius)
+static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh,
+                                         const struct naive_source *sources, uint32_t source_count,
+                                         long double radius)
 {
     struct NAME(solver) *solver = NAME(open)(mesh, source_count);
     if (!solver) return NULL;
@@ -459,21 +483,26 @@ static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh, const st
 
 /* Distance by way of a window, or INFINITY where it does not see the point. `weight`: of the
  * point in the face entered. */
-static REAL NAME(through_window)(const struct NAME(solver) * solver, const struct NAME(window) * window,
-                                 const REAL weight[3])
+static REAL NAME(through_window)(const struct NAME(solver) * solver,
+                                 const struct NAME(window) * window, const REAL weight[3])
 {
     uint32_t corner[3];
     NAME(corners_entered)(window, corner);
     REAL right = weight[corner[0]], left = weight[corner[1]], top = weight[corner[2]];
-    struct NAME(vector) reach = NAME(right_to_apex)(solver, window), back = NAME(subtract)(reach, window->edge), at;
+    struct NAME(vector) reach = NAME(right_to_apex)(solver, window),
+                        back = NAME(subtract)(reach, window->edge), at;
     if (right >= left && right >= top)
-        at = NAME(add)(window->right, NAME(add)(NAME(scaled)(left, window->edge), NAME(scaled)(top, reach)));
+        at = NAME(add)(window->right,
+                       NAME(add)(NAME(scaled)(left, window->edge), NAME(scaled)(top, reach)));
     else if (left >= top)
-        at = NAME(add)(window->left, NAME(add)(NAME(scaled)(-right, window->edge), NAME(scaled)(top, back)));
+        at = NAME(add)(window->left,
+                       NAME(add)(NAME(scaled)(-right, window->edge), NAME(scaled)(top, back)));
     else
         at = NAME(subtract)(NAME(add)(window->right, reach),
                             NAME(add)(NAME(scaled)(right, reach), NAME(scaled)(left, back)));
-    if (!NAME(is_left)(window->from, at, -REAL_SLACK) || !NAME(is_left)(at, window->to, -REAL_SLACK)) return INFINITY;
+    if (!NAME(is_left)(window->from, at, -REAL_SLACK) ||
+        !NAME(is_left)(at, window->to, -REAL_SLACK))
+        return INFINITY;
     return window->sigma + NAME(length)(at);
 }
 
@@ -485,13 +514,14 @@ static REAL NAME(distance)(const struct NAME(solver) * solver, const struct naiv
     const struct NAME(shape) *shape = &solver->shape[point->face];
     for (uint32_t k = 0; k < 3; k++) {
         REAL corner[3] = {k == 0, k == 1, k == 2};
-        REAL distance =
-            solver->distance[solver->mesh->corner[point->face][k]] + NAME(distance_in_face)(shape, weight, corner);
+        REAL distance = solver->distance[solver->mesh->corner[point->face][k]] +
+                        NAME(distance_in_face)(shape, weight, corner);
         if (distance < least) least = distance;
     }
     for (uint32_t i = 0; i < solver->seed_count; i++) {
         if (solver->seed[i].face != point->face) continue;
-        REAL distance = solver->seed[i].offset + NAME(distance_in_face)(shape, weight, solver->seed[i].weight);
+        REAL distance =
+            solver->seed[i].offset + NAME(distance_in_face)(shape, weight, solver->seed[i].weight);
         if (distance < least) least = distance;
     }
     for (uint32_t i = solver->entered[point->face]; i != NONE; i = solver->window[i].next) {

@@ -70,8 +70,10 @@ std::unique_ptr<Far::TopologyRefiner> refiner_of(const gd_control_mesh *mesh, gd
     std::vector<int> counts, corners, creases, corner_vertices;
     std::vector<float> crease_weights, corner_weights;
     for (uint32_t face = 0; face < polygons->polygon_count; face++)
-        counts.push_back(int(gd_polygons_first(polygons, face + 1) - gd_polygons_first(polygons, face)));
-    for (uint32_t i = 0; i < gd_polygons_corner_count(polygons); i++) corners.push_back(int(polygons->corners[i]));
+        counts.push_back(
+            int(gd_polygons_first(polygons, face + 1) - gd_polygons_first(polygons, face)));
+    for (uint32_t i = 0; i < gd_polygons_corner_count(polygons); i++)
+        corners.push_back(int(polygons->corners[i]));
     for (uint32_t i = 0; i < mesh->crease_count; i++) {
         for (uint32_t vertex : mesh->creases[i].vertices) creases.push_back(int(vertex));
         crease_weights.push_back(float(mesh->creases[i].sharpness));
@@ -98,20 +100,24 @@ std::unique_ptr<Far::TopologyRefiner> refiner_of(const gd_control_mesh *mesh, gd
     options.SetVtxBoundaryInterpolation(mesh->boundary == GD_INTERPOLATE_EDGE_ONLY
                                             ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
                                             : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    Factory::Options made(scheme == GD_SCHEME_LOOP ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK, options);
+    Factory::Options made(scheme == GD_SCHEME_LOOP ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK,
+                          options);
     made.validateFullTopology = true;
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(descriptor, made));
 }
 
-/* The control mesh's faces; of those that are split the corners' places tell which part of them they are, once they are. */
+/* The control mesh's faces; of those that are split the corners' places tell which part of them
+ * they are, once they are. */
 std::vector<Piece> pieces_of(const Far::TopologyLevel &level, int regular)
 {
-    static const Place quad[4] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, triangle[3] = {{0, 0}, {1, 0}, {0, 1}};
+    static const Place quad[4] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+                       triangle[3] = {{0, 0}, {1, 0}, {0, 1}};
     std::vector<Piece> pieces;
     for (int face = 0; face < level.GetNumFaces(); face++) {
         Piece piece = {{uint32_t(face), 0, 0, 0}, {}};
         if (level.GetFaceVertices(face).size() == regular)
-            piece.corners.assign(regular == 4 ? quad : triangle, (regular == 4 ? quad : triangle) + regular);
+            piece.corners.assign(regular == 4 ? quad : triangle,
+                                 (regular == 4 ? quad : triangle) + regular);
         pieces.push_back(piece);
     }
     return pieces;
@@ -130,7 +136,8 @@ Place place_in(const Far::TopologyLevel &level, int face, const Piece &parent, i
     return middle(parent.corners[0], parent.corners[2]);
 }
 
-/* The part of a polygon at a corner of it has that corner, its next edge's middle, the polygon's and its last edge's. */
+/* The part of a polygon at a corner of it has that corner, its next edge's middle, the polygon's
+ * and its last edge's. */
 Place place_in_polygon(const Far::TopologyLevel &level, int face, int corner, int vertex)
 {
     Far::ConstIndexArray corners = level.GetFaceVertices(face), edges = level.GetFaceEdges(face);
@@ -151,8 +158,9 @@ std::vector<Piece> children_of(const Far::TopologyLevel &level, const Far::Topol
             child.first = parent.first;
             if (parent.corners.empty()) child.first.corner = uint32_t(k);
             for (int vertex : next.GetFaceVertices(children[k]))
-                child.corners.push_back(parent.corners.empty() ? place_in_polygon(level, face, k, vertex)
-                                                               : place_in(level, face, parent, vertex));
+                child.corners.push_back(parent.corners.empty()
+                                            ? place_in_polygon(level, face, k, vertex)
+                                            : place_in(level, face, parent, vertex));
         }
     }
     return pieces;
@@ -184,9 +192,11 @@ bool opensubdiv_is_available(void)
     return true;
 }
 
-struct opensubdiv_surface *opensubdiv_create(const struct gd_control_mesh *mesh, enum gd_scheme scheme)
+struct opensubdiv_surface *opensubdiv_create(const struct gd_control_mesh *mesh,
+                                             enum gd_scheme scheme)
 {
-    std::unique_ptr<opensubdiv_surface> surface(new opensubdiv_surface{refiner_of(mesh, scheme), {}, scheme});
+    std::unique_ptr<opensubdiv_surface> surface(
+        new opensubdiv_surface{refiner_of(mesh, scheme), {}, scheme});
     for (uint32_t i = 0; i < mesh->polygons.position_count; i++) {
         const double *p = mesh->polygons.positions[i];
         surface->points.push_back({{p[0], p[1], p[2]}});
@@ -199,7 +209,8 @@ void opensubdiv_free(struct opensubdiv_surface *surface)
     delete surface;
 }
 
-size_t opensubdiv_vertices(const struct opensubdiv_surface *surface, int level, struct opensubdiv_vertex **out)
+size_t opensubdiv_vertices(const struct opensubdiv_surface *surface, int level,
+                           struct opensubdiv_vertex **out)
 {
     std::unique_ptr<Far::TopologyRefiner> refiner(
         Far::TopologyRefinerFactory<Far::TopologyDescriptor>::Create(*surface->refiner));
@@ -228,8 +239,8 @@ size_t opensubdiv_vertices(const struct opensubdiv_surface *surface, int level, 
             place.u = pieces[size_t(face)].corners[size_t(k)].u;
             place.v = pieces[size_t(face)].corners[size_t(k)].v;
             bool normal = has_normal(last, corners[k], surface->scheme == GD_SCHEME_LOOP ? 6 : 4);
-            found.push_back({place, limit[i].vector(), gd_vec3_cross(x[i].vector(), y[i].vector()), normal,
-                             is_exact(last, corners[k])});
+            found.push_back({place, limit[i].vector(), gd_vec3_cross(x[i].vector(), y[i].vector()),
+                             normal, is_exact(last, corners[k])});
         }
     }
     *out = static_cast<opensubdiv_vertex *>(std::malloc(found.size() * sizeof **out));
@@ -237,8 +248,8 @@ size_t opensubdiv_vertices(const struct opensubdiv_surface *surface, int level, 
     return found.size();
 }
 
-void opensubdiv_evaluate(const struct opensubdiv_surface *surface, const struct gd_limit_point *place,
-                         struct gd_limit_jet *out)
+void opensubdiv_evaluate(const struct opensubdiv_surface *surface,
+                         const struct gd_limit_point *place, struct gd_limit_jet *out)
 {
     Bfr::SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(OPENSUBDIV_LEVEL);
@@ -247,8 +258,8 @@ void opensubdiv_evaluate(const struct opensubdiv_surface *surface, const struct 
     Bfr::Surface<double> patch;
     factory.InitVertexSurface(int(place->face), &patch);
     std::vector<double> points(3 * size_t(patch.GetNumPatchPoints()));
-    patch.PreparePatchPoints(surface->points[0].x, Bfr::Surface<double>::PointDescriptor(3), points.data(),
-                             Bfr::Surface<double>::PointDescriptor(3));
+    patch.PreparePatchPoints(surface->points[0].x, Bfr::Surface<double>::PointDescriptor(3),
+                             points.data(), Bfr::Surface<double>::PointDescriptor(3));
     Bfr::Parameterization domain = patch.GetParameterization();
     double uv[2] = {place->u, place->v}, scale = 1;
     if (domain.HasSubFaces()) { /* parts of polygons are squares of 1/2 there */
@@ -257,7 +268,8 @@ void opensubdiv_evaluate(const struct opensubdiv_surface *surface, const struct 
         scale = 0.5;
     }
     double p[6][3];
-    patch.Evaluate(uv, points.data(), Bfr::Surface<double>::PointDescriptor(3), p[0], p[1], p[2], p[3], p[4], p[5]);
+    patch.Evaluate(uv, points.data(), Bfr::Surface<double>::PointDescriptor(3), p[0], p[1], p[2],
+                   p[3], p[4], p[5]);
     gd_vec3 *vectors[6] = {&out->position, &out->du, &out->dv, &out->duu, &out->duv, &out->dvv};
     for (int i = 0; i < 6; i++) {
         gd_vec3 vector = {p[i][0], p[i][1], p[i][2]};
@@ -286,7 +298,8 @@ size_t opensubdiv_vertices(const struct opensubdiv_surface *, int, struct opensu
     return 0;
 }
 
-void opensubdiv_evaluate(const struct opensubdiv_surface *, const struct gd_limit_point *, struct gd_limit_jet *)
+void opensubdiv_evaluate(const struct opensubdiv_surface *, const struct gd_limit_point *,
+                         struct gd_limit_jet *)
 {
 }
 

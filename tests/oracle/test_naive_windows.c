@@ -14,8 +14,9 @@
 
 static struct naive_mesh *open_mesh(const struct gd_polygons *mesh)
 {
-    struct naive_mesh *naive = naive_mesh_create((const double(*)[3])mesh->positions, mesh->position_count,
-                                                 mesh->corners, mesh->polygon_count);
+    struct naive_mesh *naive =
+        naive_mesh_create((const double(*)[3])mesh->positions, mesh->position_count, mesh->corners,
+                          mesh->polygon_count);
     assert_non_null(naive);
     return naive;
 }
@@ -23,7 +24,8 @@ static struct naive_mesh *open_mesh(const struct gd_polygons *mesh)
 static struct naive_field *solve(const struct naive_mesh *mesh, enum naive_precision precision,
                                  struct naive_point source)
 {
-    struct naive_field *field = naive_field_solve(mesh, precision, &(struct naive_source){source, 0}, 1, INFINITY);
+    struct naive_field *field =
+        naive_field_solve(mesh, precision, &(struct naive_source){source, 0}, 1, INFINITY);
     assert_non_null(field);
     return field;
 }
@@ -60,7 +62,8 @@ static void position(const struct gd_polygons *mesh, struct naive_point point, d
 
 typedef double closed_form(const void *context, const double p[3], const double q[3]);
 
-static double check_form(const struct gd_polygons *mesh, closed_form *form, const void *context, struct rng *rng)
+static double check_form(const struct gd_polygons *mesh, closed_form *form, const void *context,
+                         struct rng *rng)
 {
     struct naive_mesh *naive = open_mesh(mesh);
     double worst = 0;
@@ -72,7 +75,8 @@ static double check_form(const struct gd_polygons *mesh, closed_form *form, cons
             double p[3], q[3];
             position(mesh, source, p);
             position(mesh, target, q);
-            double expected = form(context, p, q), actual = (double)naive_field_distance(field, &target);
+            double expected = form(context, p, q),
+                   actual = (double)naive_field_distance(field, &target);
             worst = fmax(worst, check_close(actual + 1, expected + 1, 1e-13));
         }
         naive_field_free(field);
@@ -110,7 +114,8 @@ static void check_fan(int turn, struct rng *rng, double *worst)
 {
     uint32_t sectors = 4 + 2 * rng_below(rng, 3);
     double height = rng_between(rng, 0.1, 1.5);
-    struct closed_form_fan cone = {1, height, {0, 0}, sectors}, saddle = {1, 0, {height, -height}, sectors};
+    struct closed_form_fan cone = {1, height, {0, 0}, sectors},
+                           saddle = {1, 0, {height, -height}, sectors};
     struct gd_polygons mesh;
     if (turn % 2)
         check_ok(sample_cone(1, height, sectors, 2, &mesh), NULL);
@@ -152,10 +157,12 @@ static void make_surface(int turn, struct gd_polygons *mesh)
 }
 
 /* One source and its distances to all vertices. */
-static double compare_unfolded(const struct gd_polygons *mesh, const struct naive_mesh *naive, struct rng *rng)
+static double compare_unfolded(const struct gd_polygons *mesh, const struct naive_mesh *naive,
+                               struct rng *rng)
 {
     struct unfold_mesh *unfold =
-        unfold_create((const double(*)[3])mesh->positions, mesh->position_count, mesh->corners, mesh->polygon_count, 2);
+        unfold_create((const double(*)[3])mesh->positions, mesh->position_count, mesh->corners,
+                      mesh->polygon_count, 2);
     long double *expected = calloc(mesh->position_count + 2, sizeof *expected), worst = 0;
     assert_non_null(unfold);
     assert_non_null(expected);
@@ -166,8 +173,8 @@ static double compare_unfolded(const struct gd_polygons *mesh, const struct naiv
     struct naive_field *field = solve(naive, NAIVE_EXTENDED, source);
     for (uint32_t v = 0; v <= mesh->position_count; v++) {
         long double known = v < mesh->position_count ? expected[v] : expected[to];
-        long double found =
-            v < mesh->position_count ? naive_field_vertex_distance(field, v) : naive_field_distance(field, &target);
+        long double found = v < mesh->position_count ? naive_field_vertex_distance(field, v)
+                                                     : naive_field_distance(field, &target);
         if (known == found) continue; /* both are infinite */
         worst = fmaxl(worst, fabsl(found - known) / (1 + known));
     }
@@ -194,21 +201,25 @@ static void agrees_with_unfolding(void **state)
     print_message("# against unfolding: worst error %.2g\n", worst);
 }
 
-static double compare_precisions(const struct gd_polygons *mesh, const struct naive_mesh *naive, struct rng *rng)
+static double compare_precisions(const struct gd_polygons *mesh, const struct naive_mesh *naive,
+                                 struct rng *rng)
 {
     struct naive_point source = point_beside_corner(mesh, rng);
     struct naive_field *extended = solve(naive, NAIVE_EXTENDED, source),
                        *quadruple = solve(naive, NAIVE_QUADRUPLE, source);
     long double worst = 0;
     for (int i = 0; i < 50; i++) {
-        struct naive_point target = i % 2 ? random_point(mesh, rng) : point_beside_corner(mesh, rng);
+        struct naive_point target =
+            i % 2 ? random_point(mesh, rng) : point_beside_corner(mesh, rng);
         if (i == 0) target = source;
         if (i == 2) {
-            memmove(target.weight, (double[3]){source.weight[1], source.weight[2], source.weight[0]},
+            memmove(target.weight,
+                    (double[3]){source.weight[1], source.weight[2], source.weight[0]},
                     sizeof target.weight);
             target.face = source.face;
         }
-        long double known = naive_field_distance(quadruple, &target), found = naive_field_distance(extended, &target);
+        long double known = naive_field_distance(quadruple, &target),
+                    found = naive_field_distance(extended, &target);
         if (known == found) continue;
         worst = fmaxl(worst, fabsl(found - known) / known);
     }

@@ -1,5 +1,6 @@
-/* Limit surfaces against OpenSubdiv's, where libosd-dev is installed: positions and normals at all vertices of uniform refinements, by its limit masks; positions and derivatives
- * between them, by its patches of level 10. */
+/* Limit surfaces against OpenSubdiv's, where libosd-dev is installed: positions and normals at all
+ * vertices of uniform refinements, by its limit masks; positions and derivatives between them, by
+ * its patches of level 10. */
 #include "tests/oracle/opensubdiv.h"
 
 #include "tests/unit/subdiv/surfaces.h"
@@ -11,7 +12,8 @@ struct pair {
     struct gd_subdivision *ours;
     struct opensubdiv_surface *theirs;
     double size;
-    /* to the size: of positions, first and second derivatives; or of positions, unit normals, and positions that OpenSubdiv approximates */
+    /* to the size: of positions, first and second derivatives; or of positions, unit normals, and
+     * positions that OpenSubdiv approximates */
     double worst[3];
     size_t count;
 };
@@ -26,7 +28,11 @@ static double size_of(const struct gd_polygons *polygons)
 
 static struct pair pair_of(const struct gd_control_mesh *mesh, enum gd_scheme scheme)
 {
-    struct pair pair = {surface_of(mesh, scheme), opensubdiv_create(mesh, scheme), size_of(&mesh->polygons), {0}, 0};
+    struct pair pair = {surface_of(mesh, scheme),
+                        opensubdiv_create(mesh, scheme),
+                        size_of(&mesh->polygons),
+                        {0},
+                        0};
     assert_non_null(pair.theirs);
     return pair;
 }
@@ -43,7 +49,7 @@ static void note(struct pair *pair, int which, struct gd_vec3 a, struct gd_vec3 
     if (!(off <= pair->worst[which])) pair->worst[which] = isnan(off) ? INFINITY : off;
 }
 
-/* --- vertices of uniform refinements ------------------------------------------------------------------------------ */
+/* --- vertices of uniform refinements ---------------------------------------------------------- */
 
 static void compare_vertices(struct pair *pair, int level)
 {
@@ -56,7 +62,8 @@ static void compare_vertices(struct pair *pair, int level)
     check_ok(gd_limit_evaluate_many(pair->ours, places, pair->count, NULL, jets, &detail), &detail);
     for (size_t i = 0; i < pair->count; i++) {
         struct gd_vec3 normal = vertices[i].normal;
-        note(pair, vertices[i].is_exact ? 0 : 2, jets[i].position, vertices[i].position, pair->size);
+        note(pair, vertices[i].is_exact ? 0 : 2, jets[i].position, vertices[i].position,
+             pair->size);
         if (vertices[i].has_normal && vertices[i].is_exact)
             note(pair, 1, jets[i].normal, gd_vec3_scale(normal, 1 / gd_vec3_length(normal)), 1);
     }
@@ -65,7 +72,7 @@ static void compare_vertices(struct pair *pair, int level)
     free(jets);
 }
 
-/* --- between them ------------------------------------------------------------------------------------------------- */
+/* --- between them ----------------------------------------------------------------------------- */
 
 /* Far enough from all corners for OpenSubdiv to be exact. */
 static double inside(struct rng *rng)
@@ -73,8 +80,9 @@ static double inside(struct rng *rng)
     return rng_between(rng, 0.02, 0.98);
 }
 
-/* OpenSubdiv 3.5 tells second derivatives in the middle one of four triangles, whose axes are turned by half, with the wrong sign. Ours agree with finite differences of
- * the first ones (test_evaluate.c). */
+/* OpenSubdiv 3.5 tells second derivatives in the middle one of four triangles, whose axes are
+ * turned by half, with the wrong sign. Ours agree with finite differences of the first ones
+ * (test_evaluate.c). */
 static double sign_of(const struct gd_limit_jet *ours, const struct gd_limit_jet *theirs)
 {
     return gd_vec3_dot(ours->dvv, theirs->dvv) < 0 ? -1 : 1;
@@ -85,12 +93,14 @@ static void compare_places(struct pair *pair, const struct gd_control_mesh *mesh
     struct rng rng = {29};
     bool triangles = gd_subdivision_scheme(pair->ours) == GD_SCHEME_LOOP;
     for (int n = 0; n < count; n++) {
-        struct gd_limit_point place = {rng_below(&rng, mesh->polygons.polygon_count), 0, inside(&rng), inside(&rng)};
-        uint32_t corners =
-            gd_polygons_first(&mesh->polygons, place.face + 1) - gd_polygons_first(&mesh->polygons, place.face);
+        struct gd_limit_point place = {rng_below(&rng, mesh->polygons.polygon_count), 0,
+                                       inside(&rng), inside(&rng)};
+        uint32_t corners = gd_polygons_first(&mesh->polygons, place.face + 1) -
+                           gd_polygons_first(&mesh->polygons, place.face);
         if (corners != 4 && !triangles) place.corner = rng_below(&rng, corners);
         if (triangles) place.u /= 2, place.v /= 2;
-        struct gd_limit_jet ours = jet_at(pair->ours, place.face, place.corner, place.u, place.v), theirs;
+        struct gd_limit_jet ours = jet_at(pair->ours, place.face, place.corner, place.u, place.v),
+                            theirs;
         opensubdiv_evaluate(pair->theirs, &place, &theirs);
         note(pair, 0, ours.position, theirs.position, pair->size);
         note(pair, 1, ours.du, theirs.du, pair->size);
@@ -110,7 +120,8 @@ static void check_pair(const char *name, const char *what, struct pair *pair, co
 {
     for (int k = 0; k < 3; k++) {
         if (!(pair->worst[k] <= most[k]))
-            fail_msg("%s, %s: off by %g, %g, %g", name, what, pair->worst[0], pair->worst[1], pair->worst[2]);
+            fail_msg("%s, %s: off by %g, %g, %g", name, what, pair->worst[0], pair->worst[1],
+                     pair->worst[2]);
         pair->worst[k] = 0;
     }
 }
@@ -126,8 +137,8 @@ static void add(double total[3], const double worst[3])
     for (int k = 0; k < 3; k++) total[k] = fmax(total[k], worst[k]);
 }
 
-static void compare(const char *name, const struct gd_control_mesh *mesh, enum gd_scheme scheme, int level,
-                    struct tally *tally)
+static void compare(const char *name, const struct gd_control_mesh *mesh, enum gd_scheme scheme,
+                    int level, struct tally *tally)
 {
     struct pair pair = pair_of(mesh, scheme);
     compare_vertices(&pair, level);
@@ -143,11 +154,12 @@ static void compare(const char *name, const struct gd_control_mesh *mesh, enum g
 
 static void print_tally(const char *group, const struct tally *tally)
 {
-    print_message("# OpenSubdiv, %s: %zu surfaces, %zu vertices and places: positions %.1e, normals %.1e; between "
+    print_message("# OpenSubdiv, %s: %zu surfaces, %zu vertices and places: positions %.1e, "
+                  "normals %.1e; between "
                   "vertices positions %.1e, "
                   "derivatives %.1e, second ones %.1e\n",
-                  group, tally->surfaces, tally->count, tally->vertices[0], tally->vertices[1], tally->places[0],
-                  tally->places[1], tally->places[2]);
+                  group, tally->surfaces, tally->count, tally->vertices[0], tally->vertices[1],
+                  tally->places[0], tally->places[1], tally->places[2]);
 }
 
 struct sample {
@@ -160,7 +172,9 @@ static void compare_sample(const struct sample *sample, int level, struct tally 
 {
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(sample->text, strlen(sample->text), GD_FORMAT_OBJ, NULL, &mesh, &detail), &detail);
+    check_ok(gd_read_control_mesh(sample->text, strlen(sample->text), GD_FORMAT_OBJ, NULL, &mesh,
+                                  &detail),
+             &detail);
     mesh.boundary = sample->boundary;
     compare(sample->name, &mesh, sample->scheme, level, tally);
     gd_control_mesh_free(&mesh);
@@ -173,9 +187,10 @@ static void compare_samples(const char *group, const struct sample *samples, siz
     print_tally(group, &tally);
 }
 
-/* --- meshes ------------------------------------------------------------------------------------------------------- */
+/* --- meshes ----------------------------------------------------------------------------------- */
 
-/* Two fans of n faces around vertices 0 and 1 above and below a ring: n kites each (Catmull-Clark), whose other vertices have three faces, or n triangles. Not symmetric. */
+/* Two fans of n faces around vertices 0 and 1 above and below a ring: n kites each (Catmull-Clark),
+ * whose other vertices have three faces, or n triangles. Not symmetric. */
 static void make_fans(uint32_t n, bool triangles, char *text, size_t size)
 {
     FILE *out = fmemopen(text, size, "w");
@@ -215,13 +230,15 @@ static void make_prism(uint32_t n, char *text, size_t size)
 }
 
 /* An L of three bent cells with a triangle and a pentagon at its ends. */
-#define BENT_L                                                                                                         \
-    "v 0 0 0\nv 1 .1 .2\nv 2 0 -.1\nv 0 1 .3\nv 1.1 1 0\nv 2 1.1 .2\nv 0 2 .1\nv 1 2.1 -.2\nv 2.7 .4 .3\n"             \
-    "v -.3 2.8 0\nv .6 3.2 .4\nv 1.3 2.7 0\n"                                                                          \
+#define BENT_L                                                                                     \
+    "v 0 0 0\nv 1 .1 .2\nv 2 0 -.1\nv 0 1 .3\nv 1.1 1 0\nv 2 1.1 .2\nv 0 2 .1\nv 1 2.1 -.2\nv "    \
+    "2.7 .4 .3\n"                                                                                  \
+    "v -.3 2.8 0\nv .6 3.2 .4\nv 1.3 2.7 0\n"                                                      \
     "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 3 9 6\nf 7 8 12 11 10\n"
 
-#define FAN_OF_TRIANGLES                                                                                               \
-    "v 0 0 .4\nv 1 0 0\nv .7 .9 .2\nv -.4 1 -.1\nv -1 .1 .3\nv -.3 -1.1 0\nv .8 -.8 .1\nv 1.9 .9 0\n"                  \
+#define FAN_OF_TRIANGLES                                                                           \
+    "v 0 0 .4\nv 1 0 0\nv .7 .9 .2\nv -.4 1 -.1\nv -1 .1 .3\nv -.3 -1.1 0\nv .8 -.8 .1\nv 1.9 .9 " \
+    "0\n"                                                                                          \
     "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\nf 2 8 3\nf 1 6 7\n"
 
 #define CC   GD_SCHEME_CATMULL_CLARK
@@ -235,16 +252,18 @@ static void tags(void **state)
         {"smooth", SKEW_CUBE, CC, 0},
         {"crease", SKEW_CUBE "t crease 5/1/0 4 5 7 6 4 10\n", CC, 0},
         {"crease that ends", SKEW_CUBE "t crease 2/1/0 4 5 10\n", CC, 0},
-        {"three creases meet", SKEW_CUBE "t crease 2/1/0 4 5 10\nt crease 2/1/0 4 6 10\nt crease 2/1/0 4 0 10\n", CC,
-         0},
+        {"three creases meet",
+         SKEW_CUBE "t crease 2/1/0 4 5 10\nt crease 2/1/0 4 6 10\nt crease 2/1/0 4 0 10\n", CC, 0},
         {"semi-sharp", SKEW_CUBE "t crease 3/1/0 4 5 7 2.3\nt crease 3/2/0 0 1 3 0.4 1.7\n", CC, 0},
-        {"semi-sharp and for ever", SKEW_CUBE "t crease 5/1/0 4 5 7 6 4 10\nt crease 3/1/0 5 1 0 1.4\n", CC, 0},
+        {"semi-sharp and for ever",
+         SKEW_CUBE "t crease 5/1/0 4 5 7 6 4 10\nt crease 3/1/0 5 1 0 1.4\n", CC, 0},
         {"corner", SKEW_CUBE "t corner 1/1/0 4 10\nt corner 1/1/0 1 2.6\n", CC, 0},
         {"corner on a crease", SKEW_CUBE "t crease 3/1/0 4 5 7 10\nt corner 1/1/0 5 10\n", CC, 0},
         {"Loop, smooth", OCTAHEDRON, LOOP, 0},
         {"Loop, crease", OCTAHEDRON "t crease 5/1/0 0 1 2 3 0 10\n", LOOP, 0},
         {"Loop, crease that ends", OCTAHEDRON "t crease 2/1/0 0 1 10\n", LOOP, 0},
-        {"Loop, semi-sharp", OCTAHEDRON "t crease 4/1/0 0 1 2 4 2.3\nt crease 2/1/0 3 5 0.6\n", LOOP, 0},
+        {"Loop, semi-sharp", OCTAHEDRON "t crease 4/1/0 0 1 2 4 2.3\nt crease 2/1/0 3 5 0.6\n",
+         LOOP, 0},
         {"Loop, corner", OCTAHEDRON "t corner 2/1/0 4 1 10 1.5\n", LOOP, 0},
     };
     compare_samples("tags", samples, sizeof samples / sizeof *samples);
@@ -297,7 +316,8 @@ static void polygons(void **state)
     print_tally("polygons of 3 to 9 sides", &tally);
 }
 
-/* Where a crease ends, and at vertices of two faces, its masks are those of smooth vertices and of corners: near the limit, and nearer with every level. */
+/* Where a crease ends, and at vertices of two faces, its masks are those of smooth vertices and of
+ * corners: near the limit, and nearer with every level. */
 static void approximated(void **state)
 {
     if (!opensubdiv_is_available()) skip();
@@ -313,7 +333,8 @@ static void approximated(void **state)
         off[level] = pair.worst[2];
         assert_true(off[level] > 0 && (level == 2 || off[level] < 0.55 * off[level - 1]));
     }
-    print_message("# OpenSubdiv, the end of a crease, which it approximates: off by %.1e at level 2, %.1e at level 6\n",
+    print_message("# OpenSubdiv, the end of a crease, which it approximates: off by %.1e at level "
+                  "2, %.1e at level 6\n",
                   off[2], off[6]);
     pair_free(&pair);
     gd_control_mesh_free(&mesh);
@@ -329,7 +350,8 @@ static void compare_file(const char *path, enum gd_scheme scheme, int level)
     }
     struct tally tally = {0};
     const char *name = strrchr(path, '/') + 1;
-    compare_sample(&(struct sample){name, text, scheme, GD_INTERPOLATE_EDGE_AND_CORNER}, level, &tally);
+    compare_sample(&(struct sample){name, text, scheme, GD_INTERPOLATE_EDGE_AND_CORNER}, level,
+                   &tally);
     print_tally(name, &tally);
     free(text);
 }
@@ -345,8 +367,8 @@ static void real_meshes(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(tags),         cmocka_unit_test(boundaries),
-                                       cmocka_unit_test(valences),     cmocka_unit_test(polygons),
-                                       cmocka_unit_test(approximated), cmocka_unit_test(real_meshes)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tags),     cmocka_unit_test(boundaries),   cmocka_unit_test(valences),
+        cmocka_unit_test(polygons), cmocka_unit_test(approximated), cmocka_unit_test(real_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

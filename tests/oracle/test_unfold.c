@@ -13,10 +13,12 @@ enum { PLACES = 6 };
 
 /* All pairs of some places on the surface. */
 static double compare(const struct gd_polygons *mesh, struct rng *rng,
-                      double (*expected)(const void *context, const double *p, const double *q), const void *context)
+                      double (*expected)(const void *context, const double *p, const double *q),
+                      const void *context)
 {
-    struct unfold_mesh *unfold = unfold_create((const double(*)[3])mesh->positions, mesh->position_count, mesh->corners,
-                                               mesh->polygon_count, PLACES);
+    struct unfold_mesh *unfold =
+        unfold_create((const double(*)[3])mesh->positions, mesh->position_count, mesh->corners,
+                      mesh->polygon_count, PLACES);
     assert_non_null(unfold);
     uint32_t vertex[PLACES];
     double at[PLACES][3], worst = 0;
@@ -83,7 +85,8 @@ static void test_box(void **state)
         double size[3];
         for (int k = 0; k < 3; k++) size[k] = i < 20 ? 1 : pow(10, rng_between(&rng, -1, 0));
         struct gd_polygons mesh;
-        assert_int_equal(sample_box(size, (const uint32_t[3]){1, 1 + rng_below(&rng, 2), 1}, &mesh), GD_OK);
+        assert_int_equal(sample_box(size, (const uint32_t[3]){1, 1 + rng_below(&rng, 2), 1}, &mesh),
+                         GD_OK);
         worst = fmax(worst, compare(&mesh, &rng, box, size));
         gd_polygons_free(&mesh);
     }
@@ -111,7 +114,8 @@ static void test_fans(void **state)
     for (int i = 0; i < 30; i++) {
         uint32_t sectors = 4 + 2 * rng_below(&rng, 3);
         double height = rng_between(&rng, 0.1, 1.5);
-        struct closed_form_fan cone = {1, height, {0, 0}, sectors}, saddle = {1, 0, {height, -height}, sectors};
+        struct closed_form_fan cone = {1, height, {0, 0}, sectors},
+                               saddle = {1, 0, {height, -height}, sectors};
         struct gd_polygons mesh;
         assert_int_equal(sample_cone(1, height, sectors, 2, &mesh), GD_OK);
         worst = fmax(worst, compare(&mesh, &rng, fan, &cone));
@@ -147,7 +151,8 @@ static void weights(const struct gd_polygons *mesh, const double *p, double out[
 {
     for (int k = 0; k < 4; k++) {
         const double *c = mesh->positions[k];
-        out[k] = 0.25 + 0.75 * (p[0] * c[0] + p[1] * c[1] + p[2] * c[2]) / (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+        out[k] = 0.25 + 0.75 * (p[0] * c[0] + p[1] * c[1] + p[2] * c[2]) /
+                            (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
     }
 }
 
@@ -176,8 +181,9 @@ static void test_tetrahedron(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grid), cmocka_unit_test(test_box),      cmocka_unit_test(test_spider_and_fly),
-        cmocka_unit_test(test_fans), cmocka_unit_test(test_cylinder), cmocka_unit_test(test_tetrahedron),
+        cmocka_unit_test(test_grid),           cmocka_unit_test(test_box),
+        cmocka_unit_test(test_spider_and_fly), cmocka_unit_test(test_fans),
+        cmocka_unit_test(test_cylinder),       cmocka_unit_test(test_tetrahedron),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

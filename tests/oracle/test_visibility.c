@@ -7,7 +7,8 @@
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 
-static double distance(const struct visibility_scene *scene, double x0, double y0, double x1, double y1)
+static double distance(const struct visibility_scene *scene, double x0, double y0, double x1,
+                       double y1)
 {
     struct visibility *visibility = visibility_create(scene, (double[2]){x0, y0});
     assert_non_null(visibility);
@@ -29,11 +30,13 @@ static void test_square(void **state)
     const double square[4][2] = {{1, 1}, {3, 1}, {3, 3}, {1, 3}};
     struct visibility_scene scene = {square, (uint32_t[2]){0, 4}, 1};
     check_close(distance(&scene, 0, 2, 4, 2), 2 * sqrt(2) + 2, 1e-15); /* round two corners */
-    check_close(distance(&scene, 2, 0, 4, 2), 2 * sqrt(2), 1e-15);     /* through a corner, straight */
-    check_close(distance(&scene, 1, 1, 3, 3), 4, 1e-15);               /* between opposite corners */
-    check_close(distance(&scene, 0, 1, 4, 1), 4, 1e-15);               /* along a side */
-    check_close(distance(&scene, 2, 1, 2, 3), 4, 1e-15);               /* from wall to wall */
-    check_close(distance(&scene, 1.5, 1, 2.5, 1), 1, 1e-15);           /* along one wall */
+    /* through a corner, straight */
+    check_close(distance(&scene, 2, 0, 4, 2), 2 * sqrt(2), 1e-15);
+    /* between opposite corners */
+    check_close(distance(&scene, 1, 1, 3, 3), 4, 1e-15);
+    check_close(distance(&scene, 0, 1, 4, 1), 4, 1e-15);     /* along a side */
+    check_close(distance(&scene, 2, 1, 2, 3), 4, 1e-15);     /* from wall to wall */
+    check_close(distance(&scene, 1.5, 1, 2.5, 1), 1, 1e-15); /* along one wall */
 }
 
 static void test_concave(void **state)
@@ -47,7 +50,8 @@ static void test_concave(void **state)
     check_close(distance(&scene, 2, 1, 5, 1), sqrt(10) + 1 + sqrt(10), 1e-15);
 }
 
-/* The same scenes as surfaces, by unfolding: a plan without prisms against prisms without a plan. */
+/* The same scenes as surfaces, by unfolding: a plan without prisms against prisms without a plan.
+ */
 static void test_against_unfolding(void **state)
 {
     (void)state;
@@ -56,10 +60,12 @@ static void test_against_unfolding(void **state)
         struct sample_obstacles scene;
         assert_int_equal(sample_obstacles(1 + seed % 4, 0, seed, &scene), GD_OK);
         const struct gd_polygons *mesh = &scene.mesh;
-        struct visibility_scene plan = {(const double(*)[2])scene.corners, scene.first, scene.count};
+        struct visibility_scene plan = {(const double(*)[2])scene.corners, scene.first,
+                                        scene.count};
         struct visibility *visibility = visibility_create(&plan, mesh->positions[scene.p]);
-        struct unfold_mesh *unfold = unfold_create((const double(*)[3])mesh->positions, mesh->position_count,
-                                                   mesh->corners, mesh->polygon_count, 0);
+        struct unfold_mesh *unfold =
+            unfold_create((const double(*)[3])mesh->positions, mesh->position_count, mesh->corners,
+                          mesh->polygon_count, 0);
         long double *unfolded = calloc(mesh->position_count, sizeof *unfolded);
         assert_true(visibility && unfold && unfolded);
         unfold_distances(unfold, scene.p, unfolded);

@@ -31,10 +31,10 @@ struct unfold_mesh {
 
 static const uint32_t NONE = UINT32_MAX;
 
-/* --- the mesh --------------------------------------------------------------------------------------------------- */
+/* --- the mesh --------------------------------------------------------------------------------- */
 
-struct unfold_mesh *unfold_create(const double (*positions)[3], uint32_t position_count, const uint32_t *corners,
-                                  uint32_t face_count, uint32_t insertions)
+struct unfold_mesh *unfold_create(const double (*positions)[3], uint32_t position_count,
+                                  const uint32_t *corners, uint32_t face_count, uint32_t insertions)
 {
     struct unfold_mesh *mesh = calloc(1, sizeof *mesh);
     if (!mesh) return NULL;
@@ -69,7 +69,8 @@ static void link_faces(struct unfold_mesh *mesh)
 {
     for (uint32_t f = 0; f < mesh->face_count; f++) {
         for (int k = 0; k < 3; k++) {
-            const uint32_t *corner = mesh->face[f].corner, a = corner[(k + 1) % 3], b = corner[(k + 2) % 3];
+            const uint32_t *corner = mesh->face[f].corner, a = corner[(k + 1) % 3],
+                           b = corner[(k + 2) % 3];
             mesh->face[f].across[k] = NONE;
             for (uint32_t g = 0; g < mesh->face_count; g++) {
                 const uint32_t *other = mesh->face[g].corner;
@@ -82,11 +83,12 @@ static void link_faces(struct unfold_mesh *mesh)
     mesh->linked = true;
 }
 
-/* --- inserting points ------------------------------------------------------------------------------------------- */
+/* --- inserting points ------------------------------------------------------------------------- */
 
 static real determinant(const real a[3], const real b[3], const real c[3])
 {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
 /* The barycentric coordinates in a part of those in its original face; their least one. */
@@ -101,12 +103,14 @@ static real weights_in(const struct face *part, const real weight[3], real out[3
 }
 
 /* The part of the original face in which the point lies deepest. */
-static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, const real weight[3], real local[3])
+static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, const real weight[3],
+                                real local[3])
 {
     struct face *best = NULL;
     real deepest = -INFINITY;
     for (uint32_t f = 0; f < mesh->face_count; f++) {
-        real least = mesh->face[f].original == original ? weights_in(&mesh->face[f], weight, local) : -INFINITY;
+        real least = mesh->face[f].original == original ? weights_in(&mesh->face[f], weight, local)
+                                                        : -INFINITY;
         if (least <= deepest) continue;
         deepest = least;
         best = &mesh->face[f];
@@ -116,8 +120,10 @@ static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, con
     return best;
 }
 
-/* Adds a copy of `face` in which `vertex`, at `weight` in the original face, stands for corner k. */
-static void add_part(struct unfold_mesh *mesh, const struct face *face, int k, uint32_t vertex, const real weight[3])
+/* Adds a copy of `face` in which `vertex`, at `weight` in the original face, stands for corner k.
+ */
+static void add_part(struct unfold_mesh *mesh, const struct face *face, int k, uint32_t vertex,
+                     const real weight[3])
 {
     assert(mesh->face_count < mesh->face_capacity);
     struct face *part = &mesh->face[mesh->face_count++];
@@ -144,7 +150,8 @@ static void split_edge(struct unfold_mesh *mesh, uint32_t a, uint32_t b, real t,
         }
         if (at_a < 0 || at_b < 0) continue;
         real weight[3];
-        for (int k = 0; k < 3; k++) weight[k] = (1 - t) * face->weight[at_a][k] + t * face->weight[at_b][k];
+        for (int k = 0; k < 3; k++)
+            weight[k] = (1 - t) * face->weight[at_a][k] + t * face->weight[at_b][k];
         add_part(mesh, face, at_a, vertex, weight);
         replace_corner(face, at_b, vertex, weight);
     }
@@ -162,11 +169,13 @@ uint32_t unfold_insert(struct unfold_mesh *mesh, uint32_t original, const double
     if (zeros == 2) return face->corner[largest];
     uint32_t vertex = mesh->vertex_count++;
     for (int axis = 0; axis < 3; axis++)
-        for (int k = 0; k < 3; k++) mesh->position[vertex][axis] += local[k] * mesh->position[face->corner[k]][axis];
+        for (int k = 0; k < 3; k++)
+            mesh->position[vertex][axis] += local[k] * mesh->position[face->corner[k]][axis];
     mesh->linked = false;
     if (zeros == 1) {
         int a = (zero + 1) % 3, b = (zero + 2) % 3;
-        split_edge(mesh, face->corner[a], face->corner[b], local[b] / (local[a] + local[b]), vertex);
+        split_edge(mesh, face->corner[a], face->corner[b], local[b] / (local[a] + local[b]),
+                   vertex);
         return vertex;
     }
     add_part(mesh, face, 0, vertex, weight);
@@ -175,7 +184,7 @@ uint32_t unfold_insert(struct unfold_mesh *mesh, uint32_t original, const double
     return vertex;
 }
 
-/* --- unfolding -------------------------------------------------------------------------------------------------- */
+/* --- unfolding -------------------------------------------------------------------------------- */
 
 static real cross(struct place a, struct place b)
 {
@@ -189,11 +198,12 @@ static real between(const struct unfold_mesh *mesh, uint32_t a, uint32_t b)
 }
 
 /* Where c comes to lie to the left of the way from a to b, whose places are known. */
-static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_t b, uint32_t c, struct place at_a,
-                             struct place at_b)
+static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_t b, uint32_t c,
+                             struct place at_a, struct place at_b)
 {
     const real *p = mesh->position[a], *q = mesh->position[b], *r = mesh->position[c];
-    real u[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, v[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
+    real u[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]},
+         v[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
     real n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
     real square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
     real along = (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / square;
@@ -202,8 +212,8 @@ static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_
     return (struct place){at_a.x + along * d.x - aside * d.y, at_a.y + along * d.y + aside * d.x};
 }
 
-/* An edge laid out in the plane with the source at the origin, and the cone of directions that reach it, right to
- * left. */
+/* An edge laid out in the plane with the source at the origin, and the cone of directions that
+ * reach it, right to left. */
 struct cone {
     uint32_t right, left; /* the edge's vertices */
     struct place at_right, at_left;
@@ -226,7 +236,8 @@ static bool is_hopeless(const struct unfold_mesh *mesh, const struct cone *cone)
 {
     real length = hypotl(cone->at_left.x - cone->at_right.x, cone->at_left.y - cone->at_right.y);
     real known = (mesh->distance[cone->left] + mesh->distance[cone->right] + length) / 2;
-    return mesh->distance[cone->origin] + distance_to_segment(cone->at_right, cone->at_left) > known * (1 + 1e-12L);
+    return mesh->distance[cone->origin] + distance_to_segment(cone->at_right, cone->at_left) >
+           known * (1 + 1e-12L);
 }
 
 static int corner_of(const struct face *face, uint32_t vertex)
@@ -248,14 +259,17 @@ static void unfold(struct unfold_mesh *mesh, const struct cone *cone)
     uint32_t apex = face->corner[k];
     struct place at = lay_left(mesh, cone->left, cone->right, apex, cone->at_left, cone->at_right);
     bool left_of_from = cross(cone->from, at) >= 0, right_of_to = cross(at, cone->to) >= 0;
-    if (left_of_from && right_of_to) improve(mesh, apex, mesh->distance[cone->origin] + hypotl(at.x, at.y));
+    if (left_of_from && right_of_to)
+        improve(mesh, apex, mesh->distance[cone->origin] + hypotl(at.x, at.y));
     face->passed = true;
     if (left_of_from)
-        unfold(mesh, &(struct cone){cone->right, apex, cone->at_right, at, cone->from, right_of_to ? at : cone->to,
+        unfold(mesh, &(struct cone){cone->right, apex, cone->at_right, at, cone->from,
+                                    right_of_to ? at : cone->to,
                                     face->across[corner_of(face, cone->left)], cone->origin});
     if (right_of_to)
-        unfold(mesh, &(struct cone){apex, cone->left, at, cone->at_left, left_of_from ? at : cone->from, cone->to,
-                                    face->across[corner_of(face, cone->right)], cone->origin});
+        unfold(mesh,
+               &(struct cone){apex, cone->left, at, cone->at_left, left_of_from ? at : cone->from,
+                              cone->to, face->across[corner_of(face, cone->right)], cone->origin});
     face->passed = false;
 }
 
@@ -264,7 +278,8 @@ static void walk_edges(struct unfold_mesh *mesh, uint32_t vertex)
     for (uint32_t f = 0; f < mesh->face_count; f++) {
         const uint32_t *corner = mesh->face[f].corner;
         if (corner[0] != vertex && corner[1] != vertex && corner[2] != vertex) continue;
-        for (int k = 0; k < 3; k++) improve(mesh, corner[k], mesh->distance[vertex] + between(mesh, vertex, corner[k]));
+        for (int k = 0; k < 3; k++)
+            improve(mesh, corner[k], mesh->distance[vertex] + between(mesh, vertex, corner[k]));
     }
 }
 
@@ -280,12 +295,14 @@ static void unfold_from(struct unfold_mesh *mesh, uint32_t vertex)
         struct place at_right = {between(mesh, vertex, right), 0};
         struct place at_left = lay_left(mesh, vertex, right, left, (struct place){0, 0}, at_right);
         face->passed = true;
-        unfold(mesh, &(struct cone){right, left, at_right, at_left, at_right, at_left, face->across[k], vertex});
+        unfold(mesh, &(struct cone){right, left, at_right, at_left, at_right, at_left,
+                                    face->across[k], vertex});
         face->passed = false;
     }
 }
 
-/* Dijkstra over the vertices by the given pieces; what is in mesh->distance already are upper bounds. */
+/* Dijkstra over the vertices by the given pieces; what is in mesh->distance already are upper
+ * bounds. */
 static void settle_all(struct unfold_mesh *mesh, void (*relax)(struct unfold_mesh *, uint32_t))
 {
     bool *settled = calloc(mesh->vertex_count, sizeof *settled);

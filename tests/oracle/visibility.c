@@ -29,7 +29,8 @@ static bool is_on(const double a[2], const double b[2], const double p[2])
 
 static bool do_cross(const double a[2], const double b[2], const double c[2], const double d[2])
 {
-    return orientation(a, b, c) * orientation(a, b, d) < 0 && orientation(c, d, a) * orientation(c, d, b) < 0;
+    return orientation(a, b, c) * orientation(a, b, d) < 0 &&
+           orientation(c, d, a) * orientation(c, d, b) < 0;
 }
 
 /* Whether p lies inside the polygon, its sides excluded. */
@@ -40,13 +41,15 @@ static bool is_inside(const struct visibility_scene *scene, uint32_t polygon, co
     for (uint32_t i = begin; i < end; i++) {
         const double *a = scene->corners[i], *b = scene->corners[i + 1 < end ? i + 1 : begin];
         if (is_on(a, b, p)) return false;
-        if ((a[1] > p[1]) != (b[1] > p[1]) && (orientation(a, b, p) > 0) == (b[1] > a[1])) inside = !inside;
+        if ((a[1] > p[1]) != (b[1] > p[1]) && (orientation(a, b, p) > 0) == (b[1] > a[1]))
+            inside = !inside;
     }
     return inside;
 }
 
-/* Whether b can be seen from a. A corner on the way hides b: the way through that corner is found as two pieces.
- * Once no side crosses the segment and no corner lies on it, it is inside an obstacle if its middle is. */
+/* Whether b can be seen from a. A corner on the way hides b: the way through that corner is found
+ * as two pieces. Once no side crosses the segment and no corner lies on it, it is inside an
+ * obstacle if its middle is. */
 static bool is_visible(const struct visibility_scene *scene, const double a[2], const double b[2])
 {
     double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
@@ -93,7 +96,8 @@ struct visibility *visibility_create(const struct visibility_scene *scene, const
 {
     struct visibility *visibility = calloc(1, sizeof *visibility);
     bool *settled = calloc(scene->first[scene->count] + 1, sizeof *settled);
-    if (visibility) visibility->distance = calloc(scene->first[scene->count] + 1, sizeof *visibility->distance);
+    if (visibility)
+        visibility->distance = calloc(scene->first[scene->count] + 1, sizeof *visibility->distance);
     if (!visibility || !settled || !visibility->distance) {
         visibility_free(visibility);
         free(settled);
@@ -116,7 +120,9 @@ void visibility_free(struct visibility *visibility)
 double visibility_distance(const struct visibility *visibility, const double target[2])
 {
     const struct visibility_scene *scene = visibility->scene;
-    double best = is_visible(scene, visibility->source, target) ? between(visibility->source, target) : INFINITY;
+    double best = is_visible(scene, visibility->source, target)
+                      ? between(visibility->source, target)
+                      : INFINITY;
     for (uint32_t i = 0; i < scene->first[scene->count]; i++) {
         double through = visibility->distance[i] + between(scene->corners[i], target);
         if (through < best && is_visible(scene, scene->corners[i], target)) best = through;

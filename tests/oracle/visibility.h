@@ -1,5 +1,6 @@
-/* Shortest paths in the plane among polygonal obstacles, by the visibility graph: O(n^3) to build, Dijkstra to
- * answer. Orientations are taken to be exact, so coordinates should be multiples of some 2^-k with few bits. */
+/* Shortest paths in the plane among polygonal obstacles, by the visibility graph: O(n^3) to build,
+ * Dijkstra to answer. Orientations are taken to be exact, so coordinates should be multiples of
+ * some 2^-k with few bits. */
 #ifndef TESTS_ORACLE_VISIBILITY_H
 #define TESTS_ORACLE_VISIBILITY_H
 

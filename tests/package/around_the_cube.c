@@ -1,4 +1,5 @@
-/* What a program of somebody else's looks like: the distance between opposite corners of a unit cube, which is sqrt(5). */
+/* What a program of somebody else's looks like: the distance between opposite corners of a unit
+ * cube, which is sqrt(5). */
 #include <stdio.h>
 
 #include "gd/query.h"
@@ -17,7 +18,8 @@ int main(void)
     if (gd_mesh_build(&cube, NULL, NULL, &mesh, NULL) != GD_OK) return 1;
     if (gd_point_at_vertex(mesh, (struct gd_vertex){0}, &from, NULL) != GD_OK) return 2;
     if (gd_point_at_vertex(mesh, (struct gd_vertex){7}, &to, NULL) != GD_OK) return 3;
-    if (gd_pair_solve(mesh, &from, &to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL) != GD_OK) return 4;
+    if (gd_pair_solve(mesh, &from, &to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL) != GD_OK)
+        return 4;
     printf("%.17g\n", answer.distance);
     gd_mesh_release(mesh);
     return 0;

@@ -1,5 +1,6 @@
-/* Sources and corners of curves that lie right beside edges and vertices of a plane, curves nearer than windows can tell, and places asked at that do, too:
- * each distance is Euclid's, and each path leads there. GD_SCENES in the environment says how many fields of each kind are built (400). */
+/* Sources and corners of curves that lie right beside edges and vertices of a plane, curves nearer
+ * than windows can tell, and places asked at that do, too: each distance is Euclid's, and each path
+ * leads there. GD_SCENES in the environment says how many fields of each kind are built (400). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -11,7 +12,8 @@
 
 enum { SCENES = 400, POINTS_MOST = 4, PLACES = 40, POINT_DIGITS = 8, CURVE_DIGITS = 16 };
 
-/* Of a square of 8 x 8 cells: of a part of the scenes, vertices inside of it lie anywhere in their cells. */
+/* Of a square of 8 x 8 cells: of a part of the scenes, vertices inside of it lie anywhere in their
+ * cells. */
 struct plane {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
@@ -54,30 +56,36 @@ static struct gd_point beside_something(const struct plane *plane, int digits, s
 }
 
 /* The distance of a place from seeds: points, or segments. */
-static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, struct gd_vec3 p)
+static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
+                       struct gd_vec3 p)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         struct gd_vec3 a = gd_point_position(mesh, &seeds[i].point);
-        least = fmin(least, seeds[i].is_segment ? test_distance_to_segment(p, a, gd_point_position(mesh, &seeds[i].end))
-                                                : gd_vec3_distance(p, a));
+        least =
+            fmin(least, seeds[i].is_segment
+                            ? test_distance_to_segment(p, a, gd_point_position(mesh, &seeds[i].end))
+                            : gd_vec3_distance(p, a));
     }
     return least;
 }
 
 /* The worst error of distances and lengths at all vertices and some places. */
-static double check_field(const struct plane *plane, const struct gd_seed *seeds, uint32_t count, int digits,
-                          struct rng *rng)
+static double check_field(const struct plane *plane, const struct gd_seed *seeds, uint32_t count,
+                          int digits, struct rng *rng)
 {
     struct gd_field *field = test_field(plane->mesh, seeds, count, 0);
     double worst = 0;
     for (uint32_t i = 0; i < plane->polygons.position_count + PLACES; i++) {
-        struct gd_point point =
-            i < plane->polygons.position_count ? test_vertex(plane->mesh, i) : beside_something(plane, digits, rng);
-        double expected = to_seeds(plane->mesh, seeds, count, gd_point_position(plane->mesh, &point));
+        struct gd_point point = i < plane->polygons.position_count
+                                    ? test_vertex(plane->mesh, i)
+                                    : beside_something(plane, digits, rng);
+        double expected =
+            to_seeds(plane->mesh, seeds, count, gd_point_position(plane->mesh, &point));
         struct gd_path path;
         check_ok(gd_field_path(field, &point, &path), NULL);
-        double error = fmax(fabs(test_distance(field, &point) - expected), fabs(path.length - expected));
+        double error =
+            fmax(fabs(test_distance(field, &point) - expected), fabs(path.length - expected));
         assert_true(error <= 1e-9 * expected + 1e-10);
         worst = fmax(worst, error);
         gd_path_free(&path);
@@ -90,7 +98,8 @@ static double check_points(const struct plane *plane, struct rng *rng)
 {
     struct gd_seed seeds[POINTS_MOST] = {0};
     uint32_t count = 1 + rng_below(rng, POINTS_MOST);
-    for (uint32_t i = 0; i < count; i++) seeds[i].point = beside_something(plane, POINT_DIGITS, rng);
+    for (uint32_t i = 0; i < count; i++)
+        seeds[i].point = beside_something(plane, POINT_DIGITS, rng);
     return check_field(plane, seeds, count, POINT_DIGITS, rng);
 }
 
@@ -99,8 +108,10 @@ static double check_curve(const struct plane *plane, struct rng *rng)
     struct gd_point points[POINTS_MOST];
     uint32_t count = 2 + rng_below(rng, POINTS_MOST - 1);
     for (uint32_t i = 0; i < count; i++) points[i] = beside_something(plane, CURVE_DIGITS, rng);
-    struct gd_curve_request request = {
-        .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = count > 2 && rng_below(rng, 2)};
+    struct gd_curve_request request = {.kind = GD_CURVE_POINTS,
+                                       .points = points,
+                                       .count = count,
+                                       .closed = count > 2 && rng_below(rng, 2)};
     struct gd_curve curve;
     check_ok(gd_curve_resolve(plane->mesh, &request, NULL, NULL, &curve, NULL), NULL);
     uint32_t seed_count = gd_curve_seed_count(&curve);

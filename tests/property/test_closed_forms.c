@@ -1,6 +1,6 @@
-/* The engine against surfaces whose distances are known in closed form, and against the plane's visibility graph on
- * the benchmark of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data
- * structures", section 5.1. */
+/* The engine against surfaces whose distances are known in closed form, and against the plane's
+ * visibility graph on the benchmark of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle
+ * meshes using edge-based data structures", section 5.1. */
 #include "tests/oracle/closed_forms.h"
 
 #include <math.h>
@@ -47,11 +47,13 @@ static void compare(struct surface *surface, uint64_t rng_seed)
             struct test_place target = k ? test_random_place(&surface->polygons, &rng) : source;
             test_place_position(&surface->polygons, target, to);
             double expected = k ? surface->distance(surface, from, to) : 0;
-            worst = fmax(worst, check_close(distance_at(field, test_point(mesh, target)), expected, promise));
+            worst = fmax(worst, check_close(distance_at(field, test_point(mesh, target)), expected,
+                                            promise));
         }
         gd_field_release(field);
     }
-    print_message("# %s, %u faces: worst error %.2g\n", surface->name, surface->polygons.polygon_count, worst);
+    print_message("# %s, %u faces: worst error %.2g\n", surface->name,
+                  surface->polygons.polygon_count, worst);
     gd_mesh_release(mesh);
     gd_polygons_free(&surface->polygons);
 }
@@ -73,7 +75,8 @@ static void test_grid(void **state)
     }
 }
 
-/* Positions on the box's surface lie exactly in its planes, which interpolation misses by a rounding. */
+/* Positions on the box's surface lie exactly in its planes, which interpolation misses by a
+ * rounding. */
 static void snap_to_box(const double size[3], const double x[3], double out[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -99,7 +102,8 @@ static void test_box(void **state)
         struct surface box = {.name = "box", .distance = on_box};
         for (int k = 0; k < 3; k++) box.size[k] = sizes[i % 3][k];
         const uint32_t cells = i < 3 ? 1 : 7;
-        assert_int_equal(sample_box(box.size, (const uint32_t[3]){cells, cells, cells}, &box.polygons), GD_OK);
+        assert_int_equal(
+            sample_box(box.size, (const uint32_t[3]){cells, cells, cells}, &box.polygons), GD_OK);
         compare(&box, i);
     }
 }
@@ -115,8 +119,10 @@ static void test_fans(void **state)
     static const uint32_t shapes[][2] = {{4, 1}, {6, 5}, {32, 10}, {64, 40}};
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         uint32_t sectors = shapes[i][0], rings = shapes[i][1];
-        struct surface cone = {.name = "cone", .distance = on_fan, .fan = {1, 0.8, {0, 0}, sectors}};
-        struct surface saddle = {.name = "saddle", .distance = on_fan, .fan = {1, 0, {0.6, -0.6}, sectors}};
+        struct surface cone = {
+            .name = "cone", .distance = on_fan, .fan = {1, 0.8, {0, 0}, sectors}};
+        struct surface saddle = {
+            .name = "saddle", .distance = on_fan, .fan = {1, 0, {0.6, -0.6}, sectors}};
         assert_int_equal(sample_cone(1, 0.8, sectors, rings, &cone.polygons), GD_OK);
         compare(&cone, i);
         assert_int_equal(sample_saddle(1, 0.6, sectors, rings, &saddle.polygons), GD_OK);
@@ -135,7 +141,8 @@ static void test_cylinder(void **state)
     static const uint32_t shapes[][2] = {{3, 1}, {5, 4}, {64, 20}};
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         struct surface cylinder = {.name = "cylinder", .distance = on_prism, .sides = shapes[i][0]};
-        assert_int_equal(sample_cylinder(1, 4, shapes[i][0], shapes[i][1], &cylinder.polygons), GD_OK);
+        assert_int_equal(sample_cylinder(1, 4, shapes[i][0], shapes[i][1], &cylinder.polygons),
+                         GD_OK);
         compare(&cylinder, i);
     }
 }
@@ -145,7 +152,8 @@ static void corner_weights(const struct surface *surface, const double p[3], dou
 {
     for (int k = 0; k < 4; k++) {
         const double *c = surface->polygons.positions[k];
-        out[k] = 0.25 + 0.75 * (p[0] * c[0] + p[1] * c[1] + p[2] * c[2]) / (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+        out[k] = 0.25 + 0.75 * (p[0] * c[0] + p[1] * c[1] + p[2] * c[2]) /
+                            (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
     }
 }
 
@@ -161,7 +169,8 @@ static void test_tetrahedron(void **state)
 {
     (void)state;
     for (uint32_t level = 0; level <= 4; level += 2) {
-        struct surface tetrahedron = {.name = "tetrahedron", .distance = on_tetrahedron, .size = {3}};
+        struct surface tetrahedron = {
+            .name = "tetrahedron", .distance = on_tetrahedron, .size = {3}};
         assert_int_equal(sample_tetrahedron(3, level, &tetrahedron.polygons), GD_OK);
         compare(&tetrahedron, level);
     }
@@ -193,7 +202,8 @@ static void compare_obstacles(const struct sample_obstacles *scene, uint64_t rng
         }
         visibility_free(visibility);
     }
-    print_message("# %u obstacles, %u faces: worst error %.2g\n", scene->count, polygons->polygon_count, worst);
+    print_message("# %u obstacles, %u faces: worst error %.2g\n", scene->count,
+                  polygons->polygon_count, worst);
     free(values);
     gd_mesh_release(mesh);
 }
@@ -214,8 +224,9 @@ static void test_obstacles(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grid),     cmocka_unit_test(test_box),         cmocka_unit_test(test_fans),
-        cmocka_unit_test(test_cylinder), cmocka_unit_test(test_tetrahedron), cmocka_unit_test(test_obstacles),
+        cmocka_unit_test(test_grid),        cmocka_unit_test(test_box),
+        cmocka_unit_test(test_fans),        cmocka_unit_test(test_cylinder),
+        cmocka_unit_test(test_tetrahedron), cmocka_unit_test(test_obstacles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

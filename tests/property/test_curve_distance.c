@@ -1,4 +1,5 @@
-/* Distances between curves: closed forms, symmetry (two fields that know nothing of each other), and samples, which converge to them from one side. */
+/* Distances between curves: closed forms, symmetry (two fields that know nothing of each other),
+ * and samples, which converge to them from one side. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -13,8 +14,8 @@
 #include "tests/support/field.h"
 
 /* Random points joined by shortest paths; one that cannot be joined is left out. */
-static struct gd_curve random_curve(const struct gd_mesh *mesh, const struct gd_polygons *polygons, uint32_t count,
-                                    bool closed, struct rng *rng)
+static struct gd_curve random_curve(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
+                                    uint32_t count, bool closed, struct rng *rng)
 {
     struct gd_point points[8];
     uint32_t used = 0;
@@ -22,14 +23,15 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, const struct gd_
         points[used] = test_point(mesh, test_random_place(polygons, rng));
         if (gd_point_component(mesh, &points[used]) == gd_point_component(mesh, &points[0])) used++;
     }
-    struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed};
+    struct gd_curve_request request = {
+        .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed};
     struct gd_curve curve;
     check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
     return curve;
 }
 
-static double sample(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_curve *curve, int count,
-                     bool greatest)
+static double sample(const struct gd_mesh *mesh, const struct gd_field *field,
+                     const struct gd_curve *curve, int count, bool greatest)
 {
     double best = greatest ? -1 : HUGE_VAL;
     uint32_t segments = gd_curve_seed_count(curve) - curve->count;
@@ -40,7 +42,8 @@ static double sample(const struct gd_mesh *mesh, const struct gd_field *field, c
         double from[3], to[3], weight[3], distance;
         assert_true(gd__segment_home(mesh, a, b, &home));
         uint32_t side = 2 * home.edge;
-        if (home.face == GD_NONE) home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
+        if (home.face == GD_NONE)
+            home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
         gd__point_weights(mesh, a, home.face, from);
         gd__point_weights(mesh, b, home.face, to);
         for (int n = 0; n <= count; n++) {
@@ -53,7 +56,8 @@ static double sample(const struct gd_mesh *mesh, const struct gd_field *field, c
     return best;
 }
 
-static struct gd_curve_distance least(const struct gd_field *field, const struct gd_curve *a, const struct gd_curve *b)
+static struct gd_curve_distance least(const struct gd_field *field, const struct gd_curve *a,
+                                      const struct gd_curve *b)
 {
     struct gd_curve_distance found;
     check_ok(gd_curve_distance(field, a, b, NULL, &found), NULL);
@@ -73,10 +77,11 @@ static void check_angle(const struct gd_curve *curve, double angle, struct sums 
     if (curve->count > 1) sums->slant = fmax(sums->slant, M_PI / 2 - angle);
 }
 
-static void check_pair(const struct gd_mesh *mesh, const struct gd_curve *a, const struct gd_curve *b,
-                       struct sums *sums)
+static void check_pair(const struct gd_mesh *mesh, const struct gd_curve *a,
+                       const struct gd_curve *b, struct sums *sums)
 {
-    struct gd_field *of_a = test_field_of_curve(mesh, a, 0), *of_b = test_field_of_curve(mesh, b, 0);
+    struct gd_field *of_a = test_field_of_curve(mesh, a, 0),
+                    *of_b = test_field_of_curve(mesh, b, 0);
     struct gd_curve_distance ab = least(of_a, a, b), ba = least(of_b, b, a);
     double scale = mesh->summary.edge_length.mean;
     sums->pairs++;
@@ -93,7 +98,8 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_curve *a, con
         check_angle(a, ab.a.angle, sums);
         check_angle(b, ab.b.angle, sums);
     }
-    assert_true(ab.a.parameter >= 0 && ab.a.parameter <= 1 && ab.b.parameter >= 0 && ab.b.parameter <= 1);
+    assert_true(ab.a.parameter >= 0 && ab.a.parameter <= 1 && ab.b.parameter >= 0 &&
+                ab.b.parameter <= 1);
     double coarse = sample(mesh, of_a, b, 10, false);
     assert_true(coarse >= ab.distance - 1e-13 * scale);
     struct gd_curve_distance far;
@@ -111,11 +117,14 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_curve *a, con
     gd_field_release(of_b);
 }
 
-static void check_mesh(const struct gd_polygons *polygons, int pairs, struct rng *rng, struct sums *sums)
+static void check_mesh(const struct gd_polygons *polygons, int pairs, struct rng *rng,
+                       struct sums *sums)
 {
     struct gd_mesh *mesh = test_mesh(polygons);
     for (int i = 0; i < pairs; i++) {
-        struct gd_curve a = random_curve(mesh, polygons, 1 + rng_below(rng, 3), rng_below(rng, 2), rng), b;
+        struct gd_curve a = random_curve(mesh, polygons, 1 + rng_below(rng, 3), rng_below(rng, 2),
+                                         rng),
+                        b;
         do {
             b = random_curve(mesh, polygons, 1 + rng_below(rng, 3), rng_below(rng, 2), rng);
         } while (gd_point_component(mesh, &a.points[0]) != gd_point_component(mesh, &b.points[0]) &&
@@ -129,7 +138,8 @@ static void check_mesh(const struct gd_polygons *polygons, int pairs, struct rng
 
 static void tell(const struct sums *sums)
 {
-    print_message("# %d pairs, %d meet; asymmetry %.1e; slant %.1e; samples miss the greatest by up to %.1e\n",
+    print_message("# %d pairs, %d meet; asymmetry %.1e; slant %.1e; samples miss the greatest by "
+                  "up to %.1e\n",
                   sums->pairs, sums->meetings, sums->asymmetry, sums->slant, sums->excess);
     assert_true(sums->slant < 1e-6);
 }
@@ -163,11 +173,12 @@ static void shared_meshes(void **state)
     tell(&sums);
 }
 
-/* --- closed forms -------------------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 static struct gd_curve line(const struct gd_mesh *mesh, double x0, double y0, double x1, double y1)
 {
-    struct gd_point points[2] = {test_point_near(mesh, x0, y0, 0), test_point_near(mesh, x1, y1, 0)};
+    struct gd_point points[2] = {test_point_near(mesh, x0, y0, 0),
+                                 test_point_near(mesh, x1, y1, 0)};
     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = 2};
     struct gd_curve curve;
     check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
@@ -186,7 +197,14 @@ static void lines_in_the_plane(void **state)
         /* they cross at right angles */
         {{0.1, 0.4, 1.9, 0.4}, {0.5, 0.1, 0.5, 0.9}, 0, 2. / 9, 3. / 8, NAN, NAN, 0.5},
         /* end against end */
-        {{0.1, 0.1, 0.4, 0.1}, {0.7, 0.5, 1.3, 1.3}, 0.5, 1, 0, M_PI - 0.927295218001612, M_PI, 1.5},
+        {{0.1, 0.1, 0.4, 0.1},
+         {0.7, 0.5, 1.3, 1.3},
+         0.5,
+         1,
+         0,
+         M_PI - 0.927295218001612,
+         M_PI,
+         1.5},
         /* b begins on a */
         {{0.1, 0.4, 1.9, 0.4}, {1, 0.4, 1, 0.9}, 0, 0.5, 0, NAN, NAN, 0.5},
     };
@@ -201,8 +219,10 @@ static void lines_in_the_plane(void **state)
         assert_true(fabs(found.distance - cases[i].distance) < 1e-14);
         assert_true(fabs(found.a.parameter - cases[i].at_a) < 1e-12);
         assert_true(fabs(found.b.parameter - cases[i].at_b) < 1e-12);
-        assert_true(isnan(cases[i].angle_a) ? isnan(found.a.angle) : fabs(found.a.angle - cases[i].angle_a) < 1e-9);
-        assert_true(isnan(cases[i].angle_b) ? isnan(found.b.angle) : fabs(found.b.angle - cases[i].angle_b) < 1e-9);
+        assert_true(isnan(cases[i].angle_a) ? isnan(found.a.angle)
+                                            : fabs(found.a.angle - cases[i].angle_a) < 1e-9);
+        assert_true(isnan(cases[i].angle_b) ? isnan(found.b.angle)
+                                            : fabs(found.b.angle - cases[i].angle_b) < 1e-9);
         check_ok(gd_curve_farthest(field, &a, &b, NULL, &far), NULL);
         check_close(far.distance, cases[i].farthest, 1e-12);
         gd_curve_distance_free(&found);
@@ -224,8 +244,9 @@ static void boundaries(void **state)
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_curve loop[2];
     for (uint32_t i = 0; i < 2; i++)
-        check_ok(gd_curve_resolve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = i}, NULL,
-                                  NULL, &loop[i], NULL),
+        check_ok(gd_curve_resolve(
+                     mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = i},
+                     NULL, NULL, &loop[i], NULL),
                  NULL);
     struct gd_field *field = test_field_of_curve(mesh, &loop[0], 0);
     struct gd_curve_distance found = least(field, &loop[0], &loop[1]);
@@ -235,9 +256,10 @@ static void boundaries(void **state)
     check_ok(gd_curve_farthest(field, &loop[0], &loop[1], NULL, &found), NULL);
     check_close(found.distance, 3, 1e-14);
     gd_curve_distance_free(&found);
-    assert_int_equal(
-        gd_curve_distance(field, &(struct gd_curve){.points = loop[0].points, .count = 2}, &loop[1], NULL, &found),
-        GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_curve_distance(field,
+                                       &(struct gd_curve){.points = loop[0].points, .count = 2},
+                                       &loop[1], NULL, &found),
+                     GD_INVALID_ARGUMENT);
     for (int i = 0; i < 2; i++) gd_curve_free(&loop[i]);
     gd_field_release(field);
     gd_mesh_release(mesh);
@@ -246,7 +268,8 @@ static void boundaries(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lines_in_the_plane), cmocka_unit_test(boundaries),
-                                       cmocka_unit_test(random_curves), cmocka_unit_test(shared_meshes)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_in_the_plane), cmocka_unit_test(boundaries),
+        cmocka_unit_test(random_curves), cmocka_unit_test(shared_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

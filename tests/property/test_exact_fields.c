@@ -22,8 +22,8 @@ static struct gd_field *build_field(struct exact_unit *unit)
     return field;
 }
 
-static void compare_at(struct exact_unit *unit, struct exact_truth *truth, const struct gd_field *field,
-                       struct gd_point point)
+static void compare_at(struct exact_unit *unit, struct exact_truth *truth,
+                       const struct gd_field *field, struct gd_point point)
 {
     double distance = NAN;
     enum gd_status status = gd_field_distance(field, &point, &distance);
@@ -42,8 +42,8 @@ static struct gd_point vertex_point(const struct exact_scene *scene, uint32_t in
 
 /* The field of some seeds, all beside `vertex`, at all vertices, at random places, and beside
  * the vertex. */
-static void check_field(struct exact_scene *scene, uint32_t vertex, const struct gd_seed *seeds, uint32_t count,
-                        struct exact_tally *tally)
+static void check_field(struct exact_scene *scene, uint32_t vertex, const struct gd_seed *seeds,
+                        uint32_t count, struct exact_tally *tally)
 {
     struct exact_unit unit = {.scene = scene, .seeds = seeds, .seed_count = count};
     struct exact_truth truth;
@@ -72,7 +72,8 @@ static void general_position(uint64_t number, struct exact_tally *tally)
         struct gd_field *field = build_field(&unit);
         for (uint32_t v = 0; field && v < scene.polygons.position_count; v++)
             compare_at(&unit, &truth, field, vertex_point(&scene, v));
-        for (int k = 0; field && k < PLACES; k++) compare_at(&unit, &truth, field, exact_random(&scene));
+        for (int k = 0; field && k < PLACES; k++)
+            compare_at(&unit, &truth, field, exact_random(&scene));
         gd_field_release(field);
         exact_truth_close(&truth);
         exact_conclude(&unit, tally);
@@ -97,7 +98,8 @@ static void several_sources(uint64_t number, struct exact_tally *tally)
     struct exact_scene scene;
     exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
     for (int i = 0; i < FIELDS; i++) {
-        uint32_t vertex = exact_random_vertex(&scene), count = 2 + rng_below(&scene.rng, SETS_MOST - 1);
+        uint32_t vertex = exact_random_vertex(&scene),
+                 count = 2 + rng_below(&scene.rng, SETS_MOST - 1);
         bool has_offsets = rng_below(&scene.rng, 4) == 0;
         struct gd_seed seeds[SETS_MOST] = {0};
         for (uint32_t k = 0; k < count; k++) {
@@ -119,8 +121,9 @@ static double rounded(double x, int digits)
 }
 
 /* The law |d(s, x) - d(v, x)| <= |sv|, and the distances themselves. */
-static void check_law(struct exact_unit *unit, struct exact_truth *truth, const struct gd_field *beside,
-                      const struct gd_field *vertex, struct gd_point point, double apart)
+static void check_law(struct exact_unit *unit, struct exact_truth *truth,
+                      const struct gd_field *beside, const struct gd_field *vertex,
+                      struct gd_point point, double apart)
 {
     double ds = NAN, dv = NAN;
     enum gd_status status = gd_field_distance(beside, &point, &ds);
@@ -189,11 +192,15 @@ static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
     wanted.weight[(k + 1) % 3] = apart * part;
     wanted.weight[(k + 2) % 3] = apart * (1 - part);
     for (uint32_t i = 0; i < 3; i++)
-        edge = fmax(edge, gd_vec3_distance(gd_mesh_position(scene->mesh, (struct gd_vertex){corner[i]}),
-                                           gd_mesh_position(scene->mesh, (struct gd_vertex){corner[(i + 1) % 3]})));
+        edge =
+            fmax(edge, gd_vec3_distance(
+                           gd_mesh_position(scene->mesh, (struct gd_vertex){corner[i]}),
+                           gd_mesh_position(scene->mesh, (struct gd_vertex){corner[(i + 1) % 3]})));
     struct gd_seed seed = {0};
     struct exact_unit unit = {.scene = scene, .seeds = &seed, .seed_count = 1};
-    if (gd_point_in_face(scene->mesh, (struct gd_face){wanted.face}, wanted.weight, &seed.point, NULL)) abort();
+    if (gd_point_in_face(scene->mesh, (struct gd_face){wanted.face}, wanted.weight, &seed.point,
+                         NULL))
+        abort();
     struct exact_truth truth;
     exact_truth_open(scene, &seed, 1, 0, &truth);
     double moved = (double)naive_field_distance(truth.field, &wanted);
@@ -218,7 +225,8 @@ static void check_position(struct exact_scene *scene, struct exact_tally *tally)
     double moved = gd_vec3_distance(xyz, gd_point_position(scene->mesh, &seed.point));
     double allowed = gd_vec3_distance(xyz, vertex) + SNAP * scene->mean_edge + rounding;
     exact_law(&unit, &seed.point, moved, allowed, moved / allowed);
-    exact_law(&unit, &seed.point, reported, moved, fabs(reported - moved) / (rounding + 1e-14 * moved));
+    exact_law(&unit, &seed.point, reported, moved,
+              fabs(reported - moved) / (rounding + 1e-14 * moved));
     exact_conclude(&unit, tally);
 }
 
@@ -235,11 +243,13 @@ static void snaps(uint64_t number, struct exact_tally *tally)
 
 /* --- short distances -------------------------------------------------------------------------- */
 
-static void compare_pair(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *from,
-                         const struct gd_point *to, const struct gd_point *target)
+static void compare_pair(struct exact_unit *unit, struct exact_truth *truth,
+                         const struct gd_point *from, const struct gd_point *to,
+                         const struct gd_point *target)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status = gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
+    enum gd_status status =
+        gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
     if (status) {
         exact_failure(unit, "gd_pair_solve", status, target);
         return;
@@ -263,8 +273,8 @@ static void short_distances(uint64_t number, struct exact_tally *tally)
         exact_truth_open(&scene, &seed, 1, INFINITY, &truth);
         struct gd_field *field = build_field(&unit);
         for (int k = 0; k < NEAR; k++) {
-            struct gd_point target =
-                k ? exact_beside_vertex(&scene, vertex, size - 1, size + 0.3) : vertex_point(&scene, vertex);
+            struct gd_point target = k ? exact_beside_vertex(&scene, vertex, size - 1, size + 0.3)
+                                       : vertex_point(&scene, vertex);
             if (field) compare_at(&unit, &truth, field, target);
             compare_pair(&unit, &truth, &seed.point, &target, &target);
             compare_pair(&unit, &truth, &target, &seed.point, &target);
@@ -290,16 +300,20 @@ static void thin_tubes(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
-    {"general_position", "fields with one source anywhere", general_position, 300, 20000, EXACT_HOLDS},
-    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 600, 100000,
+    {"general_position", "fields with one source anywhere", general_position, 300, 20000,
      EXACT_HOLDS},
-    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150, 5000, EXACT_HOLDS},
-    {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away", rounded_vertices, 300,
-     20000, EXACT_HOLDS},
-    {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 300,
-     20000, EXACT_HOLDS},
-    {"snaps", "points move by at most 1e-14 edge lengths, as is reported", snaps, 1000, 100000, EXACT_HOLDS},
-    {"thin_tubes", "fields on tubes down to 5e-9 of their length thin", thin_tubes, 24, 5000, EXACT_MAY_FAIL},
+    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source,
+     600, 100000, EXACT_HOLDS},
+    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150,
+     5000, EXACT_HOLDS},
+    {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away",
+     rounded_vertices, 300, 20000, EXACT_HOLDS},
+    {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex",
+     short_distances, 300, 20000, EXACT_HOLDS},
+    {"snaps", "points move by at most 1e-14 edge lengths, as is reported", snaps, 1000, 100000,
+     EXACT_HOLDS},
+    {"thin_tubes", "fields on tubes down to 5e-9 of their length thin", thin_tubes, 24, 5000,
+     EXACT_MAY_FAIL},
 };
 
 int main(int argc, char **argv)

@@ -36,8 +36,8 @@ static struct gd_field *build_field(struct exact_unit *unit)
 
 /* --- targets, and members of sets ------------------------------------------------------------- */
 
-static void check_target(struct exact_unit *unit, struct exact_truth *truth, const struct gd_field *field,
-                         struct gd_point to)
+static void check_target(struct exact_unit *unit, struct exact_truth *truth,
+                         const struct gd_field *field, struct gd_point to)
 {
     double distance = NAN;
     uint32_t seed = 0;
@@ -55,7 +55,8 @@ static void check_target(struct exact_unit *unit, struct exact_truth *truth, con
         exact_answer(unit, truth, &to, path.length + unit->seeds[seed].offset);
     gd_path_free(&path);
     bool is_seed = false;
-    for (uint32_t i = 0; i < unit->seed_count; i++) is_seed |= gd_point_equal(&to, &unit->seeds[i].point);
+    for (uint32_t i = 0; i < unit->seed_count; i++)
+        is_seed |= gd_point_equal(&to, &unit->seeds[i].point);
     status = is_seed ? GD_OK : gd_field_gradient(field, &to, &gradient);
     if (status) exact_failure(unit, "gd_field_gradient", status, &to);
 }
@@ -67,7 +68,8 @@ static void targets_of(struct exact_scene *scene, const struct gd_seed *seeds, u
     struct exact_truth truth;
     exact_truth_open(scene, seeds, count, INFINITY, &truth);
     struct gd_field *field = build_field(&unit);
-    for (int k = 0; field && k < TARGETS; k++) check_target(&unit, &truth, field, beside_something(scene));
+    for (int k = 0; field && k < TARGETS; k++)
+        check_target(&unit, &truth, field, beside_something(scene));
     gd_field_release(field);
     exact_truth_close(&truth);
     exact_conclude(&unit, tally);
@@ -77,7 +79,8 @@ static void targets(uint64_t number, struct exact_tally *tally)
 {
     struct exact_scene scene;
     exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
-    for (int i = 0; i < UNITS; i++) targets_of(&scene, &(struct gd_seed){.point = exact_random(&scene)}, 1, tally);
+    for (int i = 0; i < UNITS; i++)
+        targets_of(&scene, &(struct gd_seed){.point = exact_random(&scene)}, 1, tally);
     exact_scene_close(&scene);
 }
 
@@ -90,7 +93,8 @@ static void members(uint64_t number, struct exact_tally *tally)
         uint32_t count = 1 + rng_below(&scene.rng, POINTS_MOST);
         for (uint32_t k = 0; k < count; k++) {
             seeds[k].point = any_point(&scene);
-            if (rng_below(&scene.rng, 3) == 0) seeds[k].offset = scene.size * 0.3 * rng_unit(&scene.rng);
+            if (rng_below(&scene.rng, 3) == 0)
+                seeds[k].offset = scene.size * 0.3 * rng_unit(&scene.rng);
         }
         targets_of(&scene, seeds, count, tally);
     }
@@ -100,7 +104,8 @@ static void members(uint64_t number, struct exact_tally *tally)
 /* --- curves ----------------------------------------------------------------------------------- */
 
 /* A point of a segment: its ends are given by weights in one face. */
-static struct naive_point between(const struct naive_point *a, const struct naive_point *b, double t)
+static struct naive_point between(const struct naive_point *a, const struct naive_point *b,
+                                  double t)
 {
     struct naive_point out = {.face = a->face};
     for (int k = 0; k < 3; k++) out.weight[k] = (1 - t) * a->weight[k] + t * b->weight[k];
@@ -109,7 +114,8 @@ static struct naive_point between(const struct naive_point *a, const struct naiv
 
 /* The least distance of the segment from the truth's source: by samples, and by golden sections
  * around the best. */
-static long double to_segment(const struct exact_truth *truth, const struct naive_point *a, const struct naive_point *b)
+static long double to_segment(const struct exact_truth *truth, const struct naive_point *a,
+                              const struct naive_point *b)
 {
     long double least = INFINITY;
     int best = 0;
@@ -118,11 +124,13 @@ static long double to_segment(const struct exact_truth *truth, const struct naiv
         long double distance = naive_field_distance(truth->field, &at);
         if (distance < least) least = distance, best = i;
     }
-    double low = fmax(best - 1, 0) / SAMPLES, high = fmin(best + 1, SAMPLES) / SAMPLES, golden = 0.6180339887498949;
+    double low = fmax(best - 1, 0) / SAMPLES, high = fmin(best + 1, SAMPLES) / SAMPLES,
+           golden = 0.6180339887498949;
     for (int i = 0; i < STEPS; i++) {
         double left = high - golden * (high - low), right = low + golden * (high - low);
         struct naive_point p = between(a, b, left), q = between(a, b, right);
-        long double dp = naive_field_distance(truth->field, &p), dq = naive_field_distance(truth->field, &q);
+        long double dp = naive_field_distance(truth->field, &p),
+                    dq = naive_field_distance(truth->field, &q);
         least = fminl(least, fminl(dp, dq));
         if (dp < dq)
             high = right;
@@ -137,7 +145,8 @@ static bool in_face(const struct exact_scene *scene, const struct gd_point *poin
                     struct naive_point *out)
 {
     struct naive_point own = exact_point(scene, point);
-    const uint32_t *from = &scene->polygons.corners[3 * own.face], *to = &scene->polygons.corners[3 * face];
+    const uint32_t *from = &scene->polygons.corners[3 * own.face],
+                   *to = &scene->polygons.corners[3 * face];
     *out = (struct naive_point){.face = face};
     for (int i = 0; i < 3; i++) {
         bool found = own.weight[i] == 0;
@@ -159,7 +168,8 @@ static long double to_curve(const struct exact_truth *truth, const struct gd_cur
         const struct gd_point *a = &curve->points[i], *b = &curve->points[(i + 1) % curve->count];
         struct naive_point p, q;
         for (uint32_t face = 0; face < truth->scene->polygons.polygon_count; face++) {
-            if (!in_face(truth->scene, a, face, &p) || !in_face(truth->scene, b, face, &q)) continue;
+            if (!in_face(truth->scene, a, face, &p) || !in_face(truth->scene, b, face, &q))
+                continue;
             least = fminl(least, to_segment(truth, &p, &q));
             break;
         }
@@ -167,8 +177,8 @@ static long double to_curve(const struct exact_truth *truth, const struct gd_cur
     return least;
 }
 
-static void check_curve_at(struct exact_unit *unit, const struct gd_curve *curve, const struct gd_field *field,
-                           struct gd_point to)
+static void check_curve_at(struct exact_unit *unit, const struct gd_curve *curve,
+                           const struct gd_field *field, struct gd_point to)
 {
     double distance = NAN;
     enum gd_status status = gd_field_distance(field, &to, &distance);
@@ -181,7 +191,8 @@ static void check_curve_at(struct exact_unit *unit, const struct gd_curve *curve
     exact_truth_close(&truth);
 }
 
-static void check_curve(struct exact_unit *unit, struct exact_scene *scene, const struct gd_curve *curve)
+static void check_curve(struct exact_unit *unit, struct exact_scene *scene,
+                        const struct gd_curve *curve)
 {
     uint32_t count = gd_curve_seed_count(curve);
     struct gd_field *field = NULL;
@@ -214,7 +225,8 @@ static void curves(uint64_t number, struct exact_tally *tally)
         for (uint32_t k = 0; k < count; k++)
             points[k] = seeds[k].point = k == 0 ? beside_something(&scene) : any_point(&scene);
         struct exact_unit unit = {.scene = &scene, .seeds = seeds, .seed_count = count};
-        struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = count};
+        struct gd_curve_request request = {
+            .kind = GD_CURVE_POINTS, .points = points, .count = count};
         struct gd_curve curve;
         enum gd_status status = gd_curve_resolve(scene.mesh, &request, NULL, NULL, &curve, NULL);
         if (status)
@@ -231,11 +243,13 @@ static void curves(uint64_t number, struct exact_tally *tally)
 
 /* A line is as long as was asked for unless it meets the boundary, and its end is no farther
  * than its length. */
-static void check_trace(struct exact_unit *unit, struct exact_truth *truth, const struct gd_trace *trace, double length)
+static void check_trace(struct exact_unit *unit, struct exact_truth *truth,
+                        const struct gd_trace *trace, double length)
 {
     const struct gd_point *end = &trace->path.points[trace->path.count - 1];
     if (trace->end == GD_TRACE_END_LENGTH)
-        exact_law(unit, end, trace->path.length, length, exact_relative(trace->path.length, length) / EXACT_PROMISE);
+        exact_law(unit, end, trace->path.length, length,
+                  exact_relative(trace->path.length, length) / EXACT_PROMISE);
     else if (trace->end != GD_TRACE_END_BOUNDARY)
         exact_failure(unit, "gd_trace_follow, end", GD_INTERNAL, end);
     double distance = exact_distance(truth, end);
@@ -257,7 +271,8 @@ static void traces(uint64_t number, struct exact_tally *tally)
             struct gd_trace trace;
             double length = scene.size * pow(10, rng_between(&scene.rng, -4, 0));
             struct gd_direction ahead = gd_trace_fan(scene.mesh, &seed.point, TARGETS, (uint32_t)k);
-            enum gd_status status = gd_trace_follow(scene.mesh, &seed.point, &ahead, length, NULL, NULL, &trace, NULL);
+            enum gd_status status =
+                gd_trace_follow(scene.mesh, &seed.point, &ahead, length, NULL, NULL, &trace, NULL);
             if (status)
                 exact_failure(&unit, "gd_trace_follow", status, &seed.point);
             else
@@ -272,14 +287,15 @@ static void traces(uint64_t number, struct exact_tally *tally)
 
 /* --- log, exp and transport ------------------------------------------------------------------- */
 
-/* exp of a log's answer ends where the path ends. In graded patches it only succeeds: an angle in double
- * precision does not tell on which side of an apex of 1e-20 a line passes. */
-static void check_exp(struct exact_unit *unit, const struct gd_log *log, const struct gd_point *from,
-                      const struct gd_point *to)
+/* exp of a log's answer ends where the path ends. In graded patches it only succeeds: an angle in
+ * double precision does not tell on which side of an apex of 1e-20 a line passes. */
+static void check_exp(struct exact_unit *unit, const struct gd_log *log,
+                      const struct gd_point *from, const struct gd_point *to)
 {
     const struct gd_mesh *mesh = unit->scene->mesh;
     struct gd_trace trace;
-    enum gd_status status = gd_vector_exp(mesh, from, log->segments, log->count, NULL, NULL, &trace, NULL);
+    enum gd_status status =
+        gd_vector_exp(mesh, from, log->segments, log->count, NULL, NULL, &trace, NULL);
     if (status) {
         exact_failure(unit, "gd_vector_exp", status, to);
         return;
@@ -287,11 +303,13 @@ static void check_exp(struct exact_unit *unit, const struct gd_log *log, const s
     struct gd_vec3 end = gd_point_position(mesh, &trace.path.points[trace.path.count - 1]);
     double off = gd_vec3_distance(end, gd_point_position(mesh, to)), length = log->vector.length;
     if (unit->scene->kind != EXACT_GRADED)
-        exact_law(unit, to, length + off, length, off / (EXACT_PROMISE * length + 1e-14 * unit->scene->size));
+        exact_law(unit, to, length + off, length,
+                  off / (EXACT_PROMISE * length + 1e-14 * unit->scene->size));
     gd_trace_free(&trace);
 }
 
-static void check_log(struct exact_unit *unit, const struct gd_path *path, double distance, const struct gd_point *to)
+static void check_log(struct exact_unit *unit, const struct gd_path *path, double distance,
+                      const struct gd_point *to)
 {
     const struct gd_mesh *mesh = unit->scene->mesh;
     struct gd_log log;
@@ -300,7 +318,8 @@ static void check_log(struct exact_unit *unit, const struct gd_path *path, doubl
         exact_failure(unit, "gd_vector_log", status, to);
         return;
     }
-    exact_law(unit, to, log.vector.length, distance, exact_relative(log.vector.length, distance) / EXACT_PROMISE);
+    exact_law(unit, to, log.vector.length, distance,
+              exact_relative(log.vector.length, distance) / EXACT_PROMISE);
     check_exp(unit, &log, &unit->seeds[0].point, to);
     struct gd_vector moved;
     status = gd_vector_transport(mesh, path, &log.vector, 1, &moved, NULL);
@@ -318,8 +337,8 @@ static void vectors(uint64_t number, struct exact_tally *tally)
         for (int k = 0; k < TARGETS; k++) {
             struct gd_pair_answer answer = {0};
             struct gd_point to = k % 2 ? beside_something(&scene) : any_point(&scene);
-            enum gd_status status =
-                gd_pair_solve(scene.mesh, &seed.point, &to, GD_PAIR_PATH_AND_CUT, NULL, NULL, &answer, NULL);
+            enum gd_status status = gd_pair_solve(scene.mesh, &seed.point, &to,
+                                                  GD_PAIR_PATH_AND_CUT, NULL, NULL, &answer, NULL);
             if (status)
                 exact_failure(&unit, "gd_pair_solve", status, &to);
             else if (!gd_point_equal(&seed.point, &to))
@@ -334,26 +353,31 @@ static void vectors(uint64_t number, struct exact_tally *tally)
 /* --- splines ---------------------------------------------------------------------------------- */
 
 /* It passes through its points. */
-static void check_spline(struct exact_unit *unit, const struct gd_spline *spline, const struct gd_point *points)
+static void check_spline(struct exact_unit *unit, const struct gd_spline *spline,
+                         const struct gd_point *points)
 {
     struct gd_spline_line line;
     enum gd_status status =
-        gd_spline_sample(unit->scene->mesh, spline, &(struct gd_spline_sampling){.per_segment = 4}, NULL, &line, NULL);
+        gd_spline_sample(unit->scene->mesh, spline, &(struct gd_spline_sampling){.per_segment = 4},
+                         NULL, &line, NULL);
     if (status) {
         exact_failure(unit, "gd_spline_sample", status, &points[0]);
         return;
     }
     for (uint32_t i = 0; i <= spline->count; i++) {
-        const struct gd_point *knot =
-            i < spline->count ? &spline->segments[i].control[0] : &spline->segments[spline->count - 1].control[3];
-        if (!gd_point_equal(knot, &points[i])) exact_failure(unit, "gd_spline_build, knot", GD_INTERNAL, &points[i]);
+        const struct gd_point *knot = i < spline->count
+                                          ? &spline->segments[i].control[0]
+                                          : &spline->segments[spline->count - 1].control[3];
+        if (!gd_point_equal(knot, &points[i]))
+            exact_failure(unit, "gd_spline_build, knot", GD_INTERNAL, &points[i]);
     }
     gd_spline_line_free(&line);
 }
 
 /* The engine takes points that lie closer together than 1e-12 of their neighbours' distance for
  * one. */
-static bool are_apart(const struct exact_scene *scene, const struct gd_point *points, uint32_t count)
+static bool are_apart(const struct exact_scene *scene, const struct gd_point *points,
+                      uint32_t count)
 {
     double least = INFINITY;
     for (uint32_t i = 1; i < count; i++)
@@ -388,13 +412,16 @@ static void splines(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
-    {"targets", "distances, paths and gradients at points beside vertices and edges", targets, 300, 20000, EXACT_HOLDS},
+    {"targets", "distances, paths and gradients at points beside vertices and edges", targets, 300,
+     20000, EXACT_HOLDS},
     {"members", "sets with members beside vertices and edges", members, 300, 20000, EXACT_HOLDS},
-    {"curves", "curves with ends and corners beside vertices and edges", curves, 60, 3000, EXACT_HOLDS},
-    {"traces", "traces that start beside vertices and edges", traces, 300, 20000, EXACT_HOLDS},
-    {"vectors", "log, exp and transport from and to points beside vertices and edges", vectors, 300, 20000,
+    {"curves", "curves with ends and corners beside vertices and edges", curves, 60, 3000,
      EXACT_HOLDS},
-    {"splines", "splines through points beside vertices and edges", splines, 120, 5000, EXACT_HOLDS},
+    {"traces", "traces that start beside vertices and edges", traces, 300, 20000, EXACT_HOLDS},
+    {"vectors", "log, exp and transport from and to points beside vertices and edges", vectors, 300,
+     20000, EXACT_HOLDS},
+    {"splines", "splines through points beside vertices and edges", splines, 120, 5000,
+     EXACT_HOLDS},
 };
 
 int main(int argc, char **argv)

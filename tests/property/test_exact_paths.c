@@ -10,12 +10,13 @@ enum { SOURCES = 3, TARGETS = 4, LANES_MOST = 24, LANDMARKS = 4 };
 
 static const double ONE_LANE = 1e-12; /* relative difference of two ways to ask */
 
-static struct gd_field *field_from(struct exact_unit *unit, const struct gd_point *point, double radius,
-                                   const struct gd_point *target)
+static struct gd_field *field_from(struct exact_unit *unit, const struct gd_point *point,
+                                   double radius, const struct gd_point *target)
 {
     struct gd_field *field = NULL;
     struct gd_seed seed = {.point = *point};
-    struct gd_field_request request = {.seeds = &seed, .seed_count = 1, .radius = radius, .target = target};
+    struct gd_field_request request = {
+        .seeds = &seed, .seed_count = 1, .radius = radius, .target = target};
     enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, NULL, &field, NULL);
     if (status) exact_failure(unit, "gd_field_build", status, point);
     return field;
@@ -23,8 +24,8 @@ static struct gd_field *field_from(struct exact_unit *unit, const struct gd_poin
 
 /* --- paths ------------------------------------------------------------------------------------ */
 
-static void answer_path(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *to,
-                        enum gd_status status, struct gd_path *path)
+static void answer_path(struct exact_unit *unit, struct exact_truth *truth,
+                        const struct gd_point *to, enum gd_status status, struct gd_path *path)
 {
     if (status)
         exact_failure(unit, "gd_field_path", status, to);
@@ -33,11 +34,13 @@ static void answer_path(struct exact_unit *unit, struct exact_truth *truth, cons
     gd_path_free(path);
 }
 
-static void ask_pair(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *from,
-                     const struct gd_point *to, const struct gd_point *target)
+static void ask_pair(struct exact_unit *unit, struct exact_truth *truth,
+                     const struct gd_point *from, const struct gd_point *to,
+                     const struct gd_point *target)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status = gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL);
+    enum gd_status status =
+        gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL);
     if (status)
         exact_failure(unit, "gd_pair_solve, distance", status, target);
     else
@@ -52,8 +55,9 @@ static void ask_pair(struct exact_unit *unit, struct exact_truth *truth, const s
 }
 
 /* A pair by search and by fields, from either end. */
-static void check_path(const struct exact_scene *scene, struct exact_truth *truth, const struct gd_field *field,
-                       const struct gd_seed *seed, struct gd_point to, struct exact_tally *tally)
+static void check_path(const struct exact_scene *scene, struct exact_truth *truth,
+                       const struct gd_field *field, const struct gd_seed *seed, struct gd_point to,
+                       struct exact_tally *tally)
 {
     struct exact_unit unit = {.scene = scene, .seeds = seed, .seed_count = 1};
     struct gd_path path = {0};
@@ -77,7 +81,8 @@ static void graded_paths(uint64_t number, struct exact_tally *tally)
         struct exact_truth truth;
         exact_truth_open(&scene, &seed, 1, INFINITY, &truth);
         if (!field) exact_conclude(&unit, tally);
-        for (int k = 0; k < TARGETS; k++) check_path(&scene, &truth, field, &seed, exact_random(&scene), tally);
+        for (int k = 0; k < TARGETS; k++)
+            check_path(&scene, &truth, field, &seed, exact_random(&scene), tally);
         exact_truth_close(&truth);
         gd_field_release(field);
     }
@@ -95,7 +100,8 @@ struct lanes {
 };
 
 /* `distance` is read after the call that fills it. */
-static void add(struct lanes *lanes, const char *call, enum gd_status status, const double *distance)
+static void add(struct lanes *lanes, const char *call, enum gd_status status,
+                const double *distance)
 {
     if (status)
         exact_failure(&lanes->unit, call, status, &lanes->to);
@@ -111,18 +117,23 @@ static void by_search(struct lanes *lanes, const struct gd_point *from, const st
         struct gd_pair_answer answer = {0};
         enum gd_status status = gd_pair_solve(mesh, from, to, wish, landmarks, NULL, &answer, NULL);
         add(lanes, "gd_pair_solve", status, &answer.distance);
-        if (wish != GD_PAIR_DISTANCE && !status) add(lanes, "gd_pair_solve", GD_OK, &answer.path.length);
+        if (wish != GD_PAIR_DISTANCE && !status)
+            add(lanes, "gd_pair_solve", GD_OK, &answer.path.length);
         gd_pair_answer_free(&answer);
     }
 }
 
-static void by_partial_fields(struct lanes *lanes, const struct gd_point *from, const struct gd_point *to)
+static void by_partial_fields(struct lanes *lanes, const struct gd_point *from,
+                              const struct gd_point *to)
 {
     double distance = NAN, known = lanes->count ? lanes->distance[0] : 0;
     struct gd_field *aimed = field_from(&lanes->unit, from, 0, to),
-                    *partial = field_from(&lanes->unit, from, 0.5 * known + 1e-300, NULL), *resumed = NULL;
-    if (aimed) add(lanes, "gd_field_distance, target", gd_field_distance(aimed, to, &distance), &distance);
-    enum gd_status status = partial ? gd_field_resume(partial, 0, NULL, NULL, &resumed, NULL) : GD_OK;
+                    *partial = field_from(&lanes->unit, from, 0.5 * known + 1e-300, NULL),
+                    *resumed = NULL;
+    if (aimed)
+        add(lanes, "gd_field_distance, target", gd_field_distance(aimed, to, &distance), &distance);
+    enum gd_status status =
+        partial ? gd_field_resume(partial, 0, NULL, NULL, &resumed, NULL) : GD_OK;
     if (resumed) status = gd_field_distance(resumed, to, &distance);
     if (partial) add(lanes, "gd_field_resume", status, &distance);
     gd_field_release(aimed);
@@ -146,7 +157,8 @@ static void by_field(struct lanes *lanes, const struct gd_point *from, const str
     gd_field_release(field);
 }
 
-static void by_distances_only(struct lanes *lanes, const struct gd_point *from, const struct gd_point *to)
+static void by_distances_only(struct lanes *lanes, const struct gd_point *from,
+                              const struct gd_point *to)
 {
     const struct gd_mesh *mesh = lanes->unit.scene->mesh;
     struct gd_point_description at;
@@ -166,7 +178,8 @@ static void compare(struct lanes *lanes)
 {
     for (uint32_t i = 1; i < lanes->count; i++) {
         double error = exact_relative(lanes->distance[i], lanes->distance[0]);
-        exact_law(&lanes->unit, &lanes->to, lanes->distance[i], lanes->distance[0], error / ONE_LANE);
+        exact_law(&lanes->unit, &lanes->to, lanes->distance[i], lanes->distance[0],
+                  error / ONE_LANE);
     }
     if (lanes->count == 0) return;
     struct exact_truth truth;
@@ -175,11 +188,12 @@ static void compare(struct lanes *lanes)
     exact_truth_close(&truth);
 }
 
-static void check_lanes(const struct exact_scene *scene, const struct gd_landmarks *landmarks, struct gd_point from,
-                        struct gd_point to, struct exact_tally *tally)
+static void check_lanes(const struct exact_scene *scene, const struct gd_landmarks *landmarks,
+                        struct gd_point from, struct gd_point to, struct exact_tally *tally)
 {
     struct gd_seed seed = {.point = from};
-    struct lanes lanes = {.unit = {.scene = scene, .seeds = &seed, .seed_count = 1}, .from = from, .to = to};
+    struct lanes lanes = {
+        .unit = {.scene = scene, .seeds = &seed, .seed_count = 1}, .from = from, .to = to};
     by_search(&lanes, &from, &to, NULL);
     by_search(&lanes, &to, &from, landmarks);
     by_field(&lanes, &from, &to);
@@ -210,10 +224,11 @@ static void same_in_every_lane(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
-    {"graded_paths", "random paths in graded patches, ratios 3 to 100, 5 to 12 rings", graded_paths, 600, 20000,
-     EXACT_HOLDS},
-    {"same_in_every_lane", "a pair by search, fields, paths, in bulk, from either end: within 1e-12",
-     same_in_every_lane, 400, 20000, EXACT_HOLDS},
+    {"graded_paths", "random paths in graded patches, ratios 3 to 100, 5 to 12 rings", graded_paths,
+     600, 20000, EXACT_HOLDS},
+    {"same_in_every_lane",
+     "a pair by search, fields, paths, in bulk, from either end: within 1e-12", same_in_every_lane,
+     400, 20000, EXACT_HOLDS},
 };
 
 int main(int argc, char **argv)

@@ -1,4 +1,5 @@
-/* Kernels on whole fields: whichever this machine has, distances, births and the bytes of all wedges are the same. */
+/* Kernels on whole fields: whichever this machine has, distances, births and the bytes of all
+ * wedges are the same. */
 #include <stdio.h>
 #include <string.h>
 
@@ -49,7 +50,8 @@ static int find_kernels(void **state)
     return 0;
 }
 
-static struct gd_field *field_by(const char *kernel, const struct gd_mesh *mesh, const struct gd_field_request *request)
+static struct gd_field *field_by(const char *kernel, const struct gd_mesh *mesh,
+                                 const struct gd_field_request *request)
 {
     struct gd_field *field = NULL;
     check_ok(gd_cpu_select(kernel), NULL);
@@ -67,17 +69,19 @@ static uint64_t differences(const struct gd_field *a, const struct gd_field *b, 
         births += memcmp(&a->birth[v], &b->birth[v], sizeof *a->birth) != 0;
     }
     for (uint32_t e = 0; e < mesh->edge_count; e++) chains += a->newest[e] != b->newest[e];
-    bool wedges = a->wedge_bytes != b->wedge_bytes || memcmp(a->wedges, b->wedges, a->wedge_bytes) != 0;
+    bool wedges =
+        a->wedge_bytes != b->wedge_bytes || memcmp(a->wedges, b->wedges, a->wedge_bytes) != 0;
     uint64_t total = distances + births + chains + wedges;
     if (total)
         print_error("%s: %llu distances, %llu births, %llu chains differ, wedges %s\n", what,
-                    (unsigned long long)distances, (unsigned long long)births, (unsigned long long)chains,
-                    wedges ? "too" : "do not");
+                    (unsigned long long)distances, (unsigned long long)births,
+                    (unsigned long long)chains, wedges ? "too" : "do not");
     return total;
 }
 
 /* From one source as far as all, a radius and a target; the number of wedges. */
-static uint64_t compare(const struct gd_mesh *mesh, const char *name, struct gd_point source, struct gd_point target)
+static uint64_t compare(const struct gd_mesh *mesh, const char *name, struct gd_point source,
+                        struct gd_point target)
 {
     struct gd_seed seed = {.point = source};
     double far = mesh->summary.edge_length.max * 5;
@@ -101,11 +105,13 @@ static uint64_t compare(const struct gd_mesh *mesh, const char *name, struct gd_
     return wedges;
 }
 
-static struct test_place place_of_kind(const struct gd_polygons *polygons, struct rng *rng, int corners)
+static struct test_place place_of_kind(const struct gd_polygons *polygons, struct rng *rng,
+                                       int corners)
 {
     for (;;) {
         struct test_place place = test_random_place(polygons, rng);
-        if ((place.weight[0] != 0) + (place.weight[1] != 0) + (place.weight[2] != 0) == corners) return place;
+        if ((place.weight[0] != 0) + (place.weight[1] != 0) + (place.weight[2] != 0) == corners)
+            return place;
     }
 }
 
@@ -120,7 +126,8 @@ static void test_kernels_agree(void **state)
         assert_non_null(sample);
         assert_int_equal(sample->generate(surfaces[i].values, &polygons), GD_OK);
         struct gd_mesh *mesh = test_mesh(&polygons);
-        for (int corners = 1; corners <= 3; corners++) { /* a source at a vertex, on an edge, in a face */
+        /* a source at a vertex, on an edge, in a face */
+        for (int corners = 1; corners <= 3; corners++) {
             struct gd_point source = test_point(mesh, place_of_kind(&polygons, &rng, corners));
             struct gd_point target = test_point(mesh, test_random_place(&polygons, &rng));
             wedges += compare(mesh, surfaces[i].name, source, target);
@@ -128,8 +135,9 @@ static void test_kernels_agree(void **state)
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
     }
-    print_message("# %d kernels, %d surfaces, 9 fields each, %llu wedges: the same to the last bit\n", count, SURFACES,
-                  (unsigned long long)wedges);
+    print_message(
+        "# %d kernels, %d surfaces, 9 fields each, %llu wedges: the same to the last bit\n", count,
+        SURFACES, (unsigned long long)wedges);
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* Laws of the metric on surfaces for which nobody knows the distances, and what must not change them. */
+/* Laws of the metric on surfaces for which nobody knows the distances, and what must not change
+ * them. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,9 +16,10 @@ static const struct {
     const char *name;
     double values[SAMPLE_PARAMETERS];
 } surfaces[] = {
-    {"icosphere", {3, 1}}, {"torus", {36, 18, 1, 0.4}}, {"terrain", {30, 0.2, 7}}, {"terrain", {12, 2, 8}},
-    {"genus2", {4, 0.03}}, {"saddle", {1, 0.6, 5, 9}},  {"obstacles", {8, 1, 3}},  {"cylinder", {0.05, 3, 24, 5}},
-    {"tangle", {200, 11}}, {"box", {1, 1, 0.001, 6}},
+    {"icosphere", {3, 1}},     {"torus", {36, 18, 1, 0.4}},    {"terrain", {30, 0.2, 7}},
+    {"terrain", {12, 2, 8}},   {"genus2", {4, 0.03}},          {"saddle", {1, 0.6, 5, 9}},
+    {"obstacles", {8, 1, 3}},  {"cylinder", {0.05, 3, 24, 5}}, {"tangle", {200, 11}},
+    {"box", {1, 1, 0.001, 6}},
 };
 
 enum { SURFACES = sizeof surfaces / sizeof *surfaces };
@@ -44,24 +46,30 @@ static void test_metric(void **state)
             struct gd_point q = test_point(mesh, test_random_place(&polygons, &rng));
             struct gd_point r = test_point(mesh, test_random_place(&polygons, &rng));
             worst = fmax(worst, law_metric(mesh, p, q, r));
-            if (isfinite(law_distance(mesh, p, q))) worst_path = fmax(worst_path, law_path(mesh, &polygons, p, q));
+            if (isfinite(law_distance(mesh, p, q)))
+                worst_path = fmax(worst_path, law_path(mesh, &polygons, p, q));
             law_lipschitz(mesh, &polygons, p);
         }
-        print_message("# %s: symmetric to %.2g, paths to %.2g\n", surfaces[i].name, worst, worst_path);
+        print_message("# %s: symmetric to %.2g, paths to %.2g\n", surfaces[i].name, worst,
+                      worst_path);
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
     }
 }
 
-/* On steep surfaces vertices emit again and again as their distances fall, and what an edge has already must not stand in the way of what is new:
- * between all vertices the distance is the same in both directions, and along every edge it changes by no more than the edge. */
+/* On steep surfaces vertices emit again and again as their distances fall, and what an edge has
+ * already must not stand in the way of what is new: between all vertices the distance is the same
+ * in both directions, and along every edge it changes by no more than the edge. */
 static void test_steep(void **state)
 {
     (void)state;
-    static const double steep[][3] = {{8, 20, 1}, {12, 30, 2}, {16, 30, 3}, {20, 10, 5}}; /* cells, amplitude, seed */
+    /* cells, amplitude, seed */
+    static const double steep[][3] = {{8, 20, 1}, {12, 30, 2}, {16, 30, 3}, {20, 10, 5}};
     for (size_t i = 0; i < sizeof steep / sizeof *steep; i++) {
         struct gd_polygons polygons;
-        assert_int_equal(sample_terrain((uint32_t)steep[i][0], steep[i][1], (uint64_t)steep[i][2], &polygons), GD_OK);
+        assert_int_equal(
+            sample_terrain((uint32_t)steep[i][0], steep[i][1], (uint64_t)steep[i][2], &polygons),
+            GD_OK);
         struct gd_mesh *mesh = test_mesh(&polygons);
         uint32_t count = polygons.position_count;
         double *distance = calloc((size_t)count * count, sizeof *distance), worst = 0;
@@ -70,18 +78,19 @@ static void test_steep(void **state)
             struct gd_seed seed = {.offset = 0};
             struct gd_field *field = NULL;
             check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){v}, &seed.point, NULL), NULL);
-            check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL,
-                                    &field, NULL),
+            check_ok(gd_field_build(mesh,
+                                    &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                    NULL, NULL, &field, NULL),
                      NULL);
             gd_field_vertex_distances(field, distance + (size_t)v * count);
             gd_field_release(field);
         }
         for (uint32_t a = 0; a < count; a++)
             for (uint32_t b = 0; b < a; b++)
-                worst =
-                    fmax(worst, check_close(distance[(size_t)a * count + b], distance[(size_t)b * count + a], promise));
-        print_message("# terrain of amplitude %g, all %u pairs of vertices: symmetric to %.2g\n", steep[i][1],
-                      count * (count - 1) / 2, worst);
+                worst = fmax(worst, check_close(distance[(size_t)a * count + b],
+                                                distance[(size_t)b * count + a], promise));
+        print_message("# terrain of amplitude %g, all %u pairs of vertices: symmetric to %.2g\n",
+                      steep[i][1], count * (count - 1) / 2, worst);
         free(distance);
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
@@ -101,20 +110,22 @@ static struct pairs measure(const struct gd_polygons *polygons, struct rng *rng)
     for (int k = 0; k < PAIRS; k++) {
         pairs.from[k] = test_random_place(polygons, rng);
         pairs.to[k] = test_random_place(polygons, rng);
-        pairs.distance[k] = law_distance(mesh, test_point(mesh, pairs.from[k]), test_point(mesh, pairs.to[k]));
+        pairs.distance[k] =
+            law_distance(mesh, test_point(mesh, pairs.from[k]), test_point(mesh, pairs.to[k]));
     }
     gd_mesh_release(mesh);
     return pairs;
 }
 
 /* The same pairs on a changed mesh: distances are `factor` times as long. */
-static double measure_again(const struct gd_polygons *polygons, const struct pairs *pairs, double factor,
-                            double tolerance)
+static double measure_again(const struct gd_polygons *polygons, const struct pairs *pairs,
+                            double factor, double tolerance)
 {
     double worst = 0;
     struct gd_mesh *mesh = test_mesh(polygons);
     for (int k = 0; k < PAIRS; k++) {
-        double distance = law_distance(mesh, test_point(mesh, pairs->from[k]), test_point(mesh, pairs->to[k]));
+        double distance =
+            law_distance(mesh, test_point(mesh, pairs->from[k]), test_point(mesh, pairs->to[k]));
         worst = fmax(worst, check_close(distance, factor * pairs->distance[k], tolerance));
     }
     gd_mesh_release(mesh);
@@ -149,19 +160,22 @@ static void test_scale(void **state)
             total = factors[k];
             worst = fmax(worst, measure_again(&polygons, &pairs, total, promise));
         }
-        print_message("# %s, scaled by 1e-100 to 1e100: worst error %.2g\n", surfaces[i].name, worst);
+        print_message("# %s, scaled by 1e-100 to 1e100: worst error %.2g\n", surfaces[i].name,
+                      worst);
         gd_polygons_free(&polygons);
     }
 }
 
 /* The place with its weights moved to where the renumbered face has the same corners. */
-static struct test_place renumbered(const struct gd_polygons *before, const struct gd_polygons *after,
-                                    struct test_place place, const uint32_t *vertex_map, const uint32_t *face_map)
+static struct test_place renumbered(const struct gd_polygons *before,
+                                    const struct gd_polygons *after, struct test_place place,
+                                    const uint32_t *vertex_map, const uint32_t *face_map)
 {
     struct test_place moved = {.face = face_map[place.face]};
     for (uint32_t k = 0; k < 3; k++)
         for (uint32_t j = 0; j < 3; j++)
-            if (after->corners[3 * moved.face + j] == vertex_map[before->corners[3 * place.face + k]])
+            if (after->corners[3 * moved.face + j] ==
+                vertex_map[before->corners[3 * place.face + k]])
                 moved.weight[j] = place.weight[k];
     return moved;
 }
@@ -183,7 +197,8 @@ static void test_renumbering_and_orientation(void **state)
             pairs.to[k] = renumbered(&before, &after, pairs.to[k], vertex_map, face_map);
         }
         double worst = measure_again(&after, &pairs, 1, promise);
-        print_message("# %s, renumbered and turned over: worst error %.2g\n", surfaces[i].name, worst);
+        print_message("# %s, renumbered and turned over: worst error %.2g\n", surfaces[i].name,
+                      worst);
         free(vertex_map);
         free(face_map);
         gd_polygons_free(&before);
@@ -197,7 +212,8 @@ static struct test_place in_quarter(struct test_place place)
     const double *w = place.weight;
     for (uint32_t k = 0; k < 3; k++)
         if (w[k] >= 0.5)
-            return (struct test_place){4 * place.face + k, {2 * w[k] - 1, 2 * w[(k + 1) % 3], 2 * w[(k + 2) % 3]}};
+            return (struct test_place){4 * place.face + k,
+                                       {2 * w[k] - 1, 2 * w[(k + 1) % 3], 2 * w[(k + 2) % 3]}};
     return (struct test_place){4 * place.face + 3, {1 - 2 * w[2], 1 - 2 * w[0], 1 - 2 * w[1]}};
 }
 

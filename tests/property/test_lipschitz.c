@@ -1,8 +1,10 @@
-/* 1-Lipschitz, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data structures": for any set A
- * |d_A(x) - d_A(y)| <= d(x, y). Random sets of points and a curve, with offsets, at random points inside faces, on every mesh of a folder
+/* 1-Lipschitz, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using
+ * edge-based data structures": for any set A |d_A(x) - d_A(y)| <= d(x, y). Random sets of points
+ * and a curve, with offsets, at random points inside faces, on every mesh of a folder
  * (tests/support/shared.h).
  *
- * An offset is a distance to the set as well: d_A(x) = min over the members of offset + d(x, member) is the least of functions that obey the law. */
+ * An offset is a distance to the set as well: d_A(x) = min over the members of offset + d(x,
+ * member) is the least of functions that obey the law. */
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,13 +22,15 @@ enum {
     SETS = 2,
     MOST_MEMBERS = 12,
     PAIRS_IN_A_FACE =
-        400,    /* the law at its sharpest: the straight way within the face is the shortest, or as good as */
+        /* the law at its sharpest: the straight way within the face is the shortest, or as good as
+         */
+    400,
     PAIRS = 12, /* anywhere, with the distance searched for */
     PATH_LENGTH = 4096,
     NAME_LENGTH = 256
 };
 
-/* --- points and sets ----------------------------------------------------------------------------------------------------- */
+/* --- points and sets -------------------------------------------------------------------------- */
 
 static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
 {
@@ -37,7 +41,8 @@ static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
 }
 
 /* In the interior, however flat the face is: no weight is less than 1/20. */
-static struct gd_point random_point(const struct gd_mesh *mesh, struct gd_face face, struct rng *rng)
+static struct gd_point random_point(const struct gd_mesh *mesh, struct gd_face face,
+                                    struct rng *rng)
 {
     double weight[3], sum = 0;
     struct gd_point point;
@@ -54,7 +59,8 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
     struct gd_point ends[2];
     for (int i = 0; i < 2; i++) ends[i] = random_point(mesh, random_face(mesh, rng), rng);
     bool joined = gd_point_component(mesh, &ends[0]) == gd_point_component(mesh, &ends[1]);
-    struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = ends, .count = joined ? 2 : 1};
+    struct gd_curve_request request = {
+        .kind = GD_CURVE_POINTS, .points = ends, .count = joined ? 2 : 1};
     struct gd_curve curve;
     check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
     return curve;
@@ -82,7 +88,7 @@ static struct gd_field *random_set(const struct gd_mesh *mesh, struct rng *rng)
     return field;
 }
 
-/* --- the law ------------------------------------------------------------------------------------------------------------- */
+/* --- the law ---------------------------------------------------------------------------------- */
 
 struct tally {
     uint32_t pairs, nearly_equal; /* of these some at which the law holds with nothing to spare */
@@ -90,14 +96,15 @@ struct tally {
 };
 
 /* `apart` is d(x, y), or an upper bound of it. */
-static void check_pair(const struct gd_field *field, const struct gd_point *x, const struct gd_point *y, double apart,
-                       struct tally *tally)
+static void check_pair(const struct gd_field *field, const struct gd_point *x,
+                       const struct gd_point *y, double apart, struct tally *tally)
 {
     double at_x, at_y;
     check_ok(gd_field_distance(field, x, &at_x), NULL);
     check_ok(gd_field_distance(field, y, &at_y), NULL);
     if (isinf(at_x) || isinf(at_y)) {
-        assert_true(isinf(apart) || (isinf(at_x) && isinf(at_y))); /* a component has members or it has none */
+        /* a component has members or it has none */
+        assert_true(isinf(apart) || (isinf(at_x) && isinf(at_y)));
         return;
     }
     double change = fabs(at_x - at_y), broken = (change - apart) / fmax(fmax(at_x, at_y), apart);
@@ -105,7 +112,8 @@ static void check_pair(const struct gd_field *field, const struct gd_point *x, c
     tally->nearly_equal += change > 0.999 * apart;
     tally->worst = fmax(tally->worst, broken);
     if (broken > promise)
-        fail_msg("the distance to the set changes from %.17g to %.17g, over %.17g", at_x, at_y, apart);
+        fail_msg("the distance to the set changes from %.17g to %.17g, over %.17g", at_x, at_y,
+                 apart);
 }
 
 static void check_within_faces(const struct gd_field *field, struct rng *rng, struct tally *tally)
@@ -141,8 +149,9 @@ static void check_mesh(const char *name, const struct gd_mesh *mesh)
         check_anywhere(field, &rng, &far);
         gd_field_release(field);
     }
-    print_message("# %s: %u pairs in a face (%u sharp), broken by %.1e at most; %u anywhere, by %.1e\n", name,
-                  near.pairs, near.nearly_equal, near.worst, far.pairs, far.worst);
+    print_message(
+        "# %s: %u pairs in a face (%u sharp), broken by %.1e at most; %u anywhere, by %.1e\n", name,
+        near.pairs, near.nearly_equal, near.worst, far.pairs, far.worst);
     assert_true(near.pairs > 0 && near.nearly_equal > 0 && far.pairs > 0);
 }
 

@@ -1,5 +1,6 @@
-/* The engine against the brute-force solver on thousands of small random surfaces: boundaries, saddles, slivers,
- * parts of very different size, inconsistent orientations, unreferenced vertices, several sources. */
+/* The engine against the brute-force solver on thousands of small random surfaces: boundaries,
+ * saddles, slivers, parts of very different size, inconsistent orientations, unreferenced vertices,
+ * several sources. */
 #include "tests/oracle/unfold.h"
 
 #include <math.h>
@@ -39,7 +40,8 @@ static struct gd_polygons random_polygons(struct rng *rng, double squeeze)
         sample_scale(&polygons, factor[0], factor[1], factor[2]);
     }
     if (rng_below(rng, 3) == 0) sample_flip_faces(&polygons, 0.4, rng_next(rng));
-    if (rng_below(rng, 3) == 0) assert_int_equal(sample_renumber(&polygons, rng_next(rng), NULL, NULL), GD_OK);
+    if (rng_below(rng, 3) == 0)
+        assert_int_equal(sample_renumber(&polygons, rng_next(rng), NULL, NULL), GD_OK);
     return polygons;
 }
 
@@ -52,7 +54,8 @@ static struct question random_question(uint64_t seed, double squeeze)
         question.sources[i] = test_random_place(&question.polygons, &rng);
         question.offsets[i] = question.source_count > 1 ? rng_between(&rng, 0, 1) : 0;
     }
-    for (int i = 0; i < TARGETS; i++) question.targets[i] = test_random_place(&question.polygons, &rng);
+    for (int i = 0; i < TARGETS; i++)
+        question.targets[i] = test_random_place(&question.polygons, &rng);
     if (rng_below(&rng, 4) == 0) question.targets[0].face = question.sources[0].face;
     return question;
 }
@@ -62,8 +65,9 @@ static double *exact_answers(const struct question *question)
 {
     const struct gd_polygons *polygons = &question->polygons;
     uint32_t insertions = question->source_count + TARGETS, target[TARGETS];
-    struct unfold_mesh *mesh = unfold_create((const double(*)[3])polygons->positions, polygons->position_count,
-                                             polygons->corners, polygons->polygon_count, insertions);
+    struct unfold_mesh *mesh =
+        unfold_create((const double(*)[3])polygons->positions, polygons->position_count,
+                      polygons->corners, polygons->polygon_count, insertions);
     long double *distance = calloc(polygons->position_count + insertions, sizeof *distance);
     double *answers = calloc(polygons->position_count + TARGETS, sizeof *answers);
     assert_true(mesh && distance && answers);
@@ -76,7 +80,8 @@ static double *exact_answers(const struct question *question)
     for (uint32_t s = 0; s < question->source_count; s++) {
         unfold_distances(mesh, source[s], distance);
         for (uint32_t i = 0; i < polygons->position_count + TARGETS; i++) {
-            uint32_t vertex = i < polygons->position_count ? i : target[i - polygons->position_count];
+            uint32_t vertex =
+                i < polygons->position_count ? i : target[i - polygons->position_count];
             answers[i] = fmin(answers[i], (double)(question->offsets[s] + distance[vertex]));
         }
     }
@@ -90,7 +95,8 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, const struct que
     struct gd_seed seeds[MAX_SOURCES];
     struct gd_field_request request = {.seeds = seeds, .seed_count = question->source_count};
     for (uint32_t i = 0; i < question->source_count; i++)
-        seeds[i] = (struct gd_seed){.point = test_point(mesh, question->sources[i]), .offset = question->offsets[i]};
+        seeds[i] = (struct gd_seed){.point = test_point(mesh, question->sources[i]),
+                                    .offset = question->offsets[i]};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
@@ -98,8 +104,8 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, const struct que
 }
 
 /* The path's length is the distance, less the offset of the source at which it ends. */
-static double check_path(const struct gd_field *field, const struct question *question, struct gd_point target,
-                         double expected)
+static double check_path(const struct gd_field *field, const struct question *question,
+                         struct gd_point target, double expected)
 {
     struct gd_path path = {0};
     enum gd_status status = gd_field_path(field, &target, &path);
@@ -116,8 +122,8 @@ static double check_path(const struct gd_field *field, const struct question *qu
     return check_close(best, expected, promise);
 }
 
-static double check_pair(const struct gd_mesh *mesh, const struct question *question, struct gd_point target,
-                         double expected)
+static double check_pair(const struct gd_mesh *mesh, const struct question *question,
+                         struct gd_point target, double expected)
 {
     struct gd_point source = test_point(mesh, question->sources[0]);
     struct gd_pair_answer answer = {0};
@@ -132,7 +138,8 @@ static double compare(const struct gd_mesh *mesh, const struct question *questio
 {
     const struct gd_polygons *polygons = &question->polygons;
     struct gd_field *field = build_field(mesh, question);
-    double *expected = exact_answers(question), *values = calloc(polygons->position_count, sizeof *values), worst = 0;
+    double *expected = exact_answers(question),
+           *values = calloc(polygons->position_count, sizeof *values), worst = 0;
     assert_non_null(values);
     gd_field_vertex_distances(field, values);
     for (uint32_t v = 0; v < polygons->position_count; v++)
@@ -143,7 +150,8 @@ static double compare(const struct gd_mesh *mesh, const struct question *questio
         check_ok(gd_field_distance(field, &target, &distance), NULL);
         worst = fmax(worst, check_close(distance, exact, promise));
         worst = fmax(worst, check_path(field, question, target, exact));
-        if (question->source_count == 1) worst = fmax(worst, check_pair(mesh, question, target, exact));
+        if (question->source_count == 1)
+            worst = fmax(worst, check_pair(mesh, question, target, exact));
     }
     free(values);
     free(expected);

@@ -1,6 +1,8 @@
-/* Figure 1 of "Geodesic Hermite splines on triangular meshes" remade: Hermite curves in space, projected onto the surface (to the nearest point, and along two
- * directions of view), against those on the surface. Projected curves jump: their widest gap stays what it is however closely they are sampled; and
- * a projection along a direction may meet nothing. A curve on the surface has neither. */
+/* Figure 1 of "Geodesic Hermite splines on triangular meshes" remade: Hermite curves in space,
+ * projected onto the surface (to the nearest point, and along two directions of view), against
+ * those on the surface. Projected curves jump: their widest gap stays what it is however closely
+ * they are sampled; and a projection along a direction may meet nothing. A curve on the surface has
+ * neither. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -23,8 +25,8 @@ static struct scene scene_of(const char *name, struct gd_mesh *mesh, const doubl
 {
     struct scene scene = {.name = name, .mesh = mesh};
     for (int i = 0; i < POINTS; i++)
-        check_ok(gd_locate_nearest(mesh, (struct gd_vec3){places[i][0], places[i][1], places[i][2]}, -1,
-                                   &scene.points[i], NULL, NULL),
+        check_ok(gd_locate_nearest(mesh, (struct gd_vec3){places[i][0], places[i][1], places[i][2]},
+                                   -1, &scene.points[i], NULL, NULL),
                  NULL);
     struct gd_spline_request request = {.points = scene.points, .count = POINTS, .alpha = 0.5};
     check_ok(gd_spline_build(mesh, &request, NULL, &scene.spline, NULL), NULL);
@@ -46,12 +48,14 @@ static void scene_free(struct scene *scene)
     gd_mesh_release(scene->mesh);
 }
 
-/* --- the curve in space -------------------------------------------------------------------------------------------------- */
+/* --- the curve in space ----------------------------------------------------------------------- */
 
-/* Catmull and Rom's tangent at point i, for centripetal parameters as the chords give them; at the ends natural ones. */
+/* Catmull and Rom's tangent at point i, for centripetal parameters as the chords give them; at the
+ * ends natural ones. */
 static struct gd_vec3 tangent(const struct gd_vec3 *p, const double *u, int i)
 {
-    if (i > 0 && i + 1 < POINTS) return gd_vec3_scale(gd_vec3_sub(p[i + 1], p[i - 1]), 1 / (u[i + 1] - u[i - 1]));
+    if (i > 0 && i + 1 < POINTS)
+        return gd_vec3_scale(gd_vec3_sub(p[i + 1], p[i - 1]), 1 / (u[i + 1] - u[i - 1]));
     int other = i ? i - 1 : 1;
     struct gd_vec3 slope = gd_vec3_scale(gd_vec3_sub(p[other], p[i]), 1 / (u[other] - u[i]));
     return gd_vec3_along(gd_vec3_scale(slope, 1.5), -0.5, tangent(p, u, other));
@@ -71,18 +75,21 @@ static struct gd_vec3 in_space(const struct scene *scene, int i, double t)
     return gd_vec3_along(at, (t3 - t2) * span, tangent(p, u, i + 1));
 }
 
-/* --- gaps ---------------------------------------------------------------------------------------------------------------- */
+/* --- gaps ------------------------------------------------------------------------------------- */
 
-/* The widest gap between places that follow each other, how many of them are on no surface, and how far the curve passes by a point that it should go through. */
+/* The widest gap between places that follow each other, how many of them are on no surface, and how
+ * far the curve passes by a point that it should go through. */
 struct gaps {
     double widest;
     uint32_t missed;
     double beside;
 };
 
-typedef bool projection(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user, struct gd_vec3 *out);
+typedef bool projection(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user,
+                        struct gd_vec3 *out);
 
-static bool to_nearest(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user, struct gd_vec3 *out)
+static bool to_nearest(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user,
+                       struct gd_vec3 *out)
 {
     struct gd_point point;
     (void)user;
@@ -92,7 +99,8 @@ static bool to_nearest(const struct gd_mesh *mesh, struct gd_vec3 from, const vo
 }
 
 /* What is seen at that place of the picture. */
-static bool along_view(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user, struct gd_vec3 *out)
+static bool along_view(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user,
+                       struct gd_vec3 *out)
 {
     const struct gd_vec3 *view = user;
     struct gd_point point;
@@ -103,7 +111,8 @@ static bool along_view(const struct gd_mesh *mesh, struct gd_vec3 from, const vo
     return true;
 }
 
-static struct gaps project(const struct scene *scene, uint32_t count, projection *onto, const void *user)
+static struct gaps project(const struct scene *scene, uint32_t count, projection *onto,
+                           const void *user)
 {
     struct gaps gaps = {0};
     struct gd_vec3 last = {0}, here;
@@ -114,7 +123,8 @@ static struct gaps project(const struct scene *scene, uint32_t count, projection
             if (is_there && has_last) gaps.widest = fmax(gaps.widest, gd_vec3_distance(last, here));
             gaps.missed += !is_there;
             if (is_there && k % count == 0)
-                gaps.beside = fmax(gaps.beside, gd_vec3_distance(here, in_space(scene, i, k / count)));
+                gaps.beside =
+                    fmax(gaps.beside, gd_vec3_distance(here, in_space(scene, i, k / count)));
             has_last = is_there;
             last = here;
         }
@@ -126,36 +136,42 @@ static double widest_of_ours(const struct scene *scene, uint32_t count)
 {
     struct gd_spline_line line;
     double widest = 0;
-    check_ok(gd_spline_sample(scene->mesh, &scene->spline, &(struct gd_spline_sampling){.per_segment = count}, NULL,
-                              &line, NULL),
+    check_ok(gd_spline_sample(scene->mesh, &scene->spline,
+                              &(struct gd_spline_sampling){.per_segment = count}, NULL, &line,
+                              NULL),
              NULL);
     for (uint32_t i = 0; i + 1 < line.count; i++)
-        widest = fmax(widest, gd_vec3_distance(gd_point_position(scene->mesh, &line.places[i].point),
-                                               gd_point_position(scene->mesh, &line.places[i + 1].point)));
+        widest = fmax(widest,
+                      gd_vec3_distance(gd_point_position(scene->mesh, &line.places[i].point),
+                                       gd_point_position(scene->mesh, &line.places[i + 1].point)));
     for (int i = 0; i < POINTS; i++)
         assert_true(gd_point_equal(&line.places[(uint32_t)i * count].point, &scene->points[i]));
     gd_spline_line_free(&line);
     return widest;
 }
 
-/* --- the figure ---------------------------------------------------------------------------------------------------------- */
+/* --- the figure ------------------------------------------------------------------------------- */
 
-/* Sampled FINER times as closely, ours has gaps so many times smaller; the nearest points keep theirs, and directions of view miss the surface, jump, or
- * pass by points that the surface hides. */
+/* Sampled FINER times as closely, ours has gaps so many times smaller; the nearest points keep
+ * theirs, and directions of view miss the surface, jump, or pass by points that the surface hides.
+ */
 static void check(struct scene *scene)
 {
     static const struct gd_vec3 views[2] = {{0.6, 0, -0.8}, {0, 0.8, -0.6}};
     double coarse = widest_of_ours(scene, COARSE), fine = widest_of_ours(scene, FINE);
     struct gaps nearest = project(scene, FINE, to_nearest, NULL), seen[2];
     for (int i = 0; i < 2; i++) seen[i] = project(scene, FINE, along_view, &views[i]);
-    print_message("# %s, %d places: widest gap on the surface %.1e, projected to the nearest points %.1e\n",
-                  scene->name, (FINE + 1) * (POINTS - 1), fine, nearest.widest);
+    print_message(
+        "# %s, %d places: widest gap on the surface %.1e, projected to the nearest points %.1e\n",
+        scene->name, (FINE + 1) * (POINTS - 1), fine, nearest.widest);
     for (int i = 0; i < 2; i++)
-        print_message("#     along a view %.1e, %u places met nothing, points are passed by at %.1e\n", seen[i].widest,
-                      seen[i].missed, seen[i].beside);
+        print_message(
+            "#     along a view %.1e, %u places met nothing, points are passed by at %.1e\n",
+            seen[i].widest, seen[i].missed, seen[i].beside);
     assert_true(fine < 1.1 * coarse / FINER);
     assert_true(nearest.widest > 20 * fine);
-    for (int i = 0; i < 2; i++) assert_true(seen[i].missed || fmax(seen[i].widest, seen[i].beside) > 20 * fine);
+    for (int i = 0; i < 2; i++)
+        assert_true(seen[i].missed || fmax(seen[i].widest, seen[i].beside) > 20 * fine);
     scene_free(scene);
 }
 
@@ -163,8 +179,10 @@ static void check(struct scene *scene)
 static void thin_plate(void **state)
 {
     (void)state;
-    static const double places[POINTS][3] = {{0.2, 0.5, 0.05}, {0.7, 0.4, 0.05}, {0.7, 0.6, 0}, {0.2, 0.3, 0}};
-    struct scene scene = scene_of("thin plate", sample_of("box", (double[SAMPLE_PARAMETERS]){1, 1, 0.05, 16}), places);
+    static const double places[POINTS][3] = {
+        {0.2, 0.5, 0.05}, {0.7, 0.4, 0.05}, {0.7, 0.6, 0}, {0.2, 0.3, 0}};
+    struct scene scene = scene_of(
+        "thin plate", sample_of("box", (double[SAMPLE_PARAMETERS]){1, 1, 0.05, 16}), places);
     check(&scene);
 }
 
@@ -172,8 +190,10 @@ static void thin_plate(void **state)
 static void torus(void **state)
 {
     (void)state;
-    static const double places[POINTS][3] = {{1.4, 0, 0}, {0, 0.6, 0}, {-0.6, 0.01, 0}, {0.05, -0.6, 0.02}};
-    struct scene scene = scene_of("torus", sample_of("torus", (double[SAMPLE_PARAMETERS]){64, 32, 1, 0.4}), places);
+    static const double places[POINTS][3] = {
+        {1.4, 0, 0}, {0, 0.6, 0}, {-0.6, 0.01, 0}, {0.05, -0.6, 0.02}};
+    struct scene scene =
+        scene_of("torus", sample_of("torus", (double[SAMPLE_PARAMETERS]){64, 32, 1, 0.4}), places);
     check(&scene);
 }
 
@@ -189,6 +209,7 @@ static void bunny(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(thin_plate), cmocka_unit_test(torus), cmocka_unit_test(bunny)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(thin_plate), cmocka_unit_test(torus),
+                                       cmocka_unit_test(bunny)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

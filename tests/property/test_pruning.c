@@ -1,5 +1,6 @@
-/* Pruned searches against whole fields: a pair's distance and path from nothing, with and without landmarks, must be the field's. GD_PAIRS in the
- * environment says how many pairs are tried in all (2,200). */
+/* Pruned searches against whole fields: a pair's distance and path from nothing, with and without
+ * landmarks, must be the field's. GD_PAIRS in the environment says how many pairs are tried in all
+ * (2,200). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -24,15 +25,16 @@ struct trial {
     uint32_t pairs, unreachable;
 };
 
-static void compare(struct trial *trial, const struct gd_point *from, const struct gd_point *to, double expected)
+static void compare(struct trial *trial, const struct gd_point *from, const struct gd_point *to,
+                    double expected)
 {
     for (int k = 0; k < 4; k++) { /* with landmarks and without, either way round */
         const struct gd_point *a = k & 2 ? to : from, *b = k & 2 ? from : to;
         struct gd_pair_answer answer = {0};
         struct gd_detail detail = {0};
-        check_ok(
-            gd_pair_solve(trial->mesh, a, b, true, k & 1 ? trial->landmarks : NULL, &trial->control, &answer, &detail),
-            &detail);
+        check_ok(gd_pair_solve(trial->mesh, a, b, true, k & 1 ? trial->landmarks : NULL,
+                               &trial->control, &answer, &detail),
+                 &detail);
         trial->worst = fmax(trial->worst, check_close(answer.distance, expected, AGREEMENT));
         if (isfinite(expected)) {
             check_close(answer.path.length, expected, 1e-9);
@@ -47,12 +49,14 @@ static void compare(struct trial *trial, const struct gd_point *from, const stru
 
 static void compare_with_field(struct trial *trial)
 {
-    struct gd_seed seed = {.point = test_point(trial->mesh, test_random_place(trial->polygons, trial->rng))};
+    struct gd_seed seed = {
+        .point = test_point(trial->mesh, test_random_place(trial->polygons, trial->rng))};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_field *field;
     check_ok(gd_field_build(trial->mesh, &request, &trial->control, NULL, &field, NULL), NULL);
     for (int i = 0; i < PAIRS_A_FIELD; i++) {
-        struct gd_point to = test_point(trial->mesh, test_random_place(trial->polygons, trial->rng));
+        struct gd_point to =
+            test_point(trial->mesh, test_random_place(trial->polygons, trial->rng));
         double expected;
         check_ok(gd_field_distance(field, &to, &expected), NULL);
         compare(trial, &seed.point, &to, expected);
@@ -67,8 +71,8 @@ static void check_mesh(const char *name, struct gd_polygons *polygons, uint32_t 
     trial.control.workspace = gd_workspace_create();
     check_ok(gd_landmarks_build(trial.mesh, 5, &trial.control, &trial.landmarks), NULL);
     while (trial.pairs < pairs) compare_with_field(&trial);
-    print_message("# %s: %u pairs, %u of them unreachable, worst difference %.2g\n", name, trial.pairs,
-                  trial.unreachable, trial.worst);
+    print_message("# %s: %u pairs, %u of them unreachable, worst difference %.2g\n", name,
+                  trial.pairs, trial.unreachable, trial.worst);
     gd_landmarks_release(trial.landmarks);
     gd_workspace_destroy(trial.control.workspace);
     gd_mesh_release((struct gd_mesh *)trial.mesh);
@@ -102,7 +106,8 @@ static void pruned_is_unpruned(void **state)
     check_ok(sample_saddle(1, 0.5, 16, 6, &polygons), NULL);
     check_ok(sample_tangle(60, 2, &part), NULL);
     for (uint32_t i = 0; i < part.position_count; i++)
-        for (int axis = 0; axis < 3; axis++) part.positions[i][axis] = 1e7 + 1e-3 * part.positions[i][axis];
+        for (int axis = 0; axis < 3; axis++)
+            part.positions[i][axis] = 1e7 + 1e-3 * part.positions[i][axis];
     check_ok(sample_append(&polygons, &part), NULL);
     gd_polygons_free(&part);
     check_mesh("two components, one tiny and far away", &polygons, pairs);

@@ -1,5 +1,6 @@
-/* A field that was resumed gives the distances of one that was built at once: on random surfaces with points, offsets and segments as seeds, from
- * small reaches and from targets, in several steps, from images, on each set of kernels' lanes, and on real scans. */
+/* A field that was resumed gives the distances of one that was built at once: on random surfaces
+ * with points, offsets and segments as seeds, from small reaches and from targets, in several
+ * steps, from images, on each set of kernels' lanes, and on real scans. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -25,7 +26,8 @@ struct scene {
     struct rng rng;
 };
 
-static struct gd_field *build(const struct scene *scene, double radius, const struct gd_point *target)
+static struct gd_field *build(const struct scene *scene, double radius,
+                              const struct gd_point *target)
 {
     struct gd_field *field;
     struct gd_detail detail = {0};
@@ -56,7 +58,7 @@ static double farthest_vertex(const struct gd_mesh *mesh, const struct gd_field 
     return farthest;
 }
 
-/* --- scenes -------------------------------------------------------------------------------------------------------------- */
+/* --- scenes ----------------------------------------------------------------------------------- */
 
 /* A segment within a face, and its ends. */
 static void put_segment(struct scene *scene, double offset)
@@ -84,7 +86,8 @@ static void put_seeds(struct scene *scene, double size)
             put_segment(scene, offset);
         else
             scene->seeds[scene->seed_count++] = (struct gd_seed){
-                .point = test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng)), .offset = offset};
+                .point = test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng)),
+                .offset = offset};
     }
 }
 
@@ -105,9 +108,10 @@ static void close_scene(struct scene *scene)
     gd_polygons_free(&scene->polygons);
 }
 
-/* --- the comparison ------------------------------------------------------------------------------------------------------ */
+/* --- the comparison --------------------------------------------------------------------------- */
 
-static double check_point(const struct scene *scene, const struct gd_field *field, const struct gd_point *point)
+static double check_point(const struct scene *scene, const struct gd_field *field,
+                          const struct gd_point *point)
 {
     double expected, distance;
     check_ok(gd_field_distance(scene->whole, point, &expected), NULL);
@@ -117,7 +121,8 @@ static double check_point(const struct scene *scene, const struct gd_field *fiel
         return 0;
     }
     check_ok(status, NULL);
-    if (isinf(expected) || isinf(distance)) { /* no path, or none that is near enough to be known as such */
+    /* no path, or none that is near enough to be known as such */
+    if (isinf(expected) || isinf(distance)) {
         assert_true(isinf(expected) && isinf(distance));
         return 0;
     }
@@ -133,11 +138,13 @@ static double check_field(struct scene *scene, const struct gd_field *field)
     gd_field_vertex_distances(scene->whole, a);
     gd_field_vertex_distances(field, b);
     for (uint32_t i = 0; i < count; i++)
-        if (a[i] <= radius * (1 - 1e-12) && a[i] < INFINITY) worst = fmax(worst, check_close(b[i], a[i], 1e-12));
+        if (a[i] <= radius * (1 - 1e-12) && a[i] < INFINITY)
+            worst = fmax(worst, check_close(b[i], a[i], 1e-12));
     free(a);
     free(b);
     for (int i = 0; i < POINTS; i++) {
-        struct gd_point point = test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng));
+        struct gd_point point =
+            test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng));
         worst = fmax(worst, check_point(scene, field, &point));
         struct gd_path path;
         enum gd_status status = gd_field_path(field, &point, &path);
@@ -149,7 +156,7 @@ static double check_field(struct scene *scene, const struct gd_field *field)
     return worst;
 }
 
-/* --- tests --------------------------------------------------------------------------------------------------------------- */
+/* --- tests ------------------------------------------------------------------------------------ */
 
 /* Resumed once, to all and to twice the reach, and in steps. */
 static double check_scene(struct scene *scene)
@@ -181,7 +188,8 @@ static double check_targets(struct scene *scene)
 {
     double worst = 0;
     for (int i = 0; i < 4; i++) {
-        struct gd_point target = test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng));
+        struct gd_point target =
+            test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng));
         struct gd_field *field = build(scene, 0, &target);
         if (isinf(gd_field_reach(field))) { /* in another component: the field is complete */
             gd_field_release(field);
@@ -282,12 +290,13 @@ static void shared_meshes(void **state)
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         struct scene scene;
         open_scene(&scene, test_shared_polygons(names[n]), n);
-        struct gd_field *field = resumed(build(&scene, 0.3 * scene.farthest, NULL), 0.6 * scene.farthest);
+        struct gd_field *field =
+            resumed(build(&scene, 0.3 * scene.farthest, NULL), 0.6 * scene.farthest);
         double worst = check_field(&scene, field);
         field = resumed(field, 0);
         worst = fmax(worst, check_field(&scene, field));
-        print_message("# %s: worst relative error %.1e, wedges %llu against %llu\n", names[n], worst,
-                      (unsigned long long)gd_field_statistics(field)->wedges,
+        print_message("# %s: worst relative error %.1e, wedges %llu against %llu\n", names[n],
+                      worst, (unsigned long long)gd_field_statistics(field)->wedges,
                       (unsigned long long)gd_field_statistics(scene.whole)->wedges);
         gd_field_release(field);
         worst = fmax(worst, check_targets(&scene));
@@ -297,8 +306,9 @@ static void shared_meshes(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(random_surfaces), cmocka_unit_test(terrains),
-                                       cmocka_unit_test(boxes_and_slivers), cmocka_unit_test(kernels_agree),
-                                       cmocka_unit_test(shared_meshes)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_surfaces), cmocka_unit_test(terrains),
+        cmocka_unit_test(boxes_and_slivers), cmocka_unit_test(kernels_agree),
+        cmocka_unit_test(shared_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

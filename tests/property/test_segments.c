@@ -1,5 +1,6 @@
-/* Segments as sources: distances to curves, against closed forms and against the distances from the other end: the field of a point, whose least
- * value along the curve must be the curve's value at the point. */
+/* Segments as sources: distances to curves, against closed forms and against the distances from the
+ * other end: the field of a point, whose least value along the curve must be the curve's value at
+ * the point. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -17,7 +18,7 @@
 #include "tests/support/shared.h"
 #include "tests/support/field.h"
 
-/* --- curves -------------------------------------------------------------------------------------------------------------- */
+/* --- curves ----------------------------------------------------------------------------------- */
 
 /* Seeds of a polyline: its points and the segments between them. */
 struct curve {
@@ -44,7 +45,7 @@ static void put_geodesic(const struct gd_mesh *mesh, struct gd_point from, struc
     gd_pair_answer_free(&answer);
 }
 
-/* --- the oracle ---------------------------------------------------------------------------------------------------------- */
+/* --- the oracle ------------------------------------------------------------------------------- */
 
 static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed *segment, double s)
 {
@@ -52,27 +53,31 @@ static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed 
     double from[3], to[3], weight[3];
     assert_true(gd__segment_home(mesh, &segment->point, &segment->end, &home));
     uint32_t side = 2 * home.edge;
-    if (home.face == GD_NONE) home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
+    if (home.face == GD_NONE)
+        home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
     gd__point_weights(mesh, &segment->point, home.face, from);
     gd__point_weights(mesh, &segment->end, home.face, to);
     for (int k = 0; k < 3; k++) weight[k] = (1 - s) * from[k] + s * to[k];
     return gd__point_of_face(mesh, home.face, weight);
 }
 
-/* The least value of a field along a segment: by sections, of which the field's slope bounds the rest. */
-static double least_along(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_seed *segment,
-                          double best)
+/* The least value of a field along a segment: by sections, of which the field's slope bounds the
+ * rest. */
+static double least_along(const struct gd_mesh *mesh, const struct gd_field *field,
+                          const struct gd_seed *segment, double best)
 {
-    struct gd_vec3 a = gd_point_position(mesh, &segment->point), b = gd_point_position(mesh, &segment->end);
+    struct gd_vec3 a = gd_point_position(mesh, &segment->point),
+                   b = gd_point_position(mesh, &segment->end);
     double length = gd_vec3_length(gd_vec3_sub(b, a)), stack[128][4];
     int depth = 0;
     double d0 = test_distance(field, &segment->point), d1 = test_distance(field, &segment->end);
     best = fmin(best, fmin(d0, d1));
     memcpy(stack[depth++], (double[4]){0, 1, d0, d1}, sizeof stack[0]);
     while (depth) {
-        double s0 = stack[--depth][0], s1 = stack[depth][1], e0 = stack[depth][2], e1 = stack[depth][3];
-        if (0.5 * (e0 + e1 - (s1 - s0) * length) >= best * (1 - 1e-10) || (s1 - s0) * length < 1e-7 * best ||
-            s1 - s0 < 1e-13)
+        double s0 = stack[--depth][0], s1 = stack[depth][1], e0 = stack[depth][2],
+               e1 = stack[depth][3];
+        if (0.5 * (e0 + e1 - (s1 - s0) * length) >= best * (1 - 1e-10) ||
+            (s1 - s0) * length < 1e-7 * best || s1 - s0 < 1e-13)
             continue;
         double middle = 0.5 * (s0 + s1);
         struct gd_point point = between(mesh, segment, middle);
@@ -88,15 +93,17 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
 {
     double best = HUGE_VAL;
     for (uint32_t i = 0; i < curve.count; i++)
-        if (!curve.seeds[i].is_segment) best = fmin(best, test_distance(field, &curve.seeds[i].point));
+        if (!curve.seeds[i].is_segment)
+            best = fmin(best, test_distance(field, &curve.seeds[i].point));
     for (uint32_t i = 0; i < curve.count; i++)
         if (curve.seeds[i].is_segment) best = least_along(mesh, field, &curve.seeds[i], best);
     return best;
 }
 
-/* With an offset all distances are longer by it, also where a segment comes before its own end, which is as near as it up to rounding. */
-static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_polygons *polygons,
-                         struct rng *rng)
+/* With an offset all distances are longer by it, also where a segment comes before its own end,
+ * which is as near as it up to rounding. */
+static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field,
+                         const struct gd_polygons *polygons, struct rng *rng)
 {
     static struct curve moved;
     moved = curve;
@@ -110,8 +117,8 @@ static void check_offset(const struct gd_mesh *mesh, const struct gd_field *fiel
 }
 
 /* At random points, against the field of each; and the path ends on the curve. */
-static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count,
-                                   struct rng *rng)
+static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
+                                   int count, struct rng *rng)
 {
     struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
     double worst = 0;
@@ -120,7 +127,8 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
         struct gd_field *back = test_field(mesh, &(struct gd_seed){.point = p}, 1, 0);
         double distance = test_distance(field, &p);
         double least = least_along_curve(mesh, back);
-        if (least < 1e-12 * mesh->summary.edge_length.mean) { /* a point of the curve, up to rounding */
+        /* a point of the curve, up to rounding */
+        if (least < 1e-12 * mesh->summary.edge_length.mean) {
             assert_true(distance < 1e-12 * mesh->summary.edge_length.mean);
             gd_field_release(back);
             continue;
@@ -143,18 +151,22 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
     return worst;
 }
 
-/* --- tests --------------------------------------------------------------------------------------------------------------- */
+/* --- tests ------------------------------------------------------------------------------------ */
 
-/* Segments of a random walk within faces and along edges: each begins at a random place of a random face and ends at another one of it. */
-static void put_random_segments(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count,
-                                struct rng *rng)
+/* Segments of a random walk within faces and along edges: each begins at a random place of a random
+ * face and ends at another one of it. */
+static void put_random_segments(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
+                                int count, struct rng *rng)
 {
     for (int i = 0; i < count; i++) {
-        struct test_place a = {.face = rng_below(rng, polygons->polygon_count)}, b = {.face = a.face};
+        struct test_place a = {.face = rng_below(rng, polygons->polygon_count)},
+                          b = {.face = a.face};
         for (int end = 0; end < 2; end++) {
             double *weight = end ? b.weight : a.weight, sum = 0;
-            uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3); /* in the face, on an edge, at a corner */
-            for (uint32_t k = 0; k < 3; k++) weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
+            /* in the face, on an edge, at a corner */
+            uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3);
+            for (uint32_t k = 0; k < 3; k++)
+                weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
             for (int k = 0; k < 3; k++) sum += weight[k];
             for (int k = 0; k < 3; k++) weight[k] /= sum;
         }
@@ -166,7 +178,8 @@ static void put_random_segments(const struct gd_mesh *mesh, const struct gd_poly
 }
 
 /* A chain of shortest paths between random points, bent where they meet. */
-static void put_random_chain(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count, struct rng *rng)
+static void put_random_chain(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
+                             int count, struct rng *rng)
 {
     struct gd_point from = test_point(mesh, test_random_place(polygons, rng));
     for (int i = 0; i < count; i++) {
@@ -199,7 +212,8 @@ static void random_segments(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Each set of lanes does the same operations in the same order: the same distances to the last bit. */
+/* Each set of lanes does the same operations in the same order: the same distances to the last bit.
+ */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -246,13 +260,15 @@ static void planes(void **state)
         curve.count = 0;
         put_geodesic(mesh, ends[0], ends[1]);
         struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
-        struct gd_vec3 a = gd_point_position(mesh, &ends[0]), span = gd_vec3_sub(gd_point_position(mesh, &ends[1]), a);
+        struct gd_vec3 a = gd_point_position(mesh, &ends[0]),
+                       span = gd_vec3_sub(gd_point_position(mesh, &ends[1]), a);
         for (int i = 0; i < 300; i++) {
             struct gd_point p = test_point(mesh, test_random_place(&polygons, &rng));
             struct gd_vec3 from = gd_vec3_sub(gd_point_position(mesh, &p), a);
             double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
             part = part < 0 ? 0 : part > 1 ? 1 : part;
-            double expected = gd_vec3_length(gd_vec3_along(from, -part, span)), distance = test_distance(field, &p);
+            double expected = gd_vec3_length(gd_vec3_along(from, -part, span)),
+                   distance = test_distance(field, &p);
             assert_true(fabs(distance - expected) <= 1e-12 * scales[n]);
         }
         gd_field_release(field);
@@ -268,10 +284,11 @@ static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 pla
     return point;
 }
 
-/* Along the line from a joint at right angles to what it joins: there the linear wedges of both segments end. bend[]: the ends and the corner of the
- * curve. */
-static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_point *joint,
-                             struct gd_vec3 across, const struct gd_vec3 bend[3])
+/* Along the line from a joint at right angles to what it joins: there the linear wedges of both
+ * segments end. bend[]: the ends and the corner of the curve. */
+static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field,
+                             const struct gd_point *joint, struct gd_vec3 across,
+                             const struct gd_vec3 bend[3])
 {
     struct gd_direction ahead;
     struct gd_trace trace;
@@ -280,8 +297,8 @@ static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *
     double worst = 0;
     for (uint32_t i = 1; i < trace.path.count; i++) {
         struct gd_vec3 place = gd_point_position(mesh, &trace.path.points[i]);
-        double expected =
-            fmin(test_distance_to_segment(place, bend[0], bend[1]), test_distance_to_segment(place, bend[1], bend[2]));
+        double expected = fmin(test_distance_to_segment(place, bend[0], bend[1]),
+                               test_distance_to_segment(place, bend[1], bend[2]));
         double error = fabs(test_distance(field, &trace.path.points[i]) - expected) / expected;
         worst = fmax(worst, error);
     }
@@ -306,7 +323,8 @@ static void joints(void **state)
                        along = {cos(angle), sin(angle), 0};
         struct gd_point bend[3] = {
             point_near(mesh, gd_vec3_along(middle, -0.5, along)), point_near(mesh, middle),
-            point_near(mesh, gd_vec3_along(middle, 0.5, (struct gd_vec3){cos(turned), sin(turned), 0}))};
+            point_near(mesh,
+                       gd_vec3_along(middle, 0.5, (struct gd_vec3){cos(turned), sin(turned), 0}))};
         struct gd_vec3 place[3];
         for (int k = 0; k < 3; k++) place[k] = gd_point_position(mesh, &bend[k]);
         curve.count = 0;
@@ -316,8 +334,10 @@ static void joints(void **state)
         struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
         for (uint32_t k = 2; k + 2 < curve.count; k += 2)
             for (int side = -1; side <= 1; side += 2)
-                worst = fmax(worst, check_opposite(mesh, field, &curve.seeds[k].point,
-                                                   (struct gd_vec3){-side * along.y, side * along.x, 0}, place));
+                worst =
+                    fmax(worst, check_opposite(mesh, field, &curve.seeds[k].point,
+                                               (struct gd_vec3){-side * along.y, side * along.x, 0},
+                                               place));
         gd_field_release(field);
     }
     print_message("# worst relative error %.1e\n", worst);
@@ -333,14 +353,16 @@ static void what_is_no_segment(void **state)
     check_ok(sample_grid(4, 4, 1, 1, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_point a = test_point(mesh, (struct test_place){.face = 0, .weight = {1, 0, 0}}),
-                    b = test_point(mesh, (struct test_place){.face = 31, .weight = {0.2, 0.3, 0.5}});
+                    b = test_point(mesh,
+                                   (struct test_place){.face = 31, .weight = {0.2, 0.3, 0.5}});
     struct gd_point ends[2] = {b, a};
     for (int i = 0; i < 2; i++) {
         struct gd_seed seed = {.point = a, .end = ends[i], .is_segment = true};
         struct gd_field *field;
         struct gd_detail detail = {0};
-        assert_int_equal(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL,
-                                        &field, &detail),
+        assert_int_equal(gd_field_build(mesh,
+                                        &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                        NULL, NULL, &field, &detail),
                          GD_INVALID_ARGUMENT);
         assert_non_null(strstr(detail.text, "segment"));
     }

@@ -1,4 +1,5 @@
-/* Meshes that no one here made (tests/support/shared.h): known distances (data/reference.json of the folder), and laws. */
+/* Meshes that no one here made (tests/support/shared.h): known distances (data/reference.json of
+ * the folder), and laws. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +13,8 @@ static const double promise = 1e-9;
 
 enum { FEW = 3, MANY = 25, MAX_TARGETS = 64 };
 
-/* --- reference.json: {"mesh": [{"source": n, "targets": [n…], "distances": [x…], "max": x, "agree": x}…]…} ------ */
+/* --- reference.json: {"mesh": [{"source": n, "targets": [n…], "distances": [x…], "max": x,
+ * "agree": x}…]…}  */
 
 struct reference {
     uint32_t source, count;
@@ -46,7 +48,8 @@ static const char *scan_reference(const char *text, const char *end, struct refe
 {
     const char *source = strstr(text, "\"source\":");
     if (!source || source >= end) return NULL;
-    const char *targets = strstr(source, "\"targets\":"), *distances = strstr(source, "\"distances\":");
+    const char *targets = strstr(source, "\"targets\":"),
+               *distances = strstr(source, "\"distances\":");
     assert_true(targets && distances);
     out->source = (uint32_t)strtoul(source + strlen("\"source\":"), NULL, 10);
     out->count = scan_numbers(targets, out->targets);
@@ -54,24 +57,28 @@ static const char *scan_reference(const char *text, const char *end, struct refe
     return distances;
 }
 
-/* --- tests ------------------------------------------------------------------------------------------------------ */
+/* --- tests ------------------------------------------------------------------------------------ */
 
 static double compare(const struct gd_mesh *mesh, const struct reference *reference)
 {
     struct gd_seed seed = {0};
-    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){reference->source}, &seed.point, NULL), NULL);
+    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){reference->source}, &seed.point, NULL),
+             NULL);
     struct gd_field *field = NULL;
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     double worst = 0;
     for (uint32_t i = 0; i < reference->count; i++) {
         struct gd_point target = {0};
         double distance = NAN;
-        check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){(uint32_t)reference->targets[i]}, &target, NULL), NULL);
+        check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){(uint32_t)reference->targets[i]},
+                                    &target, NULL),
+                 NULL);
         check_ok(gd_field_distance(field, &target, &distance), NULL);
         worst = fmax(worst, check_close(distance, reference->distances[i], promise));
-        worst = fmax(worst, check_close(law_distance(mesh, target, seed.point), reference->distances[i], promise));
+        worst = fmax(worst, check_close(law_distance(mesh, target, seed.point),
+                                        reference->distances[i], promise));
     }
     gd_field_release(field);
     return worst;
@@ -129,8 +136,9 @@ static void test_refused(void **state)
     static const struct {
         const char *name;
         enum gd_status status;
-    } refused[] = {
-        {"teapot", GD_NON_MANIFOLD_VERTEX}, {"cow", GD_NON_MANIFOLD_VERTEX}, {"beetle", GD_NON_MANIFOLD_EDGE}};
+    } refused[] = {{"teapot", GD_NON_MANIFOLD_VERTEX},
+                   {"cow", GD_NON_MANIFOLD_VERTEX},
+                   {"beetle", GD_NON_MANIFOLD_EDGE}};
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         struct gd_polygons polygons = test_shared_polygons(refused[i].name);
         struct gd_mesh *mesh = NULL;
@@ -142,19 +150,23 @@ static void test_refused(void **state)
     }
 }
 
-/* What is no surface is cut apart; written out, the surface that results needs no repair. The rebuilt mesh and its polygons (freed by the
- * caller). */
+/* What is no surface is cut apart; written out, the surface that results needs no repair. The
+ * rebuilt mesh and its polygons (freed by the caller). */
 static struct gd_mesh *repair(const char *name, struct gd_polygons *surface)
 {
     struct gd_polygons polygons = test_shared_polygons(name);
     struct gd_mesh *mesh = NULL;
     struct gd_detail detail = {0};
-    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh, &detail), &detail);
+    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh,
+                           &detail),
+             &detail);
     const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
-    print_message("# %s, repaired: %u edges and %u vertices split, %u copies, %u duplicate and %u degenerate faces "
+    print_message("# %s, repaired: %u edges and %u vertices split, %u copies, %u duplicate and %u "
+                  "degenerate faces "
                   "removed, %u flat ones flipped\n",
                   name, repair->edges_split.count, repair->vertices_split.count, repair->copies,
-                  repair->duplicate_faces.count, repair->degenerate_faces.count, repair->edges_flipped.count);
+                  repair->duplicate_faces.count, repair->degenerate_faces.count,
+                  repair->edges_flipped.count);
     assert_true(gd_mesh_summary(mesh)->vertices + gd_mesh_summary(mesh)->unreferenced_vertices ==
                 polygons.position_count + repair->copies);
     check_ok(gd_mesh_polygons(mesh, surface), NULL);
@@ -187,7 +199,8 @@ static void test_polygons(void **state)
         struct gd_polygons polygons = test_shared_polygons(accepted[i].name), triangles;
         struct gd_mesh *mesh = test_mesh(&polygons);
         assert_int_equal(gd_mesh_summary(mesh)->faces, accepted[i].faces);
-        if (accepted[i].components) assert_int_equal(gd_mesh_summary(mesh)->components, accepted[i].components);
+        if (accepted[i].components)
+            assert_int_equal(gd_mesh_summary(mesh)->components, accepted[i].components);
         check_ok(gd_mesh_polygons(mesh, &triangles), NULL);
         print_message("# %s, %u faces after triangulation\n", accepted[i].name, accepted[i].faces);
         check_laws(mesh, &triangles, i ? FEW : MANY);

@@ -1,5 +1,6 @@
-/* log, exp, transport, traces, means and splines at points 1e-15 to 1e-9 edge lengths beside vertices and edges. None fails, exp
- * undoes log, and traces from points close together stay as close. GD_SCENES: points of each kind (300). */
+/* log, exp, transport, traces, means and splines at points 1e-15 to 1e-9 edge lengths beside
+ * vertices and edges. None fails, exp undoes log, and traces from points close together stay as
+ * close. GD_SCENES: points of each kind (300). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -32,7 +33,8 @@ static double random_gap(struct rng *rng)
     return pow(10, rng_between(rng, -15, -9));
 }
 
-/* In the face of a slot of the corners' array, on one of its edges or inside, `gap` from the slot's vertex. */
+/* In the face of a slot of the corners' array, on one of its edges or inside, `gap` from the slot's
+ * vertex. */
 static struct gd_point beside_corner(const struct scene *scene, uint32_t slot, double gap)
 {
     uint32_t k = slot % 3;
@@ -78,7 +80,8 @@ static struct gd_point random_neighbour(const struct scene *scene, uint32_t slot
     return beside_corner(scene, other, random_gap(scene->rng));
 }
 
-static double distance_in_space(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
+static double distance_in_space(const struct gd_mesh *mesh, const struct gd_point *a,
+                                const struct gd_point *b)
 {
     return gd_vec3_distance(gd_point_position(mesh, a), gd_point_position(mesh, b));
 }
@@ -88,10 +91,10 @@ static const struct gd_point *end_of(const struct gd_trace *trace)
     return &trace->path.points[trace->path.count - 1];
 }
 
-/* --- log and exp --------------------------------------------------------------------------------------------------- */
+/* --- log and exp ------------------------------------------------------------------------------ */
 
-/* Straight on is not told where a line passes a vertex within the rounding of its start, nor where it meets the boundary at its
- * end. */
+/* Straight on is not told where a line passes a vertex within the rounding of its start, nor where
+ * it meets the boundary at its end. */
 static bool is_straight(const struct gd_trace *trace)
 {
     for (uint32_t i = 1; i + 1 < trace->path.count; i++)
@@ -99,9 +102,10 @@ static bool is_straight(const struct gd_trace *trace)
     return trace->end == GD_TRACE_END_LENGTH;
 }
 
-/* Returns how far exp of log ends from the point that log was asked for; `bound`: if the line is straight. */
-static double check_log(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                        double bound)
+/* Returns how far exp of log ends from the point that log was asked for; `bound`: if the line is
+ * straight. */
+static double check_log(const struct gd_mesh *mesh, const struct gd_point *from,
+                        const struct gd_point *to, double bound)
 {
     struct gd_pair_answer answer;
     struct gd_log log;
@@ -136,9 +140,10 @@ static double check_near_logs(const struct scene *scene)
     return check_log(scene->mesh, &from, &to, 3e-14);
 }
 
-/* --- traces -------------------------------------------------------------------------------------------------------- */
+/* --- traces ----------------------------------------------------------------------------------- */
 
-/* Does no vertex lie between two traces that start in one face? Their first edges may differ, beside the vertex. */
+/* Does no vertex lie between two traces that start in one face? Their first edges may differ,
+ * beside the vertex. */
 static bool are_parallel(const struct gd_trace *a, const struct gd_trace *b)
 {
     if (a->end != GD_TRACE_END_LENGTH || b->end != GD_TRACE_END_LENGTH) return false;
@@ -160,10 +165,12 @@ static double check_traces(const struct scene *scene)
     struct gd_trace traces[2];
     for (int i = 0; i < 2; i++) {
         struct gd_direction direction;
-        struct gd_vec3 ahead =
-            gd_vec3_sub(gd_point_position(scene->mesh, &towards), gd_point_position(scene->mesh, &starts[0]));
+        struct gd_vec3 ahead = gd_vec3_sub(gd_point_position(scene->mesh, &towards),
+                                           gd_point_position(scene->mesh, &starts[0]));
         check_ok(gd_direction_along(scene->mesh, &starts[i], ahead, &direction, NULL), NULL);
-        check_ok(gd_trace_follow(scene->mesh, &starts[i], &direction, length, NULL, NULL, &traces[i], NULL), NULL);
+        check_ok(gd_trace_follow(scene->mesh, &starts[i], &direction, length, NULL, NULL,
+                                 &traces[i], NULL),
+                 NULL);
     }
     if (are_parallel(&traces[0], &traces[1]))
         off = distance_in_space(scene->mesh, end_of(&traces[0]), end_of(&traces[1])) -
@@ -174,7 +181,7 @@ static double check_traces(const struct scene *scene)
     return off;
 }
 
-/* --- means and splines --------------------------------------------------------------------------------------------- */
+/* --- means and splines ------------------------------------------------------------------------ */
 
 static double check_smooth(const struct scene *scene)
 {
@@ -185,7 +192,9 @@ static double check_smooth(const struct scene *scene)
     struct gd_spline_line line;
     if (rng_below(scene->rng, SMOOTH_EVERY)) return 0;
     for (int i = 0; i < 3; i++) points[i] = random_point(scene);
-    check_ok(gd_mean_find(mesh, &(struct gd_mean_request){.points = points, .count = 3}, NULL, &mean, NULL), NULL);
+    check_ok(gd_mean_find(mesh, &(struct gd_mean_request){.points = points, .count = 3}, NULL,
+                          &mean, NULL),
+             NULL);
     assert_true(isfinite(mean.spread));
     struct gd_spline_request request = {.points = points, .count = 3, .alpha = 0.5};
     enum gd_status status = gd_spline_build(mesh, &request, NULL, &spline, NULL);
@@ -198,7 +207,7 @@ static double check_smooth(const struct scene *scene)
     return 0;
 }
 
-/* --- all surfaces -------------------------------------------------------------------------------------------------- */
+/* --- all surfaces ----------------------------------------------------------------------------- */
 
 static void check_surfaces(double (*check)(const struct scene *scene))
 {
@@ -243,8 +252,8 @@ static void means_and_splines(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(exp_undoes_log),
-                                       cmocka_unit_test(exp_undoes_log_around_a_vertex),
-                                       cmocka_unit_test(traces_stay_together), cmocka_unit_test(means_and_splines)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exp_undoes_log), cmocka_unit_test(exp_undoes_log_around_a_vertex),
+        cmocka_unit_test(traces_stay_together), cmocka_unit_test(means_and_splines)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Degenerate shapes: each is answered to 1e-9, by closed form or by the brute-force solver, or refused by name. */
+/* Degenerate shapes: each is answered to 1e-9, by closed form or by the brute-force solver, or
+ * refused by name. */
 #include "tests/samples/zoo.h"
 
 #include <math.h>
@@ -12,12 +13,19 @@
 
 static const double promise = 1e-9;
 
-enum { SOURCES = 8, TARGETS = 40, PATHS = 10, PAIRS = 3, MAX_VALUES = 4, MAX_PLACES = SOURCES + TARGETS };
+enum {
+    SOURCES = 8,
+    TARGETS = 40,
+    PATHS = 10,
+    PAIRS = 3,
+    MAX_VALUES = 4,
+    MAX_PLACES = SOURCES + TARGETS
+};
 
 /* A distance in the chart; `values` are the shape's. */
 typedef double closed_form(const double *values, const double p[3], const double q[3]);
 
-/* --- closed forms ----------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 static double plane(const double *values, const double p[3], const double q[3])
 {
@@ -25,7 +33,8 @@ static double plane(const double *values, const double p[3], const double q[3])
     return hypot(p[0] - q[0], p[1] - q[1]);
 }
 
-/* From one side of the pillow to the other the way goes over one of the four rims, in which it is reflected. */
+/* From one side of the pillow to the other the way goes over one of the four rims, in which it is
+ * reflected. */
 static double pillow(const double *values, const double p[3], const double q[3])
 {
     double best = INFINITY;
@@ -45,11 +54,12 @@ static double tube(const double *values, const double p[3], const double q[3])
 
 static double fan(const double *values, const double p[3], const double q[3])
 {
-    struct closed_form_fan form = {values[0], values[1], {values[2], -values[2]}, (uint32_t)values[3]};
+    struct closed_form_fan form = {
+        values[0], values[1], {values[2], -values[2]}, (uint32_t)values[3]};
     return closed_form_fan(&form, p, q);
 }
 
-/* --- the table -------------------------------------------------------------------------------------------------- */
+/* --- the table -------------------------------------------------------------------------------- */
 
 struct animal {
     const char *name;
@@ -137,7 +147,7 @@ static const struct animal animals[] = {
 
 enum { REFUSALS = sizeof refusals / sizeof *refusals, ANIMALS = sizeof animals / sizeof *animals };
 
-/* --- refused ---------------------------------------------------------------------------------------------------- */
+/* --- refused ---------------------------------------------------------------------------------- */
 
 static void test_refused(void **state)
 {
@@ -159,7 +169,7 @@ static void test_refused(void **state)
     print_message("# %d shapes refused by name\n", REFUSALS);
 }
 
-/* --- answered --------------------------------------------------------------------------------------------------- */
+/* --- answered --------------------------------------------------------------------------------- */
 
 /* Places on a shape: sources first, the shape's centre before all. */
 struct places {
@@ -196,8 +206,8 @@ static void chart_position(const struct zoo_shape *shape, struct test_place plac
     test_place_position(&chart, place, out);
 }
 
-static void ask_closed_form(const struct animal *animal, const struct zoo_shape *shape, const struct places *places,
-                            struct answers *out)
+static void ask_closed_form(const struct animal *animal, const struct zoo_shape *shape,
+                            const struct places *places, struct answers *out)
 {
     for (int s = 0; s < SOURCES; s++) {
         double from[3], to[3];
@@ -209,31 +219,37 @@ static void ask_closed_form(const struct animal *animal, const struct zoo_shape 
     }
 }
 
-/* About the origin, where the positions of points that are no vertices round to the shape's own size. */
+/* About the origin, where the positions of points that are no vertices round to the shape's own
+ * size. */
 static struct unfold_mesh *unfold_about_origin(const struct zoo_shape *shape)
 {
     const struct gd_polygons *polygons = &shape->mesh;
     double(*positions)[3] = calloc(polygons->position_count, sizeof *positions);
     assert_non_null(positions);
     for (uint32_t v = 0; v < polygons->position_count; v++)
-        for (int axis = 0; axis < 3; axis++) positions[v][axis] = polygons->positions[v][axis] - shape->offset;
-    struct unfold_mesh *mesh = unfold_create((const double(*)[3])positions, polygons->position_count, polygons->corners,
-                                             polygons->polygon_count, MAX_PLACES);
+        for (int axis = 0; axis < 3; axis++)
+            positions[v][axis] = polygons->positions[v][axis] - shape->offset;
+    struct unfold_mesh *mesh =
+        unfold_create((const double(*)[3])positions, polygons->position_count, polygons->corners,
+                      polygons->polygon_count, MAX_PLACES);
     free(positions);
     assert_non_null(mesh);
     return mesh;
 }
 
-static void ask_brute_force(const struct zoo_shape *shape, const struct places *places, struct answers *out)
+static void ask_brute_force(const struct zoo_shape *shape, const struct places *places,
+                            struct answers *out)
 {
     struct unfold_mesh *mesh = unfold_about_origin(shape);
     long double *distance = calloc(shape->mesh.position_count + MAX_PLACES, sizeof *distance);
     assert_non_null(distance);
     uint32_t vertex[MAX_PLACES];
-    for (int i = 0; i < MAX_PLACES; i++) vertex[i] = unfold_insert(mesh, places->at[i].face, places->at[i].weight);
+    for (int i = 0; i < MAX_PLACES; i++)
+        vertex[i] = unfold_insert(mesh, places->at[i].face, places->at[i].weight);
     for (int s = 0; s < SOURCES; s++) {
         unfold_distances(mesh, vertex[s], distance);
-        for (int t = 0; t < TARGETS; t++) out->distance[s][t] = (double)distance[vertex[SOURCES + t]];
+        for (int t = 0; t < TARGETS; t++)
+            out->distance[s][t] = (double)distance[vertex[SOURCES + t]];
     }
     free(distance);
     unfold_free(mesh);
@@ -248,7 +264,8 @@ static double check_path(const struct gd_field *field, struct gd_point target, d
     return error;
 }
 
-static double check_pair(const struct gd_mesh *mesh, struct gd_point source, struct gd_point target, double expected)
+static double check_pair(const struct gd_mesh *mesh, struct gd_point source, struct gd_point target,
+                         double expected)
 {
     struct gd_pair_answer answer = {0};
     check_ok(gd_pair_solve(mesh, &source, &target, false, NULL, NULL, &answer, NULL), NULL);
@@ -257,20 +274,22 @@ static double check_pair(const struct gd_mesh *mesh, struct gd_point source, str
     return error;
 }
 
-static double check_source(const struct gd_mesh *mesh, const struct places *places, int source, const double *expected)
+static double check_source(const struct gd_mesh *mesh, const struct places *places, int source,
+                           const double *expected)
 {
     struct gd_seed seed = {.point = test_point(mesh, places->at[source])};
     struct gd_field *field = NULL;
     double worst = 0;
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     for (int t = 0; t < TARGETS; t++) {
         struct gd_point target = test_point(mesh, places->at[SOURCES + t]);
         double distance = NAN;
         check_ok(gd_field_distance(field, &target, &distance), NULL);
         worst = fmax(worst, check_close(distance, expected[t], promise));
-        if (t < PATHS && isfinite(expected[t])) worst = fmax(worst, check_path(field, target, expected[t]));
+        if (t < PATHS && isfinite(expected[t]))
+            worst = fmax(worst, check_path(field, target, expected[t]));
         if (t < PAIRS) worst = fmax(worst, check_pair(mesh, seed.point, target, expected[t]));
     }
     gd_field_release(field);
@@ -291,10 +310,12 @@ static void check_animal(const struct animal *animal, uint64_t seed)
         ask_brute_force(&shape, &places, expected);
     struct gd_mesh *mesh = test_mesh(&shape.mesh);
     double worst = 0;
-    for (int s = 0; s < SOURCES; s++) worst = fmax(worst, check_source(mesh, &places, s, expected->distance[s]));
+    for (int s = 0; s < SOURCES; s++)
+        worst = fmax(worst, check_source(mesh, &places, s, expected->distance[s]));
     law_lipschitz(mesh, &shape.mesh, test_point(mesh, places.at[0]));
-    print_message("# %s, %u faces, against %s: worst error %.2g\n", animal->name, shape.mesh.polygon_count,
-                  animal->distance ? "a closed form" : "brute force", worst);
+    print_message("# %s, %u faces, against %s: worst error %.2g\n", animal->name,
+                  shape.mesh.polygon_count, animal->distance ? "a closed form" : "brute force",
+                  worst);
     gd_mesh_release(mesh);
     free(expected);
     zoo_shape_free(&shape);

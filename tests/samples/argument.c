@@ -16,7 +16,9 @@ static int parameter_of(const struct sample *sample, const char *argument, const
     size_t length = strcspn(argument, "=");
     for (int i = 0; sample->parameters[i].name; i++) {
         const char *name = sample->parameters[i].name;
-        if (strlen(name) != length || strncmp(name, argument, length) != 0 || argument[length] != '=') continue;
+        if (strlen(name) != length || strncmp(name, argument, length) != 0 ||
+            argument[length] != '=')
+            continue;
         *text = argument + length + 1;
         return i;
     }
@@ -27,7 +29,8 @@ static bool parse_value(const struct sample_parameter *parameter, const char *te
 {
     char *end;
     double value = strtod(text, &end);
-    if (end == text || *end || !(value >= parameter->least && value <= parameter->most)) return false;
+    if (end == text || *end || !(value >= parameter->least && value <= parameter->most))
+        return false;
     if (parameter->whole && value != floor(value)) return false;
     *out = value;
     return true;
@@ -39,7 +42,8 @@ bool sample_set(const char *program, const struct sample *sample, const char *ar
     const char *text = NULL;
     int i = parameter_of(sample, argument, &text);
     if (i < 0) {
-        fprintf(stderr, "%s: %s has no parameter \"%s\"; see gd_sample --list.\n", program, sample->name, argument);
+        fprintf(stderr, "%s: %s has no parameter \"%s\"; see gd_sample --list.\n", program,
+                sample->name, argument);
         return false;
     }
     const struct sample_parameter *p = &sample->parameters[i];

@@ -18,7 +18,8 @@ uint32_t sample_add_vertex(struct sample_builder *builder, double x, double y, d
 {
     struct gd_polygons *mesh = &builder->mesh;
     void *positions = mesh->positions;
-    if (!make_room(&positions, sizeof *mesh->positions, mesh->position_count, &builder->position_capacity)) {
+    if (!make_room(&positions, sizeof *mesh->positions, mesh->position_count,
+                   &builder->position_capacity)) {
         builder->failed = true;
         return 0;
     }
@@ -32,7 +33,8 @@ void sample_add_triangle(struct sample_builder *builder, uint32_t a, uint32_t b,
 {
     struct gd_polygons *mesh = &builder->mesh;
     void *corners = mesh->corners;
-    if (!make_room(&corners, 3 * sizeof *mesh->corners, mesh->polygon_count, &builder->triangle_capacity)) {
+    if (!make_room(&corners, 3 * sizeof *mesh->corners, mesh->polygon_count,
+                   &builder->triangle_capacity)) {
         builder->failed = true;
         return;
     }
@@ -49,7 +51,8 @@ void sample_add_quad(struct sample_builder *builder, uint32_t a, uint32_t b, uin
 
 void sample_add_lattice(struct sample_builder *builder, struct sample_lattice lattice)
 {
-    uint32_t columns = lattice.columns - !lattice.wrap_columns, rows = lattice.rows - !lattice.wrap_rows;
+    uint32_t columns = lattice.columns - !lattice.wrap_columns,
+             rows = lattice.rows - !lattice.wrap_rows;
     for (uint32_t row = 0; row < rows; row++) {
         uint32_t here = lattice.first + row * lattice.columns;
         uint32_t above = lattice.first + (row + 1) % lattice.rows * lattice.columns;
@@ -68,17 +71,18 @@ static bool is_solid(const struct sample_voxels *voxels, const uint32_t cell[3])
 }
 
 /* The vertex at a lattice point, made when it is met for the first time. */
-static uint32_t lattice_vertex(struct sample_builder *builder, const struct sample_voxels *voxels, uint32_t *vertices,
-                               const uint32_t at[3])
+static uint32_t lattice_vertex(struct sample_builder *builder, const struct sample_voxels *voxels,
+                               uint32_t *vertices, const uint32_t at[3])
 {
     size_t slot = ((size_t)at[2] * (voxels->size[1] + 1) + at[1]) * (voxels->size[0] + 1) + at[0];
     if (vertices[slot] == GD_NONE) vertices[slot] = sample_add_vertex(builder, at[0], at[1], at[2]);
     return vertices[slot];
 }
 
-/* The square between `cell` and its neighbour along `axis` (`side` 0: below, 1: above), seen from the neighbour. */
-static void add_square(struct sample_builder *builder, const struct sample_voxels *voxels, uint32_t *vertices,
-                       const uint32_t cell[3], int axis, uint32_t side)
+/* The square between `cell` and its neighbour along `axis` (`side` 0: below, 1: above), seen from
+ * the neighbour. */
+static void add_square(struct sample_builder *builder, const struct sample_voxels *voxels,
+                       uint32_t *vertices, const uint32_t cell[3], int axis, uint32_t side)
 {
     static const uint32_t around[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     uint32_t corner[4];
@@ -109,7 +113,8 @@ void sample_add_voxels(struct sample_builder *builder, const struct sample_voxel
         for (int face = 0; face < 6; face++) {
             uint32_t side = face & 1, neighbour[3] = {cell[0], cell[1], cell[2]};
             neighbour[face / 2] += side ? 1 : UINT32_MAX;
-            if (!is_solid(voxels, neighbour)) add_square(builder, voxels, vertices, cell, face / 2, side);
+            if (!is_solid(voxels, neighbour))
+                add_square(builder, voxels, vertices, cell, face / 2, side);
         }
     }
     free(vertices);

@@ -1,5 +1,5 @@
-/* Builder: triangles under construction. A failed allocation is remembered and reported once, by sample_finish, so
- * that generators read as recipes. */
+/* Builder: triangles under construction. A failed allocation is remembered and reported once, by
+ * sample_finish, so that generators read as recipes. */
 #ifndef TESTS_SAMPLES_BUILDER_H
 #define TESTS_SAMPLES_BUILDER_H
 
@@ -18,7 +18,8 @@ struct sample_builder {
 /* The index of the new vertex, or 0 when memory is out. */
 uint32_t sample_add_vertex(struct sample_builder *builder, double x, double y, double z);
 void sample_add_triangle(struct sample_builder *builder, uint32_t a, uint32_t b, uint32_t c);
-void sample_add_quad(struct sample_builder *builder, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
+void sample_add_quad(struct sample_builder *builder, uint32_t a, uint32_t b, uint32_t c,
+                     uint32_t d);
 
 /* How the vertices first + row * columns + column hang together. */
 struct sample_lattice {
@@ -35,8 +36,8 @@ struct sample_voxels {
     bool (*solid)(const struct sample_voxels *voxels, const uint32_t cell[3]);
 };
 
-/* The outside of the solid cells, each cell a unit cube. A 2-manifold unless solid cells meet in an edge or a corner
- * alone. */
+/* The outside of the solid cells, each cell a unit cube. A 2-manifold unless solid cells meet in an
+ * edge or a corner alone. */
 void sample_add_voxels(struct sample_builder *builder, const struct sample_voxels *voxels);
 
 /* Hands the mesh over, to be freed by gd_polygons_free, or frees it and returns GD_NO_MEMORY. */

@@ -15,7 +15,8 @@ static bool is_slab(const struct sample_voxels *voxels, const uint32_t cell[3])
 /* Moves each vertex halfway to the mean of its neighbours. `sum` has room for a row a vertex. */
 static void smooth(struct gd_polygons *mesh, double (*sum)[4])
 {
-    for (uint32_t v = 0; v < mesh->position_count; v++) sum[v][0] = sum[v][1] = sum[v][2] = sum[v][3] = 0;
+    for (uint32_t v = 0; v < mesh->position_count; v++)
+        sum[v][0] = sum[v][1] = sum[v][2] = sum[v][3] = 0;
     for (uint32_t slot = 0; slot < 3 * mesh->polygon_count; slot++) {
         double *into = sum[mesh->corners[slot]];
         const double *from = mesh->positions[mesh->corners[slot % 3 == 2 ? slot - 2 : slot + 1]];
@@ -23,7 +24,8 @@ static void smooth(struct gd_polygons *mesh, double (*sum)[4])
         into[3] += 1;
     }
     for (uint32_t v = 0; v < mesh->position_count; v++)
-        for (int k = 0; k < 3; k++) mesh->positions[v][k] = 0.5 * (mesh->positions[v][k] + sum[v][k] / sum[v][3]);
+        for (int k = 0; k < 3; k++)
+            mesh->positions[v][k] = 0.5 * (mesh->positions[v][k] + sum[v][k] / sum[v][3]);
 }
 
 /* Pulls the surface to and fro by a wave of `bump` in space, which can't tear it. */

@@ -1,7 +1,8 @@
 #include "tests/samples/builder.h"
 #include "tests/samples/samples.h"
 
-enum gd_status sample_grid(uint32_t columns, uint32_t rows, double width, double height, struct gd_polygons *out)
+enum gd_status sample_grid(uint32_t columns, uint32_t rows, double width, double height,
+                           struct gd_polygons *out)
 {
     struct sample_builder builder = {0};
     for (uint32_t row = 0; row <= rows; row++)

@@ -8,14 +8,19 @@
 #include "tests/samples/transform.h"
 #include "tests/samples/triangulation.h"
 
-/* The ground is a rectangle of whole coordinates; `scale` takes them, exactly, to [0,1] x [0,0.75]. */
+/* The ground is a rectangle of whole coordinates; `scale` takes them, exactly, to [0,1] x [0,0.75].
+ */
 static const int64_t width = 1 << 20, height = 3 << 18;
 static const double scale = 0x1p-20;
 
 /* More than half of the rectangle's perimeter: going round beats climbing. */
 static const double prism_height = 2;
 
-enum { MIN_CORNERS = 3, MAX_CORNERS = 9, FIRST_CORNER = 6 /* after the rectangle's corners, p and q */ };
+enum {
+    MIN_CORNERS = 3,
+    MAX_CORNERS = 9,
+    FIRST_CORNER = 6 /* after the rectangle's corners, p and q */
+};
 
 /* Discs that keep the obstacles apart. */
 struct disc {
@@ -25,20 +30,24 @@ struct disc {
 static bool is_apart(const struct disc *discs, uint32_t count, struct disc disc)
 {
     double gap = 0.1 * disc.radius, margin = disc.radius + gap;
-    if (disc.x < margin || disc.y < margin || disc.x > (double)width - margin || disc.y > (double)height - margin)
+    if (disc.x < margin || disc.y < margin || disc.x > (double)width - margin ||
+        disc.y > (double)height - margin)
         return false;
     for (uint32_t i = 0; i < count; i++)
-        if (hypot(discs[i].x - disc.x, discs[i].y - disc.y) < discs[i].radius + disc.radius + gap) return false;
+        if (hypot(discs[i].x - disc.x, discs[i].y - disc.y) < discs[i].radius + disc.radius + gap)
+            return false;
     return true;
 }
 
-/* Throws discs until all lie apart; smaller ones when there is no room left. The first two are the places of p and
- * q. */
+/* Throws discs until all lie apart; smaller ones when there is no room left. The first two are the
+ * places of p and q. */
 static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
 {
     double largest = 0.55 * sqrt((double)width * (double)height / count);
-    discs[0] = (struct disc){0.04 * (double)width, rng_between(rng, 0.2, 0.8) * (double)height, 0.01 * (double)width};
-    discs[1] = (struct disc){0.96 * (double)width, rng_between(rng, 0.2, 0.8) * (double)height, 0.01 * (double)width};
+    discs[0] = (struct disc){0.04 * (double)width, rng_between(rng, 0.2, 0.8) * (double)height,
+                             0.01 * (double)width};
+    discs[1] = (struct disc){0.96 * (double)width, rng_between(rng, 0.2, 0.8) * (double)height,
+                             0.01 * (double)width};
     for (uint32_t placed = 2, thrown = 0; placed < count; thrown++) {
         struct disc disc = {rng_unit(rng) * (double)width, rng_unit(rng) * (double)height,
                             largest * rng_between(rng, 0.4, 1)};
@@ -47,26 +56,31 @@ static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
     }
 }
 
-/* A polygon in the disc, star-shaped about its centre; convex ones have their corners on the circle. */
-static uint32_t cut_polygon(struct triangulation *plane, struct disc disc, bool convex, struct rng *rng)
+/* A polygon in the disc, star-shaped about its centre; convex ones have their corners on the
+ * circle. */
+static uint32_t cut_polygon(struct triangulation *plane, struct disc disc, bool convex,
+                            struct rng *rng)
 {
     uint32_t corners = MIN_CORNERS + rng_below(rng, MAX_CORNERS - MIN_CORNERS + 1);
     double start = rng_between(rng, 0, 2 * M_PI);
     for (uint32_t k = 0; k < corners; k++) {
         double angle = start + 2 * M_PI * (k + rng_between(rng, -0.2, 0.2)) / corners;
         double reach = convex ? disc.radius : disc.radius * rng_between(rng, 0.25, 1);
-        triangulation_insert(plane, llround(disc.x + reach * cos(angle)), llround(disc.y + reach * sin(angle)));
+        triangulation_insert(plane, llround(disc.x + reach * cos(angle)),
+                             llround(disc.y + reach * sin(angle)));
     }
     return corners;
 }
 
-/* The rectangle, p, q and the corners of all obstacles, triangulated so that the obstacles' sides are edges. */
+/* The rectangle, p, q and the corners of all obstacles, triangulated so that the obstacles' sides
+ * are edges. */
 static enum gd_status draw_plan(uint32_t count, struct rng *rng, struct triangulation *plane,
                                 struct sample_obstacles *out)
 {
     struct disc *discs = malloc((count + 2) * sizeof *discs);
     out->first = calloc(count + 1, sizeof *out->first);
-    if (!discs || !out->first || !triangulation_start(plane, width, height, 2 + count * MAX_CORNERS)) {
+    if (!discs || !out->first ||
+        !triangulation_start(plane, width, height, 2 + count * MAX_CORNERS)) {
         free(discs);
         return GD_NO_MEMORY;
     }
@@ -80,7 +94,8 @@ static enum gd_status draw_plan(uint32_t count, struct rng *rng, struct triangul
     for (uint32_t i = 0; i < count; i++) {
         uint32_t begin = FIRST_CORNER + out->first[i], end = FIRST_CORNER + out->first[i + 1];
         for (uint32_t v = begin; v < end; v++)
-            if (!triangulation_constrain(plane, v, v + 1 < end ? v + 1 : begin)) return GD_NO_MEMORY;
+            if (!triangulation_constrain(plane, v, v + 1 < end ? v + 1 : begin))
+                return GD_NO_MEMORY;
     }
     return GD_OK;
 }
@@ -91,15 +106,19 @@ static enum gd_status copy_corners(const struct triangulation *plane, struct sam
     out->corners = malloc((total + 1) * sizeof *out->corners);
     if (!out->corners) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < total; i++)
-        for (int k = 0; k < 2; k++) out->corners[i][k] = scale * (double)plane->points[FIRST_CORNER + i][k];
+        for (int k = 0; k < 2; k++)
+            out->corners[i][k] = scale * (double)plane->points[FIRST_CORNER + i][k];
     return GD_OK;
 }
 
-/* Whether the triangle's centre lies in the obstacle: how often a ray to the right crosses its sides. */
-static bool is_inside(const struct triangulation *plane, const uint32_t triangle[3], uint32_t begin, uint32_t end)
+/* Whether the triangle's centre lies in the obstacle: how often a ray to the right crosses its
+ * sides. */
+static bool is_inside(const struct triangulation *plane, const uint32_t triangle[3], uint32_t begin,
+                      uint32_t end)
 {
     int64_t centre[2] = {0, 0};
-    for (int k = 0; k < 3; k++) centre[0] += plane->points[triangle[k]][0], centre[1] += plane->points[triangle[k]][1];
+    for (int k = 0; k < 3; k++)
+        centre[0] += plane->points[triangle[k]][0], centre[1] += plane->points[triangle[k]][1];
     bool inside = false;
     for (uint32_t v = begin; v < end; v++) {
         const int64_t *p = plane->points[v], *q = plane->points[v + 1 < end ? v + 1 : begin];
@@ -110,23 +129,26 @@ static bool is_inside(const struct triangulation *plane, const uint32_t triangle
     return inside;
 }
 
-static bool is_roof(const struct triangulation *plane, const struct sample_obstacles *plan, const uint32_t triangle[3])
+static bool is_roof(const struct triangulation *plane, const struct sample_obstacles *plan,
+                    const uint32_t triangle[3])
 {
     for (uint32_t i = 0; i < plan->count; i++) {
         uint32_t begin = FIRST_CORNER + plan->first[i], end = FIRST_CORNER + plan->first[i + 1];
-        if (triangle[0] >= begin && triangle[0] < end) return is_inside(plane, triangle, begin, end);
+        if (triangle[0] >= begin && triangle[0] < end)
+            return is_inside(plane, triangle, begin, end);
     }
     return false;
 }
 
-/* Ground and roofs from the plan's triangles, walls from the obstacles' sides. A corner's upper copy stands `lift`
- * places later. */
+/* Ground and roofs from the plan's triangles, walls from the obstacles' sides. A corner's upper
+ * copy stands `lift` places later. */
 static enum gd_status raise_prisms(const struct triangulation *plane, struct sample_obstacles *out)
 {
     struct sample_builder builder = {0};
     uint32_t corners = out->first[out->count], lift = corners;
     for (uint32_t v = 0; v < plane->point_count; v++)
-        sample_add_vertex(&builder, scale * (double)plane->points[v][0], scale * (double)plane->points[v][1], 0);
+        sample_add_vertex(&builder, scale * (double)plane->points[v][0],
+                          scale * (double)plane->points[v][1], 0);
     for (uint32_t i = 0; i < corners; i++)
         sample_add_vertex(&builder, out->corners[i][0], out->corners[i][1], prism_height);
     for (uint32_t i = 0; i < plane->triangle_count; i++) {
@@ -143,7 +165,8 @@ static enum gd_status raise_prisms(const struct triangulation *plane, struct sam
     return sample_finish(&builder, &out->mesh);
 }
 
-enum gd_status sample_obstacles(uint32_t count, uint32_t level, uint64_t seed, struct sample_obstacles *out)
+enum gd_status sample_obstacles(uint32_t count, uint32_t level, uint64_t seed,
+                                struct sample_obstacles *out)
 {
     struct rng rng = {seed};
     struct triangulation plane = {0};

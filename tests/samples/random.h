@@ -1,5 +1,5 @@
-/* A small deterministic generator of random numbers (splitmix64): the same seed gives the same sample on every
- * machine. */
+/* A small deterministic generator of random numbers (splitmix64): the same seed gives the same
+ * sample on every machine. */
 #ifndef TESTS_SAMPLES_RANDOM_H
 #define TESTS_SAMPLES_RANDOM_H
 

@@ -8,7 +8,8 @@
 #include "tests/samples/surface.h"
 #include "tests/samples/transform.h"
 
-/* --- a heap of edges, cheapest first; entries that are out of date are skipped when they come up --------------------------- */
+/* --- a heap of edges, cheapest first; entries that are out of date are skipped when they come up
+ */
 
 struct candidate {
     double cost;
@@ -56,7 +57,7 @@ static struct candidate pop(struct decimation *d)
     return top;
 }
 
-/* --- decimation ---------------------------------------------------------------------------------------------------------- */
+/* --- decimation ------------------------------------------------------------------------------- */
 
 /* How much shorter than elsewhere edges shall be around the slot's edge. */
 static double density(const struct decimation *d, uint32_t slot)
@@ -89,9 +90,11 @@ static void push_around(struct decimation *d, uint32_t vertex)
     while ((slot = surface_turn(d->surface, slot)) != first);
 }
 
-static enum gd_status decimate(struct surface *surface, const struct remeshing *remeshing, uint64_t seed)
+static enum gd_status decimate(struct surface *surface, const struct remeshing *remeshing,
+                               uint64_t seed)
 {
-    struct decimation d = {.surface = surface, .remeshing = remeshing, .seed = seed, .capacity = 1024};
+    struct decimation d = {
+        .surface = surface, .remeshing = remeshing, .seed = seed, .capacity = 1024};
     d.age = calloc(surface->vertex_count + (size_t)1, sizeof *d.age);
     d.heap = malloc(d.capacity * sizeof *d.heap);
     d.failed = !d.age || !d.heap;
@@ -111,7 +114,7 @@ static enum gd_status decimate(struct surface *surface, const struct remeshing *
     return surface->faces == remeshing->faces ? GD_OK : GD_INVALID_ARGUMENT;
 }
 
-/* --- evening out --------------------------------------------------------------------------------------------------------- */
+/* --- evening out ------------------------------------------------------------------------------ */
 
 static struct gd_vec3 position_of(const struct surface *surface, uint32_t vertex)
 {
@@ -129,11 +132,12 @@ static struct gd_vec3 area_vector(struct gd_vec3 a, struct gd_vec3 b, struct gd_
 static bool flips_flat(const struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot];
-    struct gd_vec3 a = position_of(surface, surface->corners[slot]), b = position_of(surface, surface->corners[twin]),
+    struct gd_vec3 a = position_of(surface, surface->corners[slot]),
+                   b = position_of(surface, surface->corners[twin]),
                    c = position_of(surface, surface_apex(surface, slot)),
                    d = position_of(surface, surface_apex(surface, twin));
-    struct gd_vec3 normal = gd_vec3_add(area_vector(a, b, c), area_vector(b, a, d)), one = area_vector(d, b, c),
-                   two = area_vector(c, a, d);
+    struct gd_vec3 normal = gd_vec3_add(area_vector(a, b, c), area_vector(b, a, d)),
+                   one = area_vector(d, b, c), two = area_vector(c, a, d);
     double size = gd_vec3_length(normal);
     return gd_vec3_dot(one, normal) > 0.5 * gd_vec3_length(one) * size &&
            gd_vec3_dot(two, normal) > 0.5 * gd_vec3_length(two) * size;
@@ -143,27 +147,31 @@ static bool flips_flat(const struct surface *surface, uint32_t slot)
 static bool evens_valences(const struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot];
-    return surface_valence(surface, surface->corners[slot]) + surface_valence(surface, surface->corners[twin]) >
+    return surface_valence(surface, surface->corners[slot]) +
+               surface_valence(surface, surface->corners[twin]) >
            surface_valence(surface, surface_apex(surface, slot)) +
                surface_valence(surface, surface_apex(surface, twin)) + 2;
 }
 
 static double cotangent(struct gd_vec3 at, struct gd_vec3 a, struct gd_vec3 b)
 {
-    return gd_vec3_dot(gd_vec3_sub(a, at), gd_vec3_sub(b, at)) / gd_vec3_length(area_vector(at, a, b));
+    return gd_vec3_dot(gd_vec3_sub(a, at), gd_vec3_sub(b, at)) /
+           gd_vec3_length(area_vector(at, a, b));
 }
 
 /* The angles opposite to the edge sum to more than pi. */
 static bool is_not_delaunay(const struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot];
-    struct gd_vec3 a = position_of(surface, surface->corners[slot]), b = position_of(surface, surface->corners[twin]);
+    struct gd_vec3 a = position_of(surface, surface->corners[slot]),
+                   b = position_of(surface, surface->corners[twin]);
     return cotangent(position_of(surface, surface_apex(surface, slot)), a, b) +
                cotangent(position_of(surface, surface_apex(surface, twin)), a, b) <
            -1e-9;
 }
 
-static void flip_where(struct surface *surface, bool (*wanted)(const struct surface *surface, uint32_t slot))
+static void flip_where(struct surface *surface,
+                       bool (*wanted)(const struct surface *surface, uint32_t slot))
 {
     for (uint32_t slot = 0; slot < 3 * surface->face_slots; slot++) {
         if (surface->corners[slot] == GD_NONE || slot > surface->twin[slot]) continue;
@@ -179,7 +187,8 @@ static void relax_vertex(struct surface *surface, uint32_t vertex)
     uint32_t first = surface->outgoing[vertex], slot = first;
     double total = 0;
     do {
-        struct gd_vec3 b = gd_vec3_sub(position_of(surface, surface_destination(surface, slot)), at),
+        struct gd_vec3 b = gd_vec3_sub(position_of(surface, surface_destination(surface, slot)),
+                                       at),
                        c = gd_vec3_sub(position_of(surface, surface_apex(surface, slot)), at);
         struct gd_vec3 area = gd_vec3_cross(b, c);
         double weight = gd_vec3_length(area);
@@ -209,12 +218,14 @@ static double mean_edge(const struct gd_polygons *mesh)
     for (uint32_t slot = 0; slot < 3 * mesh->polygon_count; slot++) {
         const double *a = mesh->positions[mesh->corners[slot]],
                      *b = mesh->positions[mesh->corners[slot % 3 == 2 ? slot - 2 : slot + 1]];
-        sum += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]));
+        sum += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
+                    (b[2] - a[2]) * (b[2] - a[2]));
     }
     return sum / (3.0 * mesh->polygon_count);
 }
 
-enum gd_status sample_remesh(struct gd_polygons *mesh, const struct remeshing *remeshing, uint64_t seed)
+enum gd_status sample_remesh(struct gd_polygons *mesh, const struct remeshing *remeshing,
+                             uint64_t seed)
 {
     struct surface surface;
     enum gd_status status = surface_start(mesh, &surface);

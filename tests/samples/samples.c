@@ -87,8 +87,11 @@ static enum gd_status make_obstacles(const double *v, struct gd_polygons *out)
 
 static struct remeshing remeshing_of(const double *v)
 {
-    return (struct remeshing){
-        .faces = whole(v[0]), .contrast = v[1], .noise = v[2], .passes = whole(v[3]), .roughness = v[4]};
+    return (struct remeshing){.faces = whole(v[0]),
+                              .contrast = v[1],
+                              .noise = v[2],
+                              .passes = whole(v[3]),
+                              .roughness = v[4]};
 }
 
 static enum gd_status make_eight(const double *v, struct gd_polygons *out)
@@ -119,17 +122,20 @@ static enum gd_status make_scan(const double *v, struct gd_polygons *out)
 #define COUNT(name, value, least, most) name, value, least, most, true
 #define LENGTH(name, value)             name, value, 1e-100, 1e100, false
 #define SEED                            COUNT("seed", 1, 0, 1e15)
-#define REMESHED(faces)                                                                                                \
-    {COUNT("faces", faces, 200, 1e6)}, {"contrast", 0, 0, 2, false}, {"noise", 0, 0, 2, false},                        \
-        {COUNT("passes", 30, 0, 1000)}, {"roughness", 0, 0, 1, false},                                                 \
-    {                                                                                                                  \
-        SEED                                                                                                           \
+#define REMESHED(faces)                                                                            \
+    {COUNT("faces", faces, 200, 1e6)}, {"contrast", 0, 0, 2, false}, {"noise", 0, 0, 2, false},    \
+        {COUNT("passes", 30, 0, 1000)}, {"roughness", 0, 0, 1, false},                             \
+    {                                                                                              \
+        SEED                                                                                       \
     }
 
 const struct sample samples[] = {
     {"grid",
      "a flat rectangle",
-     {{COUNT("columns", 32, 1, 4096)}, {COUNT("rows", 32, 1, 4096)}, {LENGTH("width", 1)}, {LENGTH("height", 1)}},
+     {{COUNT("columns", 32, 1, 4096)},
+      {COUNT("rows", 32, 1, 4096)},
+      {LENGTH("width", 1)},
+      {LENGTH("height", 1)}},
      make_grid},
     {"box",
      "a closed box",
@@ -141,19 +147,31 @@ const struct sample samples[] = {
      make_icosphere},
     {"torus",
      "a torus",
-     {{COUNT("columns", 64, 3, 4096)}, {COUNT("rows", 32, 3, 4096)}, {LENGTH("major", 1)}, {LENGTH("minor", 0.4)}},
+     {{COUNT("columns", 64, 3, 4096)},
+      {COUNT("rows", 32, 3, 4096)},
+      {LENGTH("major", 1)},
+      {LENGTH("minor", 0.4)}},
      make_torus},
     {"cone",
      "the mantle of a pyramid",
-     {{LENGTH("radius", 1)}, {LENGTH("height", 1)}, {COUNT("sectors", 32, 3, 4096)}, {COUNT("rings", 16, 1, 4096)}},
+     {{LENGTH("radius", 1)},
+      {LENGTH("height", 1)},
+      {COUNT("sectors", 32, 3, 4096)},
+      {COUNT("rings", 16, 1, 4096)}},
      make_cone},
     {"saddle",
      "a fan of congruent sectors, up and down in turn, round a saddle vertex",
-     {{LENGTH("radius", 1)}, {LENGTH("amplitude", 0.5)}, {COUNT("pairs", 8, 2, 2048)}, {COUNT("rings", 16, 1, 4096)}},
+     {{LENGTH("radius", 1)},
+      {LENGTH("amplitude", 0.5)},
+      {COUNT("pairs", 8, 2, 2048)},
+      {COUNT("rings", 16, 1, 4096)}},
      make_saddle},
     {"cylinder",
      "the mantle of a prism, open at both ends",
-     {{LENGTH("radius", 1)}, {LENGTH("height", 2)}, {COUNT("sides", 32, 3, 131072)}, {COUNT("rings", 16, 1, 4096)}},
+     {{LENGTH("radius", 1)},
+      {LENGTH("height", 2)},
+      {COUNT("sides", 32, 3, 131072)},
+      {COUNT("rings", 16, 1, 4096)}},
      make_cylinder},
     {"graded",
      "rings around an apex, each a ratio smaller than the one outside it",
@@ -173,7 +191,10 @@ const struct sample samples[] = {
      "a smoothed, bumpy slab with two holes",
      {{COUNT("cells", 8, 1, 128)}, {"bump", 0.02, 0, 0.05, false}},
      make_genus2},
-    {"tetrahedron", "a regular tetrahedron", {{LENGTH("edge", 1)}, {COUNT("level", 0, 0, 11)}}, make_tetrahedron},
+    {"tetrahedron",
+     "a regular tetrahedron",
+     {{LENGTH("edge", 1)}, {COUNT("level", 0, 0, 11)}},
+     make_tetrahedron},
     {"tangle",
      "a small random surface with saddles, slivers and holes",
      {{COUNT("faces", 40, 4, 1000)}, {SEED}},

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- start and finish ---------------------------------------------------------------------------------------------------- */
+/* --- start and finish ------------------------------------------------------------------------- */
 
 struct half {
     uint32_t low, high, slot;
@@ -66,7 +66,8 @@ void surface_finish(struct surface *surface, struct gd_polygons *out)
     }
     for (uint32_t f = 0; f < surface->face_slots; f++) {
         if (surface->corners[3 * f] == GD_NONE) continue;
-        for (uint32_t k = 0; k < 3; k++) surface->corners[3 * faces + k] = index[surface->corners[3 * f + k]];
+        for (uint32_t k = 0; k < 3; k++)
+            surface->corners[3 * faces + k] = index[surface->corners[3 * f + k]];
         faces++;
     }
     free(surface->twin);
@@ -74,7 +75,7 @@ void surface_finish(struct surface *surface, struct gd_polygons *out)
     *out = (struct gd_polygons){surface->positions, vertices, faces, surface->corners, NULL};
 }
 
-/* --- collapse ------------------------------------------------------------------------------------------------------------ */
+/* --- collapse --------------------------------------------------------------------------------- */
 
 double surface_length(const struct surface *surface, uint32_t slot)
 {
@@ -101,7 +102,8 @@ uint32_t surface_valence(const struct surface *surface, uint32_t vertex)
     return count;
 }
 
-/* The ends of the edge have two neighbours in common, the apexes of its faces, and no apex loses its third face. */
+/* The ends of the edge have two neighbours in common, the apexes of its faces, and no apex loses
+ * its third face. */
 static bool may_collapse(const struct surface *surface, uint32_t slot)
 {
     uint32_t a = surface->corners[slot], b = surface_destination(surface, slot), common = 0;
@@ -116,11 +118,14 @@ static void normal_of(const double a[3], const double b[3], const double c[3], d
 {
     double u[3], v[3];
     for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], v[k] = c[k] - a[k];
-    for (int k = 0; k < 3; k++) out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+    for (int k = 0; k < 3; k++)
+        out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
 }
 
-/* Moving the vertex would turn one of its faces, other than those at `gone`, by more than some 60 degrees. */
-static bool turns_a_face(const struct surface *surface, uint32_t vertex, const double to[3], uint32_t gone)
+/* Moving the vertex would turn one of its faces, other than those at `gone`, by more than some 60
+ * degrees. */
+static bool turns_a_face(const struct surface *surface, uint32_t vertex, const double to[3],
+                         uint32_t gone)
 {
     uint32_t first = surface->outgoing[vertex], slot = first;
     do {
@@ -140,10 +145,12 @@ static bool turns_a_face(const struct surface *surface, uint32_t vertex, const d
     return false;
 }
 
-/* Removes the slot's face and joins the two others of its edges. `kept` is the vertex that its destination becomes. */
+/* Removes the slot's face and joins the two others of its edges. `kept` is the vertex that its
+ * destination becomes. */
 static void zip(struct surface *surface, uint32_t slot, uint32_t kept)
 {
-    uint32_t ahead = surface->twin[surface_next(slot)], behind = surface->twin[surface_previous(slot)];
+    uint32_t ahead = surface->twin[surface_next(slot)],
+             behind = surface->twin[surface_previous(slot)];
     surface->twin[ahead] = behind;
     surface->twin[behind] = ahead;
     surface->outgoing[surface_apex(surface, slot)] = ahead;
@@ -154,9 +161,11 @@ static void zip(struct surface *surface, uint32_t slot, uint32_t kept)
 
 bool surface_collapse(struct surface *surface, uint32_t slot)
 {
-    uint32_t a = surface->corners[slot], b = surface_destination(surface, slot), twin = surface->twin[slot];
+    uint32_t a = surface->corners[slot], b = surface_destination(surface, slot),
+             twin = surface->twin[slot];
     double middle[3];
-    for (int k = 0; k < 3; k++) middle[k] = 0.5 * (surface->positions[a][k] + surface->positions[b][k]);
+    for (int k = 0; k < 3; k++)
+        middle[k] = 0.5 * (surface->positions[a][k] + surface->positions[b][k]);
     if (!may_collapse(surface, slot) || turns_a_face(surface, a, middle, slot) ||
         turns_a_face(surface, b, middle, slot))
         return false;
@@ -170,7 +179,7 @@ bool surface_collapse(struct surface *surface, uint32_t slot)
     return true;
 }
 
-/* --- flip ---------------------------------------------------------------------------------------------------------------- */
+/* --- flip ------------------------------------------------------------------------------------- */
 
 static void join(struct surface *surface, uint32_t slot, uint32_t twin)
 {
@@ -180,12 +189,14 @@ static void join(struct surface *surface, uint32_t slot, uint32_t twin)
     surface->outgoing[surface->corners[twin]] = twin;
 }
 
-/* Faces (a, b, c) and (b, a, d) become (d, b, c) and (c, a, d), their shared edge in the last slot of `slot`'s and `twin`'s face. */
+/* Faces (a, b, c) and (b, a, d) become (d, b, c) and (c, a, d), their shared edge in the last slot
+ * of `slot`'s and `twin`'s face. */
 bool surface_flip(struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot], a = surface->corners[slot], b = surface->corners[twin];
     uint32_t c = surface_apex(surface, slot), d = surface_apex(surface, twin);
-    if (is_neighbour(surface, c, d) || surface_valence(surface, a) <= 3 || surface_valence(surface, b) <= 3)
+    if (is_neighbour(surface, c, d) || surface_valence(surface, a) <= 3 ||
+        surface_valence(surface, b) <= 3)
         return false;
     uint32_t bc = surface->twin[surface_next(slot)], ca = surface->twin[surface_previous(slot)];
     uint32_t ad = surface->twin[surface_next(twin)], db = surface->twin[surface_previous(twin)];

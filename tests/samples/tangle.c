@@ -1,6 +1,6 @@
-/* Small random surfaces. Each step of the random walk keeps the surface a 2-manifold: an edge or a face is split, an
- * edge is flipped when its new ends are no neighbours yet, a face is torn out when the faces round its corners stay
- * one fan. */
+/* Small random surfaces. Each step of the random walk keeps the surface a 2-manifold: an edge or a
+ * face is split, an edge is flipped when its new ends are no neighbours yet, a face is torn out
+ * when the faces round its corners stay one fan. */
 #include <math.h>
 
 #include "gd/vec.h"
@@ -9,8 +9,10 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* The face other than `but` with the edge a-b in either direction, or GD_NONE; *apex is its third corner. */
-static uint32_t face_across(const struct gd_polygons *mesh, uint32_t but, uint32_t a, uint32_t b, uint32_t *apex)
+/* The face other than `but` with the edge a-b in either direction, or GD_NONE; *apex is its third
+ * corner. */
+static uint32_t face_across(const struct gd_polygons *mesh, uint32_t but, uint32_t a, uint32_t b,
+                            uint32_t *apex)
 {
     for (uint32_t f = 0; f < mesh->polygon_count; f++) {
         const uint32_t *corner = &mesh->corners[3 * f];
@@ -30,9 +32,11 @@ static void set_face(struct gd_polygons *mesh, uint32_t face, uint32_t a, uint32
 }
 
 /* A vertex on the way from a to b, or from their middle to c. */
-static uint32_t add_between(struct sample_builder *builder, uint32_t a, uint32_t b, uint32_t c, double s)
+static uint32_t add_between(struct sample_builder *builder, uint32_t a, uint32_t b, uint32_t c,
+                            double s)
 {
-    const double *p = builder->mesh.positions[a], *q = builder->mesh.positions[b], *r = builder->mesh.positions[c];
+    const double *p = builder->mesh.positions[a], *q = builder->mesh.positions[b],
+                 *r = builder->mesh.positions[c];
     double at[3];
     for (int k = 0; k < 3; k++) at[k] = 0.5 * (1 - s) * (p[k] + q[k]) + s * r[k];
     return sample_add_vertex(builder, at[0], at[1], at[2]);
@@ -40,7 +44,8 @@ static uint32_t add_between(struct sample_builder *builder, uint32_t a, uint32_t
 
 static void split_face(struct sample_builder *builder, uint32_t face)
 {
-    const uint32_t *corner = &builder->mesh.corners[3 * face], a = corner[0], b = corner[1], c = corner[2];
+    const uint32_t *corner = &builder->mesh.corners[3 * face], a = corner[0], b = corner[1],
+                   c = corner[2];
     uint32_t middle = add_between(builder, a, b, c, 1.0 / 3);
     if (builder->failed) return;
     set_face(&builder->mesh, face, a, b, middle);
@@ -50,8 +55,10 @@ static void split_face(struct sample_builder *builder, uint32_t face)
 
 static void split_edge(struct sample_builder *builder, uint32_t face)
 {
-    const uint32_t *corner = &builder->mesh.corners[3 * face], a = corner[0], b = corner[1], c = corner[2];
-    uint32_t d, other = face_across(&builder->mesh, face, a, b, &d), middle = add_between(builder, a, b, c, 0);
+    const uint32_t *corner = &builder->mesh.corners[3 * face], a = corner[0], b = corner[1],
+                   c = corner[2];
+    uint32_t d, other = face_across(&builder->mesh, face, a, b, &d),
+                middle = add_between(builder, a, b, c, 0);
     if (builder->failed) return;
     set_face(&builder->mesh, face, a, middle, c);
     sample_add_triangle(builder, middle, b, c);
@@ -87,7 +94,8 @@ static bool is_one_fan(const struct gd_polygons *mesh, uint32_t vertex)
 
 static void tear_face(struct gd_polygons *mesh, uint32_t face)
 {
-    uint32_t last = --mesh->polygon_count, *corner = &mesh->corners[3 * face], *moved = &mesh->corners[3 * last];
+    uint32_t last = --mesh->polygon_count, *corner = &mesh->corners[3 * face],
+             *moved = &mesh->corners[3 * last];
     for (int k = 0; k < 3; k++) {
         uint32_t torn = corner[k];
         corner[k] = moved[k];
@@ -179,7 +187,8 @@ enum gd_status sample_tangle(uint32_t faces, uint64_t seed, struct gd_polygons *
     if (status != GD_OK) return status;
     builder.position_capacity = builder.mesh.position_count;
     builder.triangle_capacity = builder.mesh.polygon_count;
-    for (uint32_t step = 0; step < 8 * faces && builder.mesh.polygon_count + 1 < faces && !builder.failed; step++)
+    for (uint32_t step = 0;
+         step < 8 * faces && builder.mesh.polygon_count + 1 < faces && !builder.failed; step++)
         mutate(&builder, &rng);
     sample_jitter(&builder.mesh, rng_between(&rng, 0.01, 1.0), rng_next(&rng));
     switch (rng_below(&rng, 4)) {

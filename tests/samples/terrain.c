@@ -14,18 +14,22 @@ static double lattice_value(uint64_t seed, uint32_t octave, uint32_t i, uint32_t
     return rng_between(&rng, -1, 1);
 }
 
-/* The octave's noise at (x,y) in the unit square: bilinear between the points of a lattice of 2^(octave + 1) cells. */
+/* The octave's noise at (x,y) in the unit square: bilinear between the points of a lattice of
+ * 2^(octave + 1) cells. */
 static double noise(uint64_t seed, uint32_t octave, double x, double y)
 {
     double cells = ldexp(1, (int)octave + 1), u = x * cells, v = y * cells;
     uint32_t i = (uint32_t)u, j = (uint32_t)v;
     u -= i, v -= j;
-    double low = (1 - u) * lattice_value(seed, octave, i, j) + u * lattice_value(seed, octave, i + 1, j);
-    double high = (1 - u) * lattice_value(seed, octave, i, j + 1) + u * lattice_value(seed, octave, i + 1, j + 1);
+    double low =
+        (1 - u) * lattice_value(seed, octave, i, j) + u * lattice_value(seed, octave, i + 1, j);
+    double high = (1 - u) * lattice_value(seed, octave, i, j + 1) +
+                  u * lattice_value(seed, octave, i + 1, j + 1);
     return (1 - v) * low + v * high;
 }
 
-enum gd_status sample_terrain(uint32_t cells, double amplitude, uint64_t seed, struct gd_polygons *out)
+enum gd_status sample_terrain(uint32_t cells, double amplitude, uint64_t seed,
+                              struct gd_polygons *out)
 {
     struct sample_builder builder = {0};
     for (uint32_t row = 0; row <= cells; row++) {

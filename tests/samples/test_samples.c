@@ -1,4 +1,5 @@
-/* Every sample is the surface that it is meant to be: accepted as a mesh, of the expected topology and measure. */
+/* Every sample is the surface that it is meant to be: accepted as a mesh, of the expected topology
+ * and measure. */
 #include "tests/samples/samples.h"
 
 #include <math.h>
@@ -66,7 +67,8 @@ static void test_expectations(void **state)
         assert_int_equal(summary->unreferenced_vertices, 0);
         assert_int_equal(summary->flipped_faces, 0);
         assert_int_equal(summary->degenerate_faces, 0);
-        if (expected->saddles != GD_NONE) assert_int_equal(summary->saddle_vertices, expected->saddles);
+        if (expected->saddles != GD_NONE)
+            assert_int_equal(summary->saddle_vertices, expected->saddles);
         check_close(summary->area, expected->area, expected->area_error);
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
@@ -78,7 +80,8 @@ static double volume(const struct gd_polygons *mesh)
 {
     double sum = 0;
     for (uint32_t f = 0; f < mesh->polygon_count; f++) {
-        const double *a = mesh->positions[mesh->corners[3 * f]], *b = mesh->positions[mesh->corners[3 * f + 1]],
+        const double *a = mesh->positions[mesh->corners[3 * f]],
+                     *b = mesh->positions[mesh->corners[3 * f + 1]],
                      *c = mesh->positions[mesh->corners[3 * f + 2]];
         sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
                a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -91,9 +94,10 @@ static void test_faces_outwards(void **state)
     (void)state;
     static const char *const closed[] = {"box",   "icosphere", "torus", "genus2", "tetrahedron",
                                          "eight", "ball",      "pot",   "scan"};
-    static const double values[][SAMPLE_PARAMETERS] = {{1, 2, 3, 4}, {5, 1}, {96, 96, 1, 0.4}, {4, 0}, {1, 1},
-                                                       {600},        {2000}, {2000},           {2000}};
-    static const double volumes[] = {6, 4 * M_PI / 3, 2 * M_PI * M_PI * 0.16, 0, M_SQRT2 / 12, 0, 4 * M_PI / 3, 0, 0};
+    static const double values[][SAMPLE_PARAMETERS] = {
+        {1, 2, 3, 4}, {5, 1}, {96, 96, 1, 0.4}, {4, 0}, {1, 1}, {600}, {2000}, {2000}, {2000}};
+    static const double volumes[] = {
+        6, 4 * M_PI / 3, 2 * M_PI * M_PI * 0.16, 0, M_SQRT2 / 12, 0, 4 * M_PI / 3, 0, 0};
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++) {
         struct gd_polygons mesh = generate(closed[i], values[i]);
         assert_true(volume(&mesh) > 0);
@@ -108,22 +112,26 @@ static double unevenness(const struct gd_polygons *polygons)
     double sum = 0, squares = 0, count = 3.0 * polygons->polygon_count;
     for (uint32_t slot = 0; slot < 3 * polygons->polygon_count; slot++) {
         const double *a = polygons->positions[polygons->corners[slot]],
-                     *b = polygons->positions[polygons->corners[slot % 3 == 2 ? slot - 2 : slot + 1]];
-        double square = (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]);
+                     *b = polygons
+                              ->positions[polygons->corners[slot % 3 == 2 ? slot - 2 : slot + 1]];
+        double square = (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
+                        (b[2] - a[2]) * (b[2] - a[2]);
         sum += sqrt(square);
         squares += square;
     }
     return sqrt(squares / count - (sum / count) * (sum / count)) / (sum / count);
 }
 
-/* A remeshed surface has the number of faces that was asked for, fits its cube, and is as even as was asked for. */
+/* A remeshed surface has the number of faces that was asked for, fits its cube, and is as even as
+ * was asked for. */
 static void test_remeshing(void **state)
 {
     (void)state;
     static const double passes[] = {30, 0, 0, 0}, contrast[] = {0, 0, 0.5, 1};
     double before = 0;
     for (size_t i = 0; i < sizeof passes / sizeof *passes; i++) {
-        struct gd_polygons polygons = generate("pot", (double[]){1000, contrast[i], 0, passes[i], 0, 1});
+        struct gd_polygons polygons =
+            generate("pot", (double[]){1000, contrast[i], 0, passes[i], 0, 1});
         double here = unevenness(&polygons), farthest = 0;
         for (uint32_t v = 0; v < polygons.position_count; v++)
             for (int k = 0; k < 3; k++) farthest = fmax(farthest, fabs(polygons.positions[v][k]));
@@ -142,12 +150,16 @@ static void test_defaults(void **state)
     (void)state;
     for (uint32_t i = 0; i < sample_count; i++) {
         double values[SAMPLE_PARAMETERS];
-        for (int k = 0; samples[i].parameters[k].name; k++) values[k] = samples[i].parameters[k].value;
-        struct gd_polygons first = generate(samples[i].name, values), second = generate(samples[i].name, values);
+        for (int k = 0; samples[i].parameters[k].name; k++)
+            values[k] = samples[i].parameters[k].value;
+        struct gd_polygons first = generate(samples[i].name, values),
+                           second = generate(samples[i].name, values);
         assert_int_equal(first.position_count, second.position_count);
         assert_int_equal(first.polygon_count, second.polygon_count);
-        assert_memory_equal(first.positions, second.positions, first.position_count * sizeof *first.positions);
-        assert_memory_equal(first.corners, second.corners, 3 * first.polygon_count * sizeof *first.corners);
+        assert_memory_equal(first.positions, second.positions,
+                            first.position_count * sizeof *first.positions);
+        assert_memory_equal(first.corners, second.corners,
+                            3 * first.polygon_count * sizeof *first.corners);
         gd_mesh_release(test_mesh(&first));
         gd_polygons_free(&first);
         gd_polygons_free(&second);
@@ -178,7 +190,8 @@ static void test_tangles(void **state)
     assert_in_range(unreferenced, 10, 250);
 }
 
-/* Closed walls on a ground whose only boundary is the rectangle; ground plus roofs have the rectangle's area. */
+/* Closed walls on a ground whose only boundary is the rectangle; ground plus roofs have the
+ * rectangle's area. */
 static void test_obstacles(void **state)
 {
     (void)state;
@@ -237,8 +250,9 @@ static void test_transforms(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_expectations), cmocka_unit_test(test_faces_outwards), cmocka_unit_test(test_remeshing),
-        cmocka_unit_test(test_defaults),     cmocka_unit_test(test_tangles),        cmocka_unit_test(test_obstacles),
+        cmocka_unit_test(test_expectations), cmocka_unit_test(test_faces_outwards),
+        cmocka_unit_test(test_remeshing),    cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_tangles),      cmocka_unit_test(test_obstacles),
         cmocka_unit_test(test_transforms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

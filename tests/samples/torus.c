@@ -3,7 +3,8 @@
 #include "tests/samples/builder.h"
 #include "tests/samples/samples.h"
 
-enum gd_status sample_torus(uint32_t columns, uint32_t rows, double major, double minor, struct gd_polygons *out)
+enum gd_status sample_torus(uint32_t columns, uint32_t rows, double major, double minor,
+                            struct gd_polygons *out)
 {
     struct sample_builder builder = {0};
     for (uint32_t row = 0; row < rows; row++) {
@@ -14,6 +15,7 @@ enum gd_status sample_torus(uint32_t columns, uint32_t rows, double major, doubl
         }
     }
     sample_add_lattice(
-        &builder, (struct sample_lattice){.columns = columns, .rows = rows, .wrap_columns = true, .wrap_rows = true});
+        &builder, (struct sample_lattice){
+                      .columns = columns, .rows = rows, .wrap_columns = true, .wrap_rows = true});
     return sample_finish(&builder, out);
 }

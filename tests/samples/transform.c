@@ -17,7 +17,8 @@ void sample_scale(struct gd_polygons *mesh, double x, double y, double z)
 
 void sample_fit(struct gd_polygons *mesh)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, side = 0;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
+           side = 0;
     for (uint32_t i = 0; i < mesh->position_count; i++) {
         for (int k = 0; k < 3; k++) {
             low[k] = fmin(low[k], mesh->positions[i][k]);
@@ -43,7 +44,8 @@ static void rotate_plane(struct gd_polygons *mesh, int a, int b, double angle)
 void sample_move(struct gd_polygons *mesh, double reach, uint64_t seed)
 {
     struct rng rng = {seed};
-    for (int axis = 0; axis < 3; axis++) rotate_plane(mesh, axis, (axis + 1) % 3, rng_between(&rng, 0, 2 * M_PI));
+    for (int axis = 0; axis < 3; axis++)
+        rotate_plane(mesh, axis, (axis + 1) % 3, rng_between(&rng, 0, 2 * M_PI));
     double shift[3];
     for (int k = 0; k < 3; k++) shift[k] = rng_between(&rng, -reach, reach);
     for (uint32_t i = 0; i < mesh->position_count; i++)
@@ -54,7 +56,8 @@ void sample_jitter(struct gd_polygons *mesh, double amplitude, uint64_t seed)
 {
     struct rng rng = {seed};
     for (uint32_t i = 0; i < mesh->position_count; i++)
-        for (int k = 0; k < 3; k++) mesh->positions[i][k] += rng_between(&rng, -amplitude, amplitude);
+        for (int k = 0; k < 3; k++)
+            mesh->positions[i][k] += rng_between(&rng, -amplitude, amplitude);
 }
 
 void sample_flip_faces(struct gd_polygons *mesh, double probability, uint64_t seed)
@@ -81,7 +84,8 @@ static uint32_t *permutation(uint32_t count, struct rng *rng)
     return order;
 }
 
-enum gd_status sample_renumber(struct gd_polygons *mesh, uint64_t seed, uint32_t *vertex_map, uint32_t *face_map)
+enum gd_status sample_renumber(struct gd_polygons *mesh, uint64_t seed, uint32_t *vertex_map,
+                               uint32_t *face_map)
 {
     struct rng rng = {seed};
     uint32_t vertices = mesh->position_count, faces = mesh->polygon_count;
@@ -90,10 +94,12 @@ enum gd_status sample_renumber(struct gd_polygons *mesh, uint64_t seed, uint32_t
     uint32_t *corners = malloc((3 * faces + 1) * sizeof *corners);
     enum gd_status status = vertex && face && positions && corners ? GD_OK : GD_NO_MEMORY;
     if (status == GD_OK) {
-        for (uint32_t v = 0; v < vertices; v++) memcpy(positions[vertex[v]], mesh->positions[v], sizeof *positions);
+        for (uint32_t v = 0; v < vertices; v++)
+            memcpy(positions[vertex[v]], mesh->positions[v], sizeof *positions);
         for (uint32_t f = 0; f < faces; f++) {
             uint32_t turn = rng_below(&rng, 3);
-            for (uint32_t k = 0; k < 3; k++) corners[3 * face[f] + (k + turn) % 3] = vertex[mesh->corners[3 * f + k]];
+            for (uint32_t k = 0; k < 3; k++)
+                corners[3 * face[f] + (k + turn) % 3] = vertex[mesh->corners[3 * f + k]];
         }
         if (vertex_map) memcpy(vertex_map, vertex, vertices * sizeof *vertex);
         if (face_map) memcpy(face_map, face, faces * sizeof *face);
@@ -134,10 +140,10 @@ static struct half *sorted_halves(const struct gd_polygons *mesh)
     return halves;
 }
 
-/* Appends the middle of each edge to `positions`, which has room; middle[slot] is its index. Returns the number of
- * positions. */
-static uint32_t add_middles(double (*positions)[3], uint32_t count, const struct half *halves, uint32_t half_count,
-                            uint32_t *middle)
+/* Appends the middle of each edge to `positions`, which has room; middle[slot] is its index.
+ * Returns the number of positions. */
+static uint32_t add_middles(double (*positions)[3], uint32_t count, const struct half *halves,
+                            uint32_t half_count, uint32_t *middle)
 {
     for (uint32_t i = 0; i < half_count; i++) {
         if (i == 0 || half_compare(&halves[i - 1], &halves[i])) {
@@ -187,15 +193,18 @@ enum gd_status sample_subdivide(struct gd_polygons *mesh)
 
 enum gd_status sample_append(struct gd_polygons *mesh, const struct gd_polygons *other)
 {
-    uint32_t vertices = mesh->position_count, slots = 3 * mesh->polygon_count, added = 3 * other->polygon_count;
-    double(*positions)[3] = realloc(mesh->positions, (vertices + other->position_count + 1) * sizeof *positions);
+    uint32_t vertices = mesh->position_count, slots = 3 * mesh->polygon_count,
+             added = 3 * other->polygon_count;
+    double(*positions)[3] =
+        realloc(mesh->positions, (vertices + other->position_count + 1) * sizeof *positions);
     if (!positions) return GD_NO_MEMORY;
     mesh->positions = positions;
     uint32_t *corners = realloc(mesh->corners, (slots + added + 1) * sizeof *corners);
     if (!corners) return GD_NO_MEMORY;
     mesh->corners = corners;
     memcpy(positions[vertices], other->positions, other->position_count * sizeof *positions);
-    for (uint32_t slot = 0; slot < added; slot++) corners[slots + slot] = vertices + other->corners[slot];
+    for (uint32_t slot = 0; slot < added; slot++)
+        corners[slots + slot] = vertices + other->corners[slot];
     mesh->position_count += other->position_count;
     mesh->polygon_count += other->polygon_count;
     return GD_OK;

@@ -15,7 +15,8 @@ static int64_t turn(const struct triangulation *t, uint32_t a, uint32_t b, uint3
 }
 
 /* Whether d lies inside the circle through a, b, c, which turn left. */
-static bool is_in_circle(const struct triangulation *t, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+static bool is_in_circle(const struct triangulation *t, uint32_t a, uint32_t b, uint32_t c,
+                         uint32_t d)
 {
     const int64_t *corner[3] = {t->points[a], t->points[b], t->points[c]}, *origin = t->points[d];
     int64_t x[3], y[3];
@@ -51,7 +52,8 @@ static void flip(uint32_t *left, uint32_t *right)
     right[0] = d, right[1] = b, right[2] = c;
 }
 
-/* Restores the empty circles from the edge a -> b outwards, whose triangle has the new point p as its apex. */
+/* Restores the empty circles from the edge a -> b outwards, whose triangle has the new point p as
+ * its apex. */
 static void legalise(struct triangulation *t, uint32_t a, uint32_t b, uint32_t p)
 {
     uint32_t *outside = seek(t, b, a), *inside = seek(t, a, b);
@@ -66,7 +68,8 @@ bool triangulation_start(struct triangulation *t, int64_t width, int64_t height,
 {
     const int64_t corners[4][2] = {{0, 0}, {width, 0}, {width, height}, {0, height}};
     const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    *t = (struct triangulation){.point_capacity = capacity + 4, .point_count = 4, .triangle_count = 2};
+    *t = (struct triangulation){
+        .point_capacity = capacity + 4, .point_count = 4, .triangle_count = 2};
     t->points = malloc(t->point_capacity * sizeof *t->points);
     t->triangles = malloc(2 * (size_t)t->point_capacity * sizeof *t->triangles);
     if (!t->points || !t->triangles) return false;
@@ -94,8 +97,8 @@ static uint32_t *triangle_around(struct triangulation *t, uint32_t p)
     return NULL;
 }
 
-/* A point on an edge leaves a flat triangle behind, which legalise flips away: the point beyond is in its infinite
- * circle. */
+/* A point on an edge leaves a flat triangle behind, which legalise flips away: the point beyond is
+ * in its infinite circle. */
 uint32_t triangulation_insert(struct triangulation *t, int64_t x, int64_t y)
 {
     uint32_t p = t->point_count++;
@@ -119,11 +122,13 @@ static bool opposite(int64_t a, int64_t b)
 
 static bool cross(const struct triangulation *t, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
-    return opposite(turn(t, a, b, c), turn(t, a, b, d)) && opposite(turn(t, c, d, a), turn(t, c, d, b));
+    return opposite(turn(t, a, b, c), turn(t, a, b, d)) &&
+           opposite(turn(t, c, d, a), turn(t, c, d, b));
 }
 
 /* The edges that cross a-b into `edges`, which has room for all; how many there are. */
-static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t b, uint32_t (*edges)[2])
+static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t b,
+                             uint32_t (*edges)[2])
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < t->triangle_count; i++) {
@@ -137,15 +142,17 @@ static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t
     return count;
 }
 
-/* Flips the crossing edges one after the other; an edge that can't be flipped yet, or still crosses, waits for its
- * next turn (S. W. Sloan, "A fast algorithm for generating constrained Delaunay triangulations", 1993). */
+/* Flips the crossing edges one after the other; an edge that can't be flipped yet, or still
+ * crosses, waits for its next turn (S. W. Sloan, "A fast algorithm for generating constrained
+ * Delaunay triangulations", 1993). */
 bool triangulation_constrain(struct triangulation *t, uint32_t a, uint32_t b)
 {
     uint32_t(*ring)[2] = malloc(3 * (size_t)t->triangle_count * sizeof *ring);
     if (!ring) return false;
     uint32_t size = edges_across(t, a, b, ring);
     for (uint32_t head = 0, waiting = size; waiting > 0; head = (head + 1) % size) {
-        uint32_t c = ring[head][0], d = ring[head][1], *left = seek(t, c, d), *right = seek(t, d, c);
+        uint32_t c = ring[head][0], d = ring[head][1], *left = seek(t, c, d),
+                 *right = seek(t, d, c);
         uint32_t e = left[2], f = right[2], tail = (head + waiting) % size;
         waiting--;
         if (cross(t, c, d, e, f)) {

@@ -30,13 +30,15 @@ static enum gd_status finish(struct sample_builder *builder, uint32_t centre, st
 }
 
 /* Takes what a generator made. */
-static enum gd_status adopt(enum gd_status status, struct gd_polygons mesh, uint32_t centre, struct zoo_shape *out)
+static enum gd_status adopt(enum gd_status status, struct gd_polygons mesh, uint32_t centre,
+                            struct zoo_shape *out)
 {
     if (status == GD_OK) *out = (struct zoo_shape){.mesh = mesh, .centre = centre};
     return status;
 }
 
-/* Keeps the positions as the chart, so that they can be changed to others that leave all edges as long. */
+/* Keeps the positions as the chart, so that they can be changed to others that leave all edges as
+ * long. */
 static enum gd_status remember_chart(struct zoo_shape *shape)
 {
     size_t bytes = shape->mesh.position_count * sizeof *shape->chart;
@@ -49,7 +51,7 @@ static enum gd_status remember_chart(struct zoo_shape *shape)
     return GD_OK;
 }
 
-/* --- to be refused ---------------------------------------------------------------------------------------------- */
+/* --- to be refused ---------------------------------------------------------------------------- */
 
 enum gd_status zoo_twin_vertices(const double *values, struct zoo_shape *out)
 {
@@ -60,13 +62,18 @@ enum gd_status zoo_twin_vertices(const double *values, struct zoo_shape *out)
     return adopt(status, mesh, 5, out);
 }
 
-/* Triangles over five points in general position, of which faces may share more or less than they should. */
-static enum gd_status from_corners(const uint32_t (*corners)[3], uint32_t count, struct zoo_shape *out)
+/* Triangles over five points in general position, of which faces may share more or less than they
+ * should. */
+static enum gd_status from_corners(const uint32_t (*corners)[3], uint32_t count,
+                                   struct zoo_shape *out)
 {
     struct sample_builder builder = {0};
-    static const double positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}};
-    for (int i = 0; i < 5; i++) sample_add_vertex(&builder, positions[i][0], positions[i][1], positions[i][2]);
-    for (uint32_t i = 0; i < count; i++) sample_add_triangle(&builder, corners[i][0], corners[i][1], corners[i][2]);
+    static const double positions[5][3] = {
+        {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}};
+    for (int i = 0; i < 5; i++)
+        sample_add_vertex(&builder, positions[i][0], positions[i][1], positions[i][2]);
+    for (uint32_t i = 0; i < count; i++)
+        sample_add_triangle(&builder, corners[i][0], corners[i][1], corners[i][2]);
     return finish(&builder, 0, out);
 }
 
@@ -105,7 +112,8 @@ enum gd_status zoo_moebius(const double *values, struct zoo_shape *out)
             sample_add_vertex(&builder, r * cos(turn), r * sin(turn), 0.3 * side * sin(0.5 * turn));
         }
     }
-    for (uint32_t i = 0; i + 1 < cells; i++) sample_add_quad(&builder, 2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2);
+    for (uint32_t i = 0; i + 1 < cells; i++)
+        sample_add_quad(&builder, 2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2);
     sample_add_quad(&builder, 2 * cells - 2, 2 * cells - 1, 0, 1);
     return finish(&builder, 0, out);
 }
@@ -117,14 +125,15 @@ enum gd_status zoo_not_finite(const double *values, struct zoo_shape *out)
     return status;
 }
 
-/* --- flat ------------------------------------------------------------------------------------------------------- */
+/* --- flat ------------------------------------------------------------------------------------- */
 
 enum gd_status zoo_cap(const double *values, struct zoo_shape *out)
 {
     struct sample_builder builder = {0};
     uint32_t a = sample_add_vertex(&builder, 0, 0, 0), b = sample_add_vertex(&builder, 1, 0, 0);
     uint32_t tip = sample_add_vertex(&builder, 0.4, values[0], 0);
-    uint32_t below = sample_add_vertex(&builder, 0.5, -1, 0), above = sample_add_vertex(&builder, 0.5, 1, 0);
+    uint32_t below = sample_add_vertex(&builder, 0.5, -1, 0),
+             above = sample_add_vertex(&builder, 0.5, 1, 0);
     sample_add_triangle(&builder, a, b, tip);
     sample_add_triangle(&builder, b, a, below);
     sample_add_triangle(&builder, a, tip, above);
@@ -197,12 +206,13 @@ enum gd_status zoo_pillow(const double *values, struct zoo_shape *out)
     return status;
 }
 
-/* --- curved ----------------------------------------------------------------------------------------------------- */
+/* --- curved ----------------------------------------------------------------------------------- */
 
 enum gd_status zoo_tube(const double *values, struct zoo_shape *out)
 {
     struct gd_polygons mesh = {0};
-    enum gd_status status = sample_cylinder(values[0], values[1], whole(values[2]), whole(values[3]), &mesh);
+    enum gd_status status =
+        sample_cylinder(values[0], values[1], whole(values[2]), whole(values[3]), &mesh);
     return adopt(status, mesh, 0, out);
 }
 
@@ -227,8 +237,8 @@ enum gd_status zoo_octahedron(const double *values, struct zoo_shape *out)
     struct sample_builder builder = {0};
     for (int axis = 0; axis < 3; axis++)
         for (int sign = 1; sign >= -1; sign -= 2)
-            sample_add_vertex(&builder, axis == 0 ? sign * values[0] : 0, axis == 1 ? sign * values[1] : 0,
-                              axis == 2 ? sign * values[2] : 0);
+            sample_add_vertex(&builder, axis == 0 ? sign * values[0] : 0,
+                              axis == 1 ? sign * values[1] : 0, axis == 2 ? sign * values[2] : 0);
     for (uint32_t corner = 0; corner < 8; corner++) {
         uint32_t x = corner & 1, y = 2 + (corner >> 1 & 1), z = 4 + (corner >> 2);
         bool mirrored = (x + y + z) % 2;
@@ -282,8 +292,10 @@ enum gd_status zoo_spike(const double *values, struct zoo_shape *out)
     for (uint32_t row = 0; row <= columns; row++)
         for (uint32_t column = 0; column <= columns; column++)
             sample_add_vertex(&builder, (double)column / columns, (double)row / columns, 0);
-    sample_add_lattice(&builder, (struct sample_lattice){.columns = columns + 1, .rows = columns + 1});
-    uint32_t tip = sample_add_vertex(&builder, values[1], 0.5, 0), last = middle * (columns + 1) + columns;
+    sample_add_lattice(&builder,
+                       (struct sample_lattice){.columns = columns + 1, .rows = columns + 1});
+    uint32_t tip = sample_add_vertex(&builder, values[1], 0.5, 0),
+             last = middle * (columns + 1) + columns;
     sample_add_triangle(&builder, last, tip, last + columns + 1);
     return finish(&builder, tip, out);
 }

@@ -11,12 +11,13 @@ static const double promise = 1e-9;
 
 enum { SECTIONS = 4 /* of an edge, the ends of which are looked at */ };
 
-/* --- members ---------------------------------------------------------------------------------------------------------------- */
+/* --- members ---------------------------------------------------------------------------------- */
 
 static void put_seed(struct member_set *set, struct gd_seed seed, uint32_t member)
 {
     set->seeds = realloc(set->seeds, sizeof *set->seeds * (set->seed_count + 1));
-    set->member_of_seed = realloc(set->member_of_seed, sizeof *set->member_of_seed * (set->seed_count + 1));
+    set->member_of_seed =
+        realloc(set->member_of_seed, sizeof *set->member_of_seed * (set->seed_count + 1));
     assert_true(set->seeds && set->member_of_seed);
     set->seeds[set->seed_count] = seed;
     set->member_of_seed[set->seed_count++] = member;
@@ -27,20 +28,23 @@ void member_set_put_point(struct member_set *set, struct gd_point point, double 
     put_seed(set, (struct gd_seed){.point = point, .offset = offset}, set->count++);
 }
 
-void member_set_put_curve(struct member_set *set, const struct gd_point *points, uint32_t count, bool closed,
-                          double offset)
+void member_set_put_curve(struct member_set *set, const struct gd_point *points, uint32_t count,
+                          bool closed, double offset)
 {
     for (uint32_t i = 0; i < count; i++)
         put_seed(set, (struct gd_seed){.point = points[i], .offset = offset}, set->count);
     for (uint32_t i = closed ? 0 : 1; i < count; i++) {
         const struct gd_point *from = &points[i ? i - 1 : count - 1];
-        put_seed(set, (struct gd_seed){.point = *from, .offset = offset, .is_segment = true, .end = points[i]},
+        put_seed(set,
+                 (struct gd_seed){
+                     .point = *from, .offset = offset, .is_segment = true, .end = points[i]},
                  set->count);
     }
     set->count++;
 }
 
-void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, struct gd_point from, struct gd_point to)
+void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, struct gd_point from,
+                         struct gd_point to)
 {
     struct gd_pair_answer answer;
     check_ok(gd_pair_solve(mesh, &from, &to, true, NULL, NULL, &answer, NULL), NULL);
@@ -62,10 +66,11 @@ void member_set_free(struct member_set *set)
     *set = (struct member_set){0};
 }
 
-/* --- diagrams --------------------------------------------------------------------------------------------------------------- */
+/* --- diagrams --------------------------------------------------------------------------------- */
 
 /* Its seeds follow each other. */
-static struct gd_field *field_of_member(const struct gd_mesh *mesh, const struct member_set *set, uint32_t member)
+static struct gd_field *field_of_member(const struct gd_mesh *mesh, const struct member_set *set,
+                                        uint32_t member)
 {
     uint32_t first = 0, count = 0;
     while (set->member_of_seed[first] != member) first++;
@@ -85,15 +90,19 @@ static double greatest_distance(const struct gd_field *field)
     return greatest;
 }
 
-struct diagram diagram_of(const struct gd_mesh *mesh, const struct member_set *set, double tolerance)
+struct diagram diagram_of(const struct gd_mesh *mesh, const struct member_set *set,
+                          double tolerance)
 {
-    struct diagram diagram = {.mesh = mesh, .set = set, .field = test_field(mesh, set->seeds, set->seed_count, 0)};
+    struct diagram diagram = {
+        .mesh = mesh, .set = set, .field = test_field(mesh, set->seeds, set->seed_count, 0)};
     diagram.alone = malloc(sizeof *diagram.alone * set->count);
     for (uint32_t i = 0; i < set->count; i++) {
         diagram.alone[i] = field_of_member(mesh, set, i);
         diagram.size = fmax(diagram.size, greatest_distance(diagram.alone[i]));
     }
-    check_ok(gd_voronoi_trace(diagram.field, set->member_of_seed, tolerance, NULL, &diagram.voronoi), NULL);
+    check_ok(
+        gd_voronoi_trace(diagram.field, set->member_of_seed, tolerance, NULL, &diagram.voronoi),
+        NULL);
     return diagram;
 }
 
@@ -123,11 +132,12 @@ uint32_t diagram_ends_at(const struct diagram *diagram, const struct gd_point *p
 double diagram_length(const struct diagram *diagram)
 {
     double length = 0;
-    for (uint32_t i = 0; i < diagram->voronoi.bisector_count; i++) length += diagram->voronoi.bisectors[i].length;
+    for (uint32_t i = 0; i < diagram->voronoi.bisector_count; i++)
+        length += diagram->voronoi.bisectors[i].length;
     return length;
 }
 
-/* --- bisectors -------------------------------------------------------------------------------------------------------------- */
+/* --- bisectors -------------------------------------------------------------------------------- */
 
 static double distance_of(const struct gd_field *field, const struct gd_point *point)
 {
@@ -136,17 +146,18 @@ static double distance_of(const struct gd_field *field, const struct gd_point *p
     return distance;
 }
 
-static void fail_at(const struct diagram *diagram, const struct gd_bisector *bisector, const struct gd_point *point,
-                    const char *what)
+static void fail_at(const struct diagram *diagram, const struct gd_bisector *bisector,
+                    const struct gd_point *point, const char *what)
 {
     struct gd_vec3 at = gd_point_position(diagram->mesh, point);
-    print_error("members %u %u: %s at %.17g %.17g %.17g\n", bisector->members[0], bisector->members[1], what, at.x,
-                at.y, at.z);
+    print_error("members %u %u: %s at %.17g %.17g %.17g\n", bisector->members[0],
+                bisector->members[1], what, at.x, at.y, at.z);
     fail();
 }
 
 /* Both members are as near, and nothing is nearer. */
-static void check_point(const struct diagram *diagram, const struct gd_bisector *bisector, const struct gd_point *point)
+static void check_point(const struct diagram *diagram, const struct gd_bisector *bisector,
+                        const struct gd_point *point)
 {
     double least = distance_of(diagram->field, point);
     for (int i = 0; i < 2; i++) {
@@ -159,9 +170,11 @@ static void check_point(const struct diagram *diagram, const struct gd_bisector 
 
 static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    if (point->kind == GD_POINT_VERTEX) return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
+    if (point->kind == GD_POINT_VERTEX)
+        return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
     if (point->kind == GD_POINT_FACE) return false;
-    return gd__side_is_boundary(mesh, 2 * point->element) || gd__side_is_boundary(mesh, 2 * point->element + 1);
+    return gd__side_is_boundary(mesh, 2 * point->element) ||
+           gd__side_is_boundary(mesh, 2 * point->element + 1);
 }
 
 /* An open bisector ends on the boundary or where others do. */
@@ -176,7 +189,8 @@ static void check_bisector(const struct diagram *diagram, const struct gd_bisect
 {
     double length = 0;
     assert_true(bisector->point_count >= 2);
-    assert_true(bisector->members[0] < bisector->members[1] && bisector->members[1] < diagram->set->count);
+    assert_true(bisector->members[0] < bisector->members[1] &&
+                bisector->members[1] < diagram->set->count);
     for (uint32_t i = 0; i < bisector->point_count; i++) {
         check_point(diagram, bisector, &bisector->points[i]);
         if (i)
@@ -185,22 +199,25 @@ static void check_bisector(const struct diagram *diagram, const struct gd_bisect
     }
     assert_true(fabs(bisector->length - length) <= 1e-10 * length + 1e-14 * diagram->size);
     if (bisector->closed)
-        assert_true(gd_point_equal(&bisector->points[0], &bisector->points[bisector->point_count - 1]));
+        assert_true(
+            gd_point_equal(&bisector->points[0], &bisector->points[bisector->point_count - 1]));
     if (bisector->closed) return;
     check_end(diagram, bisector, 0);
     check_end(diagram, bisector, bisector->point_count - 1);
 }
 
-/* --- labels ----------------------------------------------------------------------------------------------------------------- */
+/* --- labels ----------------------------------------------------------------------------------- */
 
 /* A vertex is of a member that is as near as any. */
 static void check_labels(const struct diagram *diagram)
 {
-    uint32_t vertices = gd_mesh_summary(diagram->mesh)->index_count, *labels = malloc(sizeof *labels * vertices);
+    uint32_t vertices = gd_mesh_summary(diagram->mesh)->index_count,
+             *labels = malloc(sizeof *labels * vertices);
     double *least = malloc(sizeof *least * vertices), *own = malloc(sizeof *own * vertices);
     check_ok(gd_voronoi_labels(diagram->field, diagram->set->member_of_seed, labels), NULL);
     gd_field_vertex_distances(diagram->field, least);
-    for (uint32_t i = 0; i < vertices; i++) assert_int_equal(labels[i] == UINT32_MAX, !isfinite(least[i]));
+    for (uint32_t i = 0; i < vertices; i++)
+        assert_int_equal(labels[i] == UINT32_MAX, !isfinite(least[i]));
     for (uint32_t k = 0; k < diagram->set->count; k++) {
         gd_field_vertex_distances(diagram->alone[k], own);
         for (uint32_t i = 0; i < vertices; i++) {
@@ -214,7 +231,7 @@ static void check_labels(const struct diagram *diagram)
     free(own);
 }
 
-/* --- edges ------------------------------------------------------------------------------------------------------------------ */
+/* --- edges ------------------------------------------------------------------------------------ */
 
 /* Where a bisector crosses an edge. */
 struct crossing {
@@ -232,18 +249,21 @@ static int by_edge(const void *a, const void *b)
 static struct crossing *crossings_of(const struct diagram *diagram, uint32_t *count)
 {
     uint32_t points = 0;
-    for (uint32_t i = 0; i < diagram->voronoi.bisector_count; i++) points += diagram->voronoi.bisectors[i].point_count;
+    for (uint32_t i = 0; i < diagram->voronoi.bisector_count; i++)
+        points += diagram->voronoi.bisectors[i].point_count;
     struct crossing *crossings = malloc(sizeof *crossings * (points + 1));
     *count = 0;
     for (uint32_t i = 0; i < points; i++) {
         const struct gd_point *point = &diagram->voronoi.points[i];
-        if (point->kind == GD_POINT_EDGE) crossings[(*count)++] = (struct crossing){point->element, point->weight[0]};
+        if (point->kind == GD_POINT_EDGE)
+            crossings[(*count)++] = (struct crossing){point->element, point->weight[0]};
     }
     qsort(crossings, *count, sizeof *crossings, by_edge);
     return crossings;
 }
 
-static bool is_crossed(const struct crossing *crossings, uint32_t count, uint32_t edge, double from, double to)
+static bool is_crossed(const struct crossing *crossings, uint32_t count, uint32_t edge, double from,
+                       double to)
 {
     uint32_t low = 0, high = count;
     struct crossing first = {edge, from - promise};
@@ -259,8 +279,10 @@ static bool is_crossed(const struct crossing *crossings, uint32_t count, uint32_
 
 static struct gd_point point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
-    if (t == 0) return (struct gd_point){.kind = GD_POINT_VERTEX, .element = mesh->origin[2 * edge]};
-    if (t == 1) return (struct gd_point){.kind = GD_POINT_VERTEX, .element = mesh->origin[2 * edge + 1]};
+    if (t == 0)
+        return (struct gd_point){.kind = GD_POINT_VERTEX, .element = mesh->origin[2 * edge]};
+    if (t == 1)
+        return (struct gd_point){.kind = GD_POINT_VERTEX, .element = mesh->origin[2 * edge + 1]};
     return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
 }
 
@@ -289,8 +311,10 @@ static void check_edges(const struct diagram *diagram)
             uint32_t owner = owner_of(diagram, &point);
             if (owner == UINT32_MAX) continue;
             struct gd_vec3 at = gd_point_position(diagram->mesh, &point);
-            if (last != UINT32_MAX && owner != last && !is_crossed(crossings, count, edge, from, t)) {
-                print_error("no bisector of %u and %u before %g %g %g\n", last, owner, at.x, at.y, at.z);
+            if (last != UINT32_MAX && owner != last &&
+                !is_crossed(crossings, count, edge, from, t)) {
+                print_error("no bisector of %u and %u before %g %g %g\n", last, owner, at.x, at.y,
+                            at.z);
                 fail();
             }
             last = owner;

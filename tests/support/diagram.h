@@ -15,11 +15,12 @@ struct member_set {
 void member_set_put_point(struct member_set *set, struct gd_point point, double offset);
 
 /* Consecutive points lie within one face; of a closed curve the last and the first too. */
-void member_set_put_curve(struct member_set *set, const struct gd_point *points, uint32_t count, bool closed,
-                          double offset);
+void member_set_put_curve(struct member_set *set, const struct gd_point *points, uint32_t count,
+                          bool closed, double offset);
 
 /* The shortest path between two points. */
-void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, struct gd_point from, struct gd_point to);
+void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, struct gd_point from,
+                         struct gd_point to);
 
 /* Adds the last member's seeds to the one before it. */
 void member_set_join(struct member_set *set);
@@ -35,15 +36,17 @@ struct diagram {
 };
 
 /* The set is borrowed. */
-struct diagram diagram_of(const struct gd_mesh *mesh, const struct member_set *set, double tolerance);
+struct diagram diagram_of(const struct gd_mesh *mesh, const struct member_set *set,
+                          double tolerance);
 void diagram_free(struct diagram *diagram);
 
 /* Ends of bisectors within rounding of a place. */
 uint32_t diagram_ends_at(const struct diagram *diagram, const struct gd_point *point);
 double diagram_length(const struct diagram *diagram); /* of all bisectors */
 
-/* Bisectors: both members are as near to each vertex, nothing is nearer, and they end on the boundary or where three do. Labels are of members that
- * are as near as any. Where other members are nearest along an edge, a bisector crosses it in between. */
+/* Bisectors: both members are as near to each vertex, nothing is nearer, and they end on the
+ * boundary or where three do. Labels are of members that are as near as any. Where other members
+ * are nearest along an edge, a bisector crosses it in between. */
 void check_diagram(const struct diagram *diagram);
 
 #endif

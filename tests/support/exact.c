@@ -18,8 +18,9 @@ static void require(bool condition, const char *what)
 
 static enum gd_status make_graded(struct rng *rng, struct gd_polygons *out)
 {
-    struct sample_grading grading = {
-        .patches = 1 + rng_below(rng, 2), .sectors = 5 + rng_below(rng, 3), .rings = 5 + rng_below(rng, 8)};
+    struct sample_grading grading = {.patches = 1 + rng_below(rng, 2),
+                                     .sectors = 5 + rng_below(rng, 3),
+                                     .rings = 5 + rng_below(rng, 8)};
     grading.ratio = pow(10, rng_between(rng, log10(3), 2));
     grading.bend = rng_below(rng, 3) ? rng_between(rng, -1, 1) : 0;
     grading.noise = rng_between(rng, 0, 0.4);
@@ -45,7 +46,8 @@ static enum gd_status make_polygons(enum exact_kind kind, struct rng *rng, struc
         if (!status) sample_jitter(out, out->polygon_count > 80 ? 0.08 : 0.2, seed);
         return status;
     case EXACT_TORUS:
-        status = sample_torus(6 + rng_below(rng, 11), 4 + rng_below(rng, 6), 1, rng_between(rng, 0.2, 0.7), out);
+        status = sample_torus(6 + rng_below(rng, 11), 4 + rng_below(rng, 6), 1,
+                              rng_between(rng, 0.2, 0.7), out);
         if (!status && rng_below(rng, 2)) sample_jitter(out, 0.03, seed);
         return status;
     case EXACT_TUBE:
@@ -67,14 +69,16 @@ static void measure(struct exact_scene *scene)
 static bool build(struct exact_scene *scene)
 {
     if (gd_mesh_build(&scene->polygons, NULL, NULL, &scene->mesh, NULL) != GD_OK) return false;
-    scene->naive = naive_mesh_create((const double(*)[3])scene->polygons.positions, scene->polygons.position_count,
-                                     scene->polygons.corners, scene->polygons.polygon_count);
+    scene->naive = naive_mesh_create((const double(*)[3])scene->polygons.positions,
+                                     scene->polygons.position_count, scene->polygons.corners,
+                                     scene->polygons.polygon_count);
     require(scene->naive, "out of memory");
     measure(scene);
     return true;
 }
 
-void exact_scene_open_at(enum exact_kind kind, uint64_t seed, double offset, struct exact_scene *out)
+void exact_scene_open_at(enum exact_kind kind, uint64_t seed, double offset,
+                         struct exact_scene *out)
 {
     *out = (struct exact_scene){.kind = kind, .rng = {seed}};
     for (;;) {
@@ -115,10 +119,12 @@ struct naive_point exact_point(const struct exact_scene *scene, const struct gd_
     return out;
 }
 
-static struct gd_point in_face(const struct exact_scene *scene, uint32_t face, const double weight[3])
+static struct gd_point in_face(const struct exact_scene *scene, uint32_t face,
+                               const double weight[3])
 {
     struct gd_point point = {0};
-    require(gd_point_in_face(scene->mesh, (struct gd_face){face}, weight, &point, NULL) == GD_OK, "no such point");
+    require(gd_point_in_face(scene->mesh, (struct gd_face){face}, weight, &point, NULL) == GD_OK,
+            "no such point");
     return point;
 }
 
@@ -152,15 +158,18 @@ static uint32_t face_around(struct exact_scene *scene, uint32_t vertex, uint32_t
     return slot / 3;
 }
 
-static struct gd_point on_edge(const struct exact_scene *scene, uint32_t from, uint32_t to, double t)
+static struct gd_point on_edge(const struct exact_scene *scene, uint32_t from, uint32_t to,
+                               double t)
 {
     struct gd_point point = {0};
-    require(gd_point_on_edge(scene->mesh, (struct gd_vertex){from}, (struct gd_vertex){to}, t, &point, NULL) == GD_OK,
+    require(gd_point_on_edge(scene->mesh, (struct gd_vertex){from}, (struct gd_vertex){to}, t,
+                             &point, NULL) == GD_OK,
             "no such edge");
     return point;
 }
 
-struct gd_point exact_beside_vertex(struct exact_scene *scene, uint32_t vertex, double least, double most)
+struct gd_point exact_beside_vertex(struct exact_scene *scene, uint32_t vertex, double least,
+                                    double most)
 {
     struct rng *rng = &scene->rng;
     uint32_t k = 0, face = face_around(scene, vertex, &k), kind = rng_below(rng, 4);
@@ -194,18 +203,20 @@ static void solve(struct exact_truth *truth, enum naive_precision precision)
 {
     naive_field_free(truth->field);
     truth->is_quadruple = precision == NAIVE_QUADRUPLE;
-    truth->field = naive_field_solve(truth->scene->naive, precision, truth->sources, truth->count, truth->radius);
+    truth->field = naive_field_solve(truth->scene->naive, precision, truth->sources, truth->count,
+                                     truth->radius);
     require(truth->field, "the solver gave up");
 }
 
-void exact_truth_open(const struct exact_scene *scene, const struct gd_seed *seeds, uint32_t count, long double radius,
-                      struct exact_truth *out)
+void exact_truth_open(const struct exact_scene *scene, const struct gd_seed *seeds, uint32_t count,
+                      long double radius, struct exact_truth *out)
 {
     *out = (struct exact_truth){.scene = scene, .count = count, .radius = radius};
     out->sources = calloc(count, sizeof *out->sources);
     require(out->sources, "out of memory");
     for (uint32_t i = 0; i < count; i++)
-        out->sources[i] = (struct naive_source){exact_point(scene, &seeds[i].point), seeds[i].offset};
+        out->sources[i] =
+            (struct naive_source){exact_point(scene, &seeds[i].point), seeds[i].offset};
     solve(out, scene->kind == EXACT_TUBE ? NAIVE_QUADRUPLE : NAIVE_EXTENDED);
 }
 

@@ -15,7 +15,14 @@
 #define EXACT_PROMISE 1e-9
 
 /* Up to EXACT_KINDS: what suites take in turn. Tubes are as thin as a 2e8th of their length. */
-enum exact_kind { EXACT_TERRAIN, EXACT_SPHERE, EXACT_TORUS, EXACT_GRADED, EXACT_KINDS, EXACT_TUBE = EXACT_KINDS };
+enum exact_kind {
+    EXACT_TERRAIN,
+    EXACT_SPHERE,
+    EXACT_TORUS,
+    EXACT_GRADED,
+    EXACT_KINDS,
+    EXACT_TUBE = EXACT_KINDS
+};
 
 struct exact_scene {
     enum exact_kind kind;
@@ -32,7 +39,8 @@ struct exact_scene {
 void exact_scene_open(enum exact_kind kind, uint64_t seed, struct exact_scene *out);
 
 /* The same, moved by `offset` times its size along each axis. */
-void exact_scene_open_at(enum exact_kind kind, uint64_t seed, double offset, struct exact_scene *out);
+void exact_scene_open_at(enum exact_kind kind, uint64_t seed, double offset,
+                         struct exact_scene *out);
 /* The surface of these polygons, which it takes over. */
 void exact_scene_from(struct gd_polygons polygons, struct exact_scene *out);
 void exact_scene_close(struct exact_scene *scene);
@@ -46,7 +54,8 @@ struct gd_point exact_random(struct exact_scene *scene);
 
 /* A point 10^least to 10^most edge lengths away from a vertex, in one of its faces or on one of
  * its edges. */
-struct gd_point exact_beside_vertex(struct exact_scene *scene, uint32_t vertex, double least, double most);
+struct gd_point exact_beside_vertex(struct exact_scene *scene, uint32_t vertex, double least,
+                                    double most);
 
 /* The same beside the inner part of an edge. */
 struct gd_point exact_beside_edge(struct exact_scene *scene, double least, double most);
@@ -66,8 +75,8 @@ struct exact_truth {
     bool is_quadruple;
 };
 
-void exact_truth_open(const struct exact_scene *scene, const struct gd_seed *seeds, uint32_t count, long double radius,
-                      struct exact_truth *out);
+void exact_truth_open(const struct exact_scene *scene, const struct gd_seed *seeds, uint32_t count,
+                      long double radius, struct exact_truth *out);
 void exact_truth_close(struct exact_truth *truth);
 double exact_distance(struct exact_truth *truth, const struct gd_point *point);
 

@@ -24,15 +24,16 @@ static struct {
 
 /* --- points as text --------------------------------------------------------------------------- */
 
-static void write_point(const struct exact_scene *scene, const struct gd_point *point, char out[TEXT])
+static void write_point(const struct exact_scene *scene, const struct gd_point *point,
+                        char out[TEXT])
 {
     struct gd_point_description at;
     gd_point_describe(scene->mesh, point, &at);
     if (at.kind == GD_POINT_VERTEX)
         snprintf(out, TEXT, "v:%u", at.vertex.index);
     else
-        snprintf(out, TEXT, "f:%u,%.17g,%.17g,%.17g", at.face.index, at.barycentric[0], at.barycentric[1],
-                 at.barycentric[2]);
+        snprintf(out, TEXT, "f:%u,%.17g,%.17g,%.17g", at.face.index, at.barycentric[0],
+                 at.barycentric[1], at.barycentric[2]);
 }
 
 static bool read_point(const struct exact_scene *scene, const char *text, struct gd_point *out)
@@ -41,9 +42,11 @@ static bool read_point(const struct exact_scene *scene, const char *text, struct
     double w[3];
     struct gd_detail detail = {0};
     enum gd_status status = GD_SYNTAX;
-    if (sscanf(text, "v:%u", &a) == 1) status = gd_point_at_vertex(scene->mesh, (struct gd_vertex){a}, out, &detail);
+    if (sscanf(text, "v:%u", &a) == 1)
+        status = gd_point_at_vertex(scene->mesh, (struct gd_vertex){a}, out, &detail);
     if (sscanf(text, "e:%u,%u,%lf", &a, &b, w) == 3)
-        status = gd_point_on_edge(scene->mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, w[0], out, &detail);
+        status = gd_point_on_edge(scene->mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, w[0],
+                                  out, &detail);
     if (sscanf(text, "f:%u,%lf,%lf,%lf", &a, w, w + 1, w + 2) == 4)
         status = gd_point_in_face(scene->mesh, (struct gd_face){a}, w, out, &detail);
     if (status) fprintf(stderr, "%s: %s %s\n", text, gd_status_name(status), detail.text);
@@ -52,21 +55,26 @@ static bool read_point(const struct exact_scene *scene, const char *text, struct
 
 /* --- units ------------------------------------------------------------------------------------ */
 
-void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered, double expected, double excess)
+void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered,
+               double expected, double excess)
 {
-    struct exact_answer *worst = expected < 1e-6 * unit->scene->mean_edge ? &unit->nearby : &unit->worst;
+    struct exact_answer *worst =
+        expected < 1e-6 * unit->scene->mean_edge ? &unit->nearby : &unit->worst;
     if (isnan(excess)) excess = answered == expected ? 0 : INFINITY;
     if (excess > worst->excess)
-        *worst = (struct exact_answer){excess, exact_relative(answered, expected), answered, expected, *point};
+        *worst = (struct exact_answer){excess, exact_relative(answered, expected), answered,
+                                       expected, *point};
 }
 
-void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *point, double distance)
+void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *point,
+                  double distance)
 {
     double error = exact_error(truth, point, distance);
     exact_law(unit, point, distance, exact_distance(truth, point), error / EXACT_PROMISE);
 }
 
-void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status, const struct gd_point *point)
+void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status,
+                   const struct gd_point *point)
 {
     if (unit->failure) return;
     unit->failure = call;
@@ -98,7 +106,8 @@ static FILE *open_list(bool is_nearby)
     if (!report.verbose && report.told[is_nearby]++ >= most) return NULL;
     if (!report.folder) return stdout;
     char path[1024];
-    snprintf(path, sizeof path, "%s/%s%s.txt", report.folder, report.section, is_nearby ? "-nearby" : "");
+    snprintf(path, sizeof path, "%s/%s%s.txt", report.folder, report.section,
+             is_nearby ? "-nearby" : "");
     FILE *file = fopen(path, "a");
     return file ? file : stdout;
 }
@@ -124,16 +133,18 @@ static void tell(const struct exact_unit *unit)
     if (!list) return;
     char path[1024] = "MESH";
     if (report.folder) {
-        snprintf(path, sizeof path, "%s/%s-%llu.obj", report.folder, report.section, (unsigned long long)report.scene);
+        snprintf(path, sizeof path, "%s/%s-%llu.obj", report.folder, report.section,
+                 (unsigned long long)report.scene);
         write_mesh(unit->scene, path);
     }
-    fprintf(list, "# --replay %s %llu (%s): --ask %s", report.section, (unsigned long long)report.scene,
-            kinds[unit->scene->kind], path);
+    fprintf(list, "# --replay %s %llu (%s): --ask %s", report.section,
+            (unsigned long long)report.scene, kinds[unit->scene->kind], path);
     list_points(list, unit, unit->failure ? &unit->failed_at : &worst->point);
     if (unit->failure)
         fprintf(list, ": %s: %s\n", unit->failure, gd_status_name(unit->status));
     else
-        fprintf(list, ": %.17g, not %.17g: relative error %.1e\n", worst->answered, worst->expected, worst->error);
+        fprintf(list, ": %.17g, not %.17g: relative error %.1e\n", worst->answered, worst->expected,
+                worst->error);
     if (list != stdout) fclose(list);
 }
 
@@ -168,8 +179,8 @@ struct options {
     const char *sections[16];
 };
 
-static void run_job(const struct exact_section *section, uint64_t count, uint64_t first, uint32_t step,
-                    struct exact_tally *tally)
+static void run_job(const struct exact_section *section, uint64_t count, uint64_t first,
+                    uint32_t step, struct exact_tally *tally)
 {
     report.section = section->name;
     report.told[0] = report.told[1] = 0;
@@ -200,12 +211,13 @@ static void wait_for(pid_t child, struct exact_tally *tally)
            (unsigned long long)tally->scene);
 }
 
-static struct exact_tally run_section(const struct exact_section *section, const struct options *options)
+static struct exact_tally run_section(const struct exact_section *section,
+                                      const struct options *options)
 {
     struct exact_tally sum = {0};
     uint64_t count = options->count ? options->count : section->long_count;
-    struct exact_tally *shared =
-        mmap(NULL, JOBS_MOST * sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    struct exact_tally *shared = mmap(NULL, JOBS_MOST * sizeof *shared, PROT_READ | PROT_WRITE,
+                                      MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) abort();
     pid_t child[JOBS_MOST];
     report.section = section->name;
@@ -213,8 +225,8 @@ static struct exact_tally run_section(const struct exact_section *section, const
     for (uint32_t job = 0; job < options->jobs; job++) {
         child[job] = fork();
         if (child[job] != 0) continue;
-        run_job(section, (count + options->jobs - 1) / options->jobs, options->first + job, options->jobs,
-                &shared[job]);
+        run_job(section, (count + options->jobs - 1) / options->jobs, options->first + job,
+                options->jobs, &shared[job]);
         fflush(stdout);
         _exit(0);
     }
@@ -229,14 +241,18 @@ static struct exact_tally run_section(const struct exact_section *section, const
 
 static void measured(const struct exact_tally *tally, char out[TEXT])
 {
-    snprintf(out, TEXT, "%llu wrong, %llu failed of %llu, %llu more wrong nearby; worst errors %.1e, nearby %.1e",
-             (unsigned long long)tally->wrong, (unsigned long long)tally->failed, (unsigned long long)tally->asked,
-             (unsigned long long)tally->wrong_near, tally->worst, tally->worst_near);
+    snprintf(
+        out, TEXT,
+        "%llu wrong, %llu failed of %llu, %llu more wrong nearby; worst errors %.1e, nearby %.1e",
+        (unsigned long long)tally->wrong, (unsigned long long)tally->failed,
+        (unsigned long long)tally->asked, (unsigned long long)tally->wrong_near, tally->worst,
+        tally->worst_near);
 }
 
 static bool holds(const struct exact_section *section, const struct exact_tally *tally)
 {
-    return tally->wrong == 0 && tally->wrong_near == 0 && (section->flag == EXACT_MAY_FAIL || tally->failed == 0);
+    return tally->wrong == 0 && tally->wrong_near == 0 &&
+           (section->flag == EXACT_MAY_FAIL || tally->failed == 0);
 }
 
 /* A line for tests/fault/table.py. */
@@ -245,9 +261,11 @@ static bool print_row(const struct exact_section *section, const struct exact_ta
     char text[TEXT];
     bool is_held = holds(section, tally);
     measured(tally, text);
-    printf("# figure {\"promise\": \"%s: %s\", \"asked\": \"%s\", \"measured\": \"%s\", \"ok\": %s}\n", section->name,
-           section->promise, section->flag == EXACT_MAY_FAIL ? "0 wrong" : "0 wrong, 0 failed", text,
-           is_held ? "true" : "false");
+    printf(
+        "# figure {\"promise\": \"%s: %s\", \"asked\": \"%s\", \"measured\": \"%s\", \"ok\": %s}\n",
+        section->name, section->promise,
+        section->flag == EXACT_MAY_FAIL ? "0 wrong" : "0 wrong, 0 failed", text,
+        is_held ? "true" : "false");
     printf("%s %s\n", is_held ? "ok" : "not ok", section->name);
     fflush(stdout);
     return is_held;
@@ -256,7 +274,8 @@ static bool print_row(const struct exact_section *section, const struct exact_ta
 static bool is_chosen(const struct options *options, const char *name)
 {
     bool found = options->section_count == 0;
-    for (uint32_t i = 0; i < options->section_count; i++) found |= strcmp(options->sections[i], name) == 0;
+    for (uint32_t i = 0; i < options->section_count; i++)
+        found |= strcmp(options->sections[i], name) == 0;
     return found;
 }
 
@@ -267,7 +286,8 @@ static bool open_mesh(const char *path, struct exact_scene *scene)
     size_t size = 0;
     struct gd_polygons polygons;
     char *bytes = test_read_file(path, &size);
-    bool is_read = bytes && gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL) == GD_OK;
+    bool is_read =
+        bytes && gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL) == GD_OK;
     free(bytes);
     if (is_read)
         exact_scene_from(polygons, scene);
@@ -300,11 +320,14 @@ static void ask_pair(const struct exact_scene *scene, const char *name, const st
 {
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
-    enum gd_status status = gd_pair_solve(scene->mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, &detail);
-    printf("%s       %.17g  %s %s\n", name, status ? NAN : answer.distance, gd_status_name(status), detail.text);
+    enum gd_status status =
+        gd_pair_solve(scene->mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, &detail);
+    printf("%s       %.17g  %s %s\n", name, status ? NAN : answer.distance, gd_status_name(status),
+           detail.text);
     gd_pair_answer_free(&answer);
     status = gd_pair_solve(scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, &detail);
-    printf("%s, path %.17g  %s %s\n", name, status ? NAN : answer.path.length, gd_status_name(status), detail.text);
+    printf("%s, path %.17g  %s %s\n", name, status ? NAN : answer.path.length,
+           gd_status_name(status), detail.text);
     gd_pair_answer_free(&answer);
 }
 
@@ -362,11 +385,13 @@ static int run_short(const struct exact_section *sections, uint32_t count)
 {
     struct CMUnitTest tests[16];
     for (uint32_t i = 0; i < count; i++)
-        tests[i] = (struct CMUnitTest){sections[i].name, short_form, NULL, NULL, (void *)&sections[i]};
+        tests[i] =
+            (struct CMUnitTest){sections[i].name, short_form, NULL, NULL, (void *)&sections[i]};
     return _cmocka_run_group_tests("exact", tests, count, NULL, NULL);
 }
 
-static int run_long(const struct exact_section *sections, uint32_t count, const struct options *options)
+static int run_long(const struct exact_section *sections, uint32_t count,
+                    const struct options *options)
 {
     bool held = true;
     for (uint32_t i = 0; i < count; i++) {
@@ -377,7 +402,8 @@ static int run_long(const struct exact_section *sections, uint32_t count, const 
     return held ? 0 : 1;
 }
 
-static int replay(const struct exact_section *sections, uint32_t count, const char *name, const char *scene)
+static int replay(const struct exact_section *sections, uint32_t count, const char *name,
+                  const char *scene)
 {
     char text[TEXT];
     report.verbose = true;
@@ -402,7 +428,8 @@ int exact_main(int argc, char **argv, const struct exact_section *sections, uint
     if (strcmp(argv[1], "--ask") == 0) return ask(argc, argv);
     for (int i = 1; i < argc; i++) {
         const char *next = i + 1 < argc ? argv[i + 1] : "0";
-        if (strcmp(argv[i], "--replay") == 0 && i + 2 < argc) return replay(sections, count, argv[i + 1], argv[i + 2]);
+        if (strcmp(argv[i], "--replay") == 0 && i + 2 < argc)
+            return replay(sections, count, argv[i + 1], argv[i + 2]);
         if (strcmp(argv[i], "--long") == 0)
             options.is_long = true;
         else if (strcmp(argv[i], "--count") == 0)

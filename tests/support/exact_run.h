@@ -57,12 +57,15 @@ struct exact_unit {
     struct gd_point failed_at;
 };
 
-void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *point, double distance);
-void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status, const struct gd_point *point);
+void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *point,
+                  double distance);
+void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status,
+                   const struct gd_point *point);
 
 /* An answer that some law sets against another one, `expected`; `excess` as in struct
  * exact_answer. */
-void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered, double expected, double excess);
+void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered,
+               double expected, double excess);
 void exact_conclude(struct exact_unit *unit, struct exact_tally *tally);
 
 #endif

@@ -6,7 +6,8 @@
 #include "gd/vec.h"
 #include "tests/support/test.h"
 
-struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
+                            double radius)
 {
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
@@ -20,7 +21,8 @@ struct gd_field *test_field_from(const struct gd_mesh *mesh, struct gd_point poi
     return test_field(mesh, &(struct gd_seed){.point = point}, 1, 0);
 }
 
-struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd_curve *curve, double offset)
+struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                     double offset)
 {
     uint32_t count = gd_curve_seed_count(curve);
     struct gd_seed *seeds = malloc(count * sizeof *seeds);

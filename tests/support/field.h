@@ -6,9 +6,11 @@
 #include "gd/field.h"
 
 /* The field of some seeds as far as a radius, 0: all of it; the caller releases it. */
-struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius);
+struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
+                            double radius);
 struct gd_field *test_field_from(const struct gd_mesh *mesh, struct gd_point point);
-struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd_curve *curve, double offset);
+struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                     double offset);
 
 double test_distance(const struct gd_field *field, const struct gd_point *point);
 

@@ -7,7 +7,8 @@
 
 static const double promise = 1e-9;
 
-static struct gd_pair_answer solve(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q, bool want_path)
+static struct gd_pair_answer solve(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q,
+                                   bool want_path)
 {
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
@@ -22,9 +23,11 @@ double law_distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_poi
     return answer.distance;
 }
 
-double law_metric(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q, struct gd_point r)
+double law_metric(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q,
+                  struct gd_point r)
 {
-    double pq = law_distance(mesh, p, q), pr = law_distance(mesh, p, r), rq = law_distance(mesh, r, q);
+    double pq = law_distance(mesh, p, q), pr = law_distance(mesh, p, r),
+           rq = law_distance(mesh, r, q);
     assert_true(law_distance(mesh, p, p) == 0);
     assert_true(gd_point_equal(&p, &q) || pq > 0);
     double error = check_close(law_distance(mesh, q, p), pq, promise);
@@ -33,7 +36,8 @@ double law_metric(const struct gd_mesh *mesh, struct gd_point p, struct gd_point
 }
 
 /* Whether the point lies in the closed face. */
-static bool is_in_face(const struct gd_polygons *polygons, uint32_t face, const struct gd_point_description *point)
+static bool is_in_face(const struct gd_polygons *polygons, uint32_t face,
+                       const struct gd_point_description *point)
 {
     if (point->kind == GD_POINT_FACE) return point->face.index == face;
     uint32_t wanted = point->kind == GD_POINT_EDGE ? 2 : 1, found = 0;
@@ -55,7 +59,8 @@ static bool share_face(const struct gd_polygons *polygons, const struct gd_point
     return false;
 }
 
-double law_path(const struct gd_mesh *mesh, const struct gd_polygons *polygons, struct gd_point p, struct gd_point q)
+double law_path(const struct gd_mesh *mesh, const struct gd_polygons *polygons, struct gd_point p,
+                struct gd_point q)
 {
     struct gd_pair_answer answer = solve(mesh, p, q, true);
     const struct gd_path *path = &answer.path;
@@ -70,26 +75,28 @@ double law_path(const struct gd_mesh *mesh, const struct gd_polygons *polygons, 
         assert_true(share_face(polygons, &here, &next));
         length += gd_vec3_distance(here.xyz, next.xyz);
     }
-    double error =
-        fmax(check_close(path->length, answer.distance, promise), check_close(length, answer.distance, promise));
+    double error = fmax(check_close(path->length, answer.distance, promise),
+                        check_close(length, answer.distance, promise));
     gd_pair_answer_free(&answer);
     return error;
 }
 
-void law_lipschitz(const struct gd_mesh *mesh, const struct gd_polygons *polygons, struct gd_point p)
+void law_lipschitz(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
+                   struct gd_point p)
 {
     struct gd_seed seed = {.point = p};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
-        &detail);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, &detail),
+             &detail);
     double *distance = calloc(polygons->position_count, sizeof *distance);
     assert_non_null(distance);
     gd_field_vertex_distances(field, distance);
     gd_field_release(field);
     for (uint32_t slot = 0; slot < 3 * polygons->polygon_count; slot++) {
-        uint32_t a = polygons->corners[slot], b = polygons->corners[slot % 3 == 2 ? slot - 2 : slot + 1];
+        uint32_t a = polygons->corners[slot],
+                 b = polygons->corners[slot % 3 == 2 ? slot - 2 : slot + 1];
         if (isinf(distance[a]) && isinf(distance[b])) continue;
         double length = gd_vec3_distance(gd_mesh_position(mesh, (struct gd_vertex){a}),
                                          gd_mesh_position(mesh, (struct gd_vertex){b}));

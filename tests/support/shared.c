@@ -47,7 +47,9 @@ struct gd_mesh *test_shared_mesh(const char *name)
     struct gd_polygons polygons = test_shared_polygons(name);
     struct gd_mesh *mesh = NULL;
     struct gd_detail detail = {0};
-    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh, &detail), &detail);
+    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh,
+                           &detail),
+             &detail);
     gd_polygons_free(&polygons);
     return mesh;
 }

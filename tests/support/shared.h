@@ -1,5 +1,6 @@
-/* Shared: meshes that no one here made, where they are at hand: the folder named by GEODESICD_SHARED, or ../shared beside the project. A test that
- * asks for one is skipped where there is no such folder, with a line that says so. */
+/* Shared: meshes that no one here made, where they are at hand: the folder named by
+ * GEODESICD_SHARED, or ../shared beside the project. A test that asks for one is skipped where
+ * there is no such folder, with a line that says so. */
 #ifndef TESTS_SUPPORT_SHARED_H
 #define TESTS_SUPPORT_SHARED_H
 

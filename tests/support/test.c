@@ -22,16 +22,19 @@ double test_check_close(double actual, double expected, double relative, const c
     if (actual == expected) return 0;
     double error = fabs(actual - expected) / fmax(fabs(actual), fabs(expected));
     if (!(error <= relative)) {
-        print_error("%.17g is not %.17g: relative error %.3g > %.3g\n", actual, expected, error, relative);
+        print_error("%.17g is not %.17g: relative error %.3g > %.3g\n", actual, expected, error,
+                    relative);
         _fail(file, line);
     }
     return error;
 }
 
-void test_check_ok(enum gd_status status, const struct gd_detail *detail, const char *file, int line)
+void test_check_ok(enum gd_status status, const struct gd_detail *detail, const char *file,
+                   int line)
 {
     if (status == GD_OK) return;
-    print_error("%s: %s (%s)\n", gd_status_name(status), gd_status_sentence(status), detail ? detail->text : "");
+    print_error("%s: %s (%s)\n", gd_status_name(status), gd_status_sentence(status),
+                detail ? detail->text : "");
     _fail(file, line);
 }
 
@@ -74,7 +77,8 @@ void test_place_position(const struct gd_polygons *polygons, struct test_place p
     for (int axis = 0; axis < 3; axis++) {
         out[axis] = 0;
         for (uint32_t k = 0; k < 3; k++)
-            out[axis] += place.weight[k] * polygons->positions[polygons->corners[3 * place.face + k]][axis];
+            out[axis] +=
+                place.weight[k] * polygons->positions[polygons->corners[3 * place.face + k]][axis];
     }
 }
 
@@ -82,7 +86,8 @@ struct gd_point test_point(const struct gd_mesh *mesh, struct test_place place)
 {
     struct gd_point point = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_point_in_face(mesh, (struct gd_face){place.face}, place.weight, &point, &detail), &detail);
+    check_ok(gd_point_in_face(mesh, (struct gd_face){place.face}, place.weight, &point, &detail),
+             &detail);
     return point;
 }
 
@@ -98,7 +103,8 @@ struct gd_point test_point_near(const struct gd_mesh *mesh, double x, double y, 
 {
     struct gd_point point = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, NULL, &detail), &detail);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, NULL, &detail),
+             &detail);
     return point;
 }
 

@@ -11,7 +11,8 @@ struct test_watch {
     uint32_t calls, most; /* cancels at call number `most` */
 };
 
-/* For struct gd_control's `progress`, with a watch for its `user`: fails the test unless reports go up within [0, 1]. */
+/* For struct gd_control's `progress`, with a watch for its `user`: fails the test unless reports go
+ * up within [0, 1]. */
 bool test_watch(void *user, double fraction);
 
 /* The same that cancels at once; `user` is not looked at. */

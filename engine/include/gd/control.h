@@ -1,7 +1,9 @@
-/* Control of long calls: byte budget, deadline, progress, cancel. One mechanism for jobs, deadlines and shutdown.
+/* Control of long calls: byte budget, deadline, progress, cancel. One mechanism for jobs, deadlines
+ * and shutdown.
  *
- * Every long call takes a `const struct gd_control *`; NULL and an all-zero struct mean no limits and no reports. The call looks at it
- * at least once in a millisecond of its own work and stops with GD_BUDGET, GD_DEADLINE or GD_CANCELLED, leaking nothing. */
+ * Every long call takes a `const struct gd_control *`; NULL and an all-zero struct mean no limits
+ * and no reports. The call looks at it at least once in a millisecond of its own work and stops
+ * with GD_BUDGET, GD_DEADLINE or GD_CANCELLED, leaking nothing. */
 #ifndef GD_CONTROL_H
 #define GD_CONTROL_H
 
@@ -12,9 +14,11 @@
 #include "gd/status.h"
 
 struct gd_control {
-    size_t budget_bytes;  /* most bytes that the call may hold at a time, its result included; 0: no limit */
+    /* most bytes that the call may hold at a time, its result included; 0: no limit */
+    size_t budget_bytes;
     uint64_t deadline_ns; /* on the clock of gd_now_ns(); 0: none */
-    /* Called from the calling thread with the part done in [0,1], never decreasing; false cancels. May be NULL. */
+    /* Called from the calling thread with the part done in [0,1], never decreasing; false cancels.
+     * May be NULL. */
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory of earlier calls, gd/workspace.h; NULL: none */

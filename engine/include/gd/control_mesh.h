@@ -1,5 +1,5 @@
-/* Control mesh: polygons with the tags of a subdivision surface, before anyone asked whether it can be subdivided. io reads them, subdiv builds from
- * them. */
+/* Control mesh: polygons with the tags of a subdivision surface, before anyone asked whether it can
+ * be subdivided. io reads them, subdiv builds from them. */
 #ifndef GD_CONTROL_MESH_H
 #define GD_CONTROL_MESH_H
 
@@ -18,11 +18,13 @@ struct gd_corner {
     double sharpness; /* as a crease's */
 };
 
-/* What the limit surface does at the boundary of the mesh; the names are USD's. Boundary edges are infinitely sharp creases. */
+/* What the limit surface does at the boundary of the mesh; the names are USD's. Boundary edges are
+ * infinitely sharp creases. */
 enum gd_interpolate_boundary {
     GD_INTERPOLATE_EDGE_AND_CORNER, /* vertices of one face are corners */
     GD_INTERPOLATE_EDGE_ONLY,       /* the boundary curve is smooth there too */
-    GD_INTERPOLATE_NONE             /* no surface next to the boundary: taken only where there is no boundary */
+    /* no surface next to the boundary: taken only where there is no boundary */
+    GD_INTERPOLATE_NONE
 };
 
 struct gd_control_mesh {
@@ -36,14 +38,18 @@ struct gd_control_mesh {
 /* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
 void gd_control_mesh_free(struct gd_control_mesh *mesh);
 
-/* Reads a mesh file as gd_read_polygons does and, in OBJ, the tags that OpenSubdiv writes behind it: `t crease N/M/0 v0 v1 ... s ...` (a chain of N vertices,
- * one sharpness for all of it or one an edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and corner,
- * 2 edge only). Vertices of tags are counted from zero, although those of faces are counted from one. Tags that concern texture coordinates are skipped.
- * `limits` and `detail` may be NULL; the caller frees `*out`. Thread-safe; time and memory as gd_read_polygons.
- * Errors: those of gd_read_polygons; GD_UNSUPPORTED (any other tag, such as holes), GD_SYNTAX, GD_INDEX. That a crease is an edge and its sharpness
- * a fit one is for gd_subdivision_create to say. */
-GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size, enum gd_format format,
-                                                const struct gd_read_limits *limits, struct gd_control_mesh *out,
+/* Reads a mesh file as gd_read_polygons does and, in OBJ, the tags that OpenSubdiv writes behind
+ * it: `t crease N/M/0 v0 v1 ... s ...` (a chain of N vertices, one sharpness for all of it or one
+ * an edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and
+ * corner, 2 edge only). Vertices of tags are counted from zero, although those of faces are counted
+ * from one. Tags that concern texture coordinates are skipped. `limits` and `detail` may be NULL;
+ * the caller frees `*out`. Thread-safe; time and memory as gd_read_polygons. Errors: those of
+ * gd_read_polygons; GD_UNSUPPORTED (any other tag, such as holes), GD_SYNTAX, GD_INDEX. That a
+ * crease is an edge and its sharpness a fit one is for gd_subdivision_create to say. */
+GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
+                                                enum gd_format format,
+                                                const struct gd_read_limits *limits,
+                                                struct gd_control_mesh *out,
                                                 struct gd_detail *detail);
 
 #endif

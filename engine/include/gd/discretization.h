@@ -1,7 +1,8 @@
 /* Discretization: triangles whose vertices lie on a limit surface and remember where.
  *
  *     struct gd_discretization fine;
- *     if (gd_discretize(surface, &(struct gd_discretize_options){.level = 5}, NULL, &fine, NULL) == GD_OK) {
+ *     if (gd_discretize(surface, &(struct gd_discretize_options){.level = 5}, NULL, &fine, NULL) ==
+ * GD_OK) {
  *         ...gd_mesh_create(&fine.polygons, ...)...
  *         gd_discretization_free(&fine);
  *     }
@@ -13,9 +14,13 @@
 
 struct gd_discretize_options {
     uint32_t
-        level; /* every edge of the control mesh becomes 2^level; from 1 on where it has polygons that are no quads (Loop: no triangles), at most 12 */
+        /* every edge of the control mesh becomes 2^level; from 1 on where it has polygons that are
+           no quads (Loop: no triangles), at most 12 */
+        level;
     double
-        tolerance; /* > 0: instead of `level`, so fine in every face that the triangles are this near to the surface */
+        /* > 0: instead of `level`, so fine in every face that the triangles are this near to the
+           surface */
+        tolerance;
     uint32_t max_faces; /* most triangles; 0: 2^28 */
 };
 
@@ -23,20 +28,25 @@ struct gd_discretize_options {
 struct gd_discretization {
     struct gd_polygons polygons;
     struct gd_limit_point *places; /* vertices on edges: in any of the faces */
-    struct gd_vec3 *normals;       /* of unit length; on a crease that of one side; 0 where there is none */
+    /* of unit length; on a crease that of one side; 0 where there is none */
+    struct gd_vec3 *normals;
 };
 
 /* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
 void gd_discretization_free(struct gd_discretization *discretization);
 
-/* Triangles over the limit surface whose vertices lie on it exactly, at dyadic places: of a quad's cells along the shorter diagonal, of a Loop triangle's cells as they
- * are. With a tolerance each face has its own level and neighbours are joined without cracks: an edge is as fine as the finer face beside it. How near the
- * triangles are is measured, not proven: at points two levels finer, across the surface, and from edges' chords. `options` and `control` may be NULL (level 0);
- * the caller frees `*out`. Errors: GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (over max_faces, or the tolerance asks for more
- * than level 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
- * Linear time, some 0.2 us a vertex, and for each control face that isn't regular some 10 us a level. 120 bytes a vertex. Thread-safe. */
+/* Triangles over the limit surface whose vertices lie on it exactly, at dyadic places: of a quad's
+ * cells along the shorter diagonal, of a Loop triangle's cells as they are. With a tolerance each
+ * face has its own level and neighbours are joined without cracks: an edge is as fine as the finer
+ * face beside it. How near the triangles are is measured, not proven: at points two levels finer,
+ * across the surface, and from edges' chords. `options` and `control` may be NULL (level 0); the
+ * caller frees `*out`. Errors: GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (over
+ * max_faces, or the tolerance asks for more than level 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Linear time, some 0.2 us a vertex, and for each control face that isn't regular some
+ * 10 us a level. 120 bytes a vertex. Thread-safe. */
 GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
-                                         const struct gd_discretize_options *options, const struct gd_control *control,
+                                         const struct gd_discretize_options *options,
+                                         const struct gd_control *control,
                                          struct gd_discretization *out, struct gd_detail *detail);
 
 #endif

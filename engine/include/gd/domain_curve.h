@@ -1,43 +1,55 @@
-/* Domain curve: a curve on a parametric surface, given in its parameter domain: polyline, B-spline, iso-parameter line, or a single point.
+/* Domain curve: a curve on a parametric surface, given in its parameter domain: polyline, B-spline,
+ * iso-parameter line, or a single point.
  *
  *     struct gd_domain_curve *line;
  *     if (gd_domain_curve_iso(torus, GD_ISO_U, 0.5, &line, &detail) == GD_OK) …
  *
- * All are B-splines: a polyline has degree 1 and its corners at the integers 0, 1, 2, …; an iso line runs through the whole domain, and its parameter
- * is the other coordinate. A curve whose ends are one place of the surface (also by way of a closed direction) is closed: its parameter is periodic.
- * Curves are immutable once made: any number of threads may read them. They keep their surface alive. */
+ * All are B-splines: a polyline has degree 1 and its corners at the integers 0, 1, 2, …; an iso
+ * line runs through the whole domain, and its parameter is the other coordinate. A curve whose ends
+ * are one place of the surface (also by way of a closed direction) is closed: its parameter is
+ * periodic. Curves are immutable once made: any number of threads may read them. They keep their
+ * surface alive. */
 #ifndef GD_DOMAIN_CURVE_H
 #define GD_DOMAIN_CURVE_H
 
 #include "gd/parametric.h"
 
-#define GD_DOMAIN_CURVE_COUNT_MAX   65536
-#define GD_DOMAIN_CURVE_PERIODS_MAX 1000000 /* that a place may lie away from the domain in a closed direction */
+#define GD_DOMAIN_CURVE_COUNT_MAX 65536
+/* that a place may lie away from the domain in a closed direction */
+#define GD_DOMAIN_CURVE_PERIODS_MAX 1000000
 
 struct gd_domain_curve;
 
 /* Which parameter stays. */
 enum gd_iso { GD_ISO_U, GD_ISO_V };
 
-/* Errors of all: GD_INVALID_ARGUMENT with a sentence (a number that is not finite, a place outside the domain or too many periods away from it, two corners in one place, knots that
- * are no knots, degree or count out of range), GD_NO_MEMORY; and with `control`, which may be NULL, GD_CANCELLED, GD_DEADLINE: where a long curve
- * crosses lines of the surface takes up to a tenth of a second to find. The caller owns one reference of `*out`. */
-GD_MUST_USE enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u, double v,
-                                                 struct gd_domain_curve **out, struct gd_detail *detail);
+/* Errors of all: GD_INVALID_ARGUMENT with a sentence (a number that is not finite, a place outside
+ * the domain or too many periods away from it, two corners in one place, knots that are no knots,
+ * degree or count out of range), GD_NO_MEMORY; and with `control`, which may be NULL, GD_CANCELLED,
+ * GD_DEADLINE: where a long curve crosses lines of the surface takes up to a tenth of a second to
+ * find. The caller owns one reference of `*out`. */
+GD_MUST_USE enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u,
+                                                 double v, struct gd_domain_curve **out,
+                                                 struct gd_detail *detail);
 
-/* Corners (u, v), at least two. In closed directions they may leave [low, high]: so a curve winds around. */
-GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, const double (*corners)[2],
-                                                    uint32_t count, const struct gd_control *control,
-                                                    struct gd_domain_curve **out, struct gd_detail *detail);
+/* Corners (u, v), at least two. In closed directions they may leave [low, high]: so a curve winds
+ * around. */
+GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
+                                                    const double (*corners)[2], uint32_t count,
+                                                    const struct gd_control *control,
+                                                    struct gd_domain_curve **out,
+                                                    struct gd_detail *detail);
 
 /* `knots`: count + degree + 1 of them. */
-GD_MUST_USE enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree,
-                                                   const double *knots, const double (*points)[2], uint32_t count,
-                                                   const struct gd_control *control, struct gd_domain_curve **out,
-                                                   struct gd_detail *detail);
+GD_MUST_USE enum gd_status
+gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree, const double *knots,
+                        const double (*points)[2], uint32_t count, const struct gd_control *control,
+                        struct gd_domain_curve **out, struct gd_detail *detail);
 
-GD_MUST_USE enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_iso fixed, double at,
-                                               struct gd_domain_curve **out, struct gd_detail *detail);
+GD_MUST_USE enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface,
+                                               enum gd_iso fixed, double at,
+                                               struct gd_domain_curve **out,
+                                               struct gd_detail *detail);
 
 struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve);
 void gd_domain_curve_release(const struct gd_domain_curve *curve); /* NULL is harmless */

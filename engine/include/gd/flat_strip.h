@@ -1,8 +1,10 @@
-/* Flat strip: the faces that a path runs through, laid into the plane one beside the other, and the path in them.
+/* Flat strip: the faces that a path runs through, laid into the plane one beside the other, and the
+ * path in them.
  *
- * Each face keeps its shape, and shares the edge over which the path leaves it with the next: what is measured along the strip is as on the surface. So a
- * geodesic is a straight line but for the vertices that it passes through, where the strip goes the way of fewer faces around. A strip may lie
- * across itself. */
+ * Each face keeps its shape, and shares the edge over which the path leaves it with the next: what
+ * is measured along the strip is as on the surface. So a geodesic is a straight line but for the
+ * vertices that it passes through, where the strip goes the way of fewer faces around. A strip may
+ * lie across itself. */
 #ifndef GD_FLAT_STRIP_H
 #define GD_FLAT_STRIP_H
 
@@ -23,12 +25,15 @@ struct gd_flat_strip {
     uint32_t point_count;
 };
 
-void gd_flat_strip_free(struct gd_flat_strip *strip); /* frees the arrays and zeroes; NULL is harmless */
+/* frees the arrays and zeroes; NULL is harmless */
+void gd_flat_strip_free(struct gd_flat_strip *strip);
 
-/* Lays out the faces of a path whose consecutive points have a face in common. `control` may be NULL; `*out` is the caller's to free. Thread-safe.
- * Errors: GD_INVALID_ARGUMENT (no points), GD_INTERNAL (two points that follow each other have no face in common), GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE.
- * O(points, and faces around the vertices among them). */
+/* Lays out the faces of a path whose consecutive points have a face in common. `control` may be
+ * NULL; `*out` is the caller's to free. Thread-safe. Errors: GD_INVALID_ARGUMENT (no points),
+ * GD_INTERNAL (two points that follow each other have no face in common), GD_NO_MEMORY, GD_BUDGET,
+ * GD_TOO_LARGE. O(points, and faces around the vertices among them). */
 GD_MUST_USE enum gd_status gd_flat_strip_of(const struct gd_mesh *mesh, const struct gd_path *path,
-                                            const struct gd_control *control, struct gd_flat_strip *out);
+                                            const struct gd_control *control,
+                                            struct gd_flat_strip *out);
 
 #endif

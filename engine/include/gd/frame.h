@@ -1,5 +1,5 @@
-/* Frame: three unit vectors at right angles that go along with a curve, for an object or a camera that moves along it ("Geodesic Hermite splines on
- * triangular meshes", section 5.3). */
+/* Frame: three unit vectors at right angles that go along with a curve, for an object or a camera
+ * that moves along it ("Geodesic Hermite splines on triangular meshes", section 5.3). */
 #ifndef GD_FRAME_H
 #define GD_FRAME_H
 
@@ -9,7 +9,9 @@ struct gd_frame {
     double parameter;
     struct gd_vec3 position; /* in the caller's unit */
     struct gd_vec3 tangent, normal,
-        binormal; /* normal: outwards, of the face into which the tangent leads; binormal = normal x tangent, to the left */
+        /* normal: outwards, of the face into which the tangent leads; binormal = normal x tangent,
+           to the left */
+        binormal;
 };
 
 /* The frame of a place. O(1). Thread-safe. */

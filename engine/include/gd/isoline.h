@@ -1,17 +1,21 @@
-/* Isoline: the points of a surface at one distance from the seeds of a field, as the exact curves that they form.
+/* Isoline: the points of a surface at one distance from the seeds of a field, as the exact curves
+ * that they form.
  *
  *     struct gd_isoline isoline;
  *     if (gd_isoline_trace(field, 0.25, NULL, &isoline) == GD_OK) {
- *         for (uint32_t i = 0; i < isoline.line_count; i++) printf("%.17g\n", isoline.lines[i].length);
- *         gd_isoline_free(&isoline);
+ *         for (uint32_t i = 0; i < isoline.line_count; i++) printf("%.17g\n",
+ * isoline.lines[i].length); gd_isoline_free(&isoline);
  *     }
  *
- * In a face the distance is the least of those from several unfolded sources, so that an isoline is a chain of circular arcs, each about one of
- * them, and of straight pieces, each parallel to a segment; they meet on edges and on the bisectors of their sources. Lines are closed, or open with
- * both ends on the boundary. Seen from outside, what is nearer to the seeds than the level lies to the left of a line. Nothing here is sampled: an arc's
- * end has the level's distance to 1e-9 relative (1e-14 is usual). A line that is no longer than rounding is a point, not a line, and is left out: where
- * the level is that of a local maximum, or zero. A ridge midway between two parallel segments has one height along a whole piece: a line at that
- * level goes there and back. */
+ * In a face the distance is the least of those from several unfolded sources, so that an isoline is
+ * a chain of circular arcs, each about one of them, and of straight pieces, each parallel to a
+ * segment; they meet on edges and on the bisectors of their sources. Lines are closed, or open with
+ * both ends on the boundary. Seen from outside, what is nearer to the seeds than the level lies to
+ * the left of a line. Nothing here is sampled: an arc's end has the level's distance to 1e-9
+ * relative (1e-14 is usual). A line that is no longer than rounding is a point, not a line, and is
+ * left out: where the level is that of a local maximum, or zero. A ridge midway between two
+ * parallel segments has one height along a whole piece: a line at that level goes there and back.
+ */
 #ifndef GD_ISOLINE_H
 #define GD_ISOLINE_H
 
@@ -19,16 +23,20 @@
 
 #include "gd/field.h"
 
-/* Counter-clockwise about its centre from angle `from` to `to` (an arc within rounding may run backwards). Angles and (u, v) are in the frame of the
- * face's plane whose origin is the face's corner 0 and whose x axis points to its corner 1 (gd_mesh_corners).
+/* Counter-clockwise about its centre from angle `from` to `to` (an arc within rounding may run
+ * backwards). Angles and (u, v) are in the frame of the face's plane whose origin is the face's
+ * corner 0 and whose x axis points to its corner 1 (gd_mesh_corners).
  *
- * Of radius 0: straight from point i of its line to point i + 1. Then (u, v) is point i, `from` is 0 and `to` the length. */
+ * Of radius 0: straight from point i of its line to point i + 1. Then (u, v) is point i, `from` is
+ * 0 and `to` the length. */
 struct gd_isoline_arc {
     struct gd_face face;
     double u, v, radius; /* the caller's unit */
     double from, to;     /* radians */
     struct gd_vec3
-        centre; /* (u, v) in space; mostly outside the face: it is where the arc's source lies, unfolded into the plane */
+        /* (u, v) in space; mostly outside the face: it is where the arc's source lies, unfolded
+           into the plane */
+        centre;
 };
 
 /* In the caller's unit. */
@@ -57,24 +65,32 @@ struct gd_isoline {
     size_t bytes; /* of the arrays */
 };
 
-/* Traces the isoline of a level >= 0. `control` may be NULL. The caller frees `*out` by gd_isoline_free.
- * Errors: GD_INVALID_ARGUMENT (a level that is negative or not finite), GD_BEYOND_REACH (a partial field ends before the level), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
- * Cost: one pass over edges and faces, and O(k^2) for each face that the line may cross, of k wedges around it. Thread-safe. */
+/* Traces the isoline of a level >= 0. `control` may be NULL. The caller frees `*out` by
+ * gd_isoline_free. Errors: GD_INVALID_ARGUMENT (a level that is negative or not finite),
+ * GD_BEYOND_REACH (a partial field ends before the level), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Cost: one pass over edges and faces, and O(k^2) for each face that the line may
+ * cross, of k wedges around it. Thread-safe. */
 GD_MUST_USE enum gd_status gd_isoline_trace(const struct gd_field *field, double level,
-                                            const struct gd_control *control, struct gd_isoline *out);
+                                            const struct gd_control *control,
+                                            struct gd_isoline *out);
 
-void gd_isoline_free(struct gd_isoline *isoline); /* frees the arrays and zeroes; NULL is harmless */
+/* frees the arrays and zeroes; NULL is harmless */
+void gd_isoline_free(struct gd_isoline *isoline);
 
-/* Unit vectors of the arc's frame: the point at angle a of a round one is centre + radius (cos(a) x + sin(a) y). */
-void gd_isoline_arc_axes(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc, struct gd_vec3 *x,
-                         struct gd_vec3 *y);
+/* Unit vectors of the arc's frame: the point at angle a of a round one is centre + radius (cos(a) x
+ * + sin(a) y). */
+void gd_isoline_arc_axes(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc,
+                         struct gd_vec3 *x, struct gd_vec3 *y);
 
-/* A line as a polyline, nowhere farther than `tolerance` > 0 (a length) from its arcs, of at most 1024 segments an arc; it keeps the line's points, has
- * more of them on the arcs, and ends in its first point when the line is closed. The length is that of the polyline. `control` may be NULL. The
- * caller frees `*out` by gd_path_free. Errors: GD_INVALID_ARGUMENT (the tolerance), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(points). */
-GD_MUST_USE enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh, const struct gd_isoline_line *line,
-                                              double tolerance, const struct gd_control *control, struct gd_path *out);
+/* A line as a polyline, nowhere farther than `tolerance` > 0 (a length) from its arcs, of at most
+ * 1024 segments an arc; it keeps the line's points, has more of them on the arcs, and ends in its
+ * first point when the line is closed. The length is that of the polyline. `control` may be NULL.
+ * The caller frees `*out` by gd_path_free. Errors: GD_INVALID_ARGUMENT (the tolerance),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(points). */
+GD_MUST_USE enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh,
+                                              const struct gd_isoline_line *line, double tolerance,
+                                              const struct gd_control *control,
+                                              struct gd_path *out);
 
 /* How many points that polyline has. O(arcs). */
 uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double tolerance);

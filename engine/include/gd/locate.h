@@ -4,16 +4,18 @@
 
 #include "gd/point.h"
 
-/* The point of the surface nearest to `xyz`; ties go to the lowest-numbered face. `max_snap` < 0: any distance will do; else a nearest point
- * farther than it is GD_NOT_ON_SURFACE. `*distance` (may be NULL) is how far `xyz` was moved, in the mesh's unit.
- * Errors: GD_INVALID_ARGUMENT (not finite), GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
-GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz, double max_snap,
-                                             struct gd_point *out, double *distance, struct gd_detail *detail);
+/* The point of the surface nearest to `xyz`; ties go to the lowest-numbered face. `max_snap` < 0:
+ * any distance will do; else a nearest point farther than it is GD_NOT_ON_SURFACE. `*distance` (may
+ * be NULL) is how far `xyz` was moved, in the mesh's unit. Errors: GD_INVALID_ARGUMENT (not
+ * finite), GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
+GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz,
+                                             double max_snap, struct gd_point *out,
+                                             double *distance, struct gd_detail *detail);
 
-/* The first point of the surface that the ray meets, from either side; watertight along edges and vertices. A face seen exactly edge-on is met
- * at its border, or at the origin if that lies on it.
- * Errors: GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or an origin
- * beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
+/* The first point of the surface that the ray meets, from either side; watertight along edges and
+ * vertices. A face seen exactly edge-on is met at its border, or at the origin if that lies on it.
+ * Errors: GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or
+ * an origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);

@@ -1,6 +1,7 @@
 /* NURBS: a tensor-product rational B-spline surface as a parametric surface.
  *
- * Source: L. Piegl, W. Tiller, The NURBS Book, chapters 2 to 4. Trimming loops are not supported. */
+ * Source: L. Piegl, W. Tiller, The NURBS Book, chapters 2 to 4. Trimming loops are not supported.
+ */
 #ifndef GD_NURBS_H
 #define GD_NURBS_H
 
@@ -14,7 +15,9 @@ enum gd_nurbs_convention {
     GD_NURBS_CANONICAL, /* points as they are, n + degree + 1 knots for n control points */
     GD_NURBS_THREE,     /* three.js: the same */
     GD_NURBS_VERB,      /* verb-nurbs: points multiplied by their weight */
-    GD_NURBS_RHINO /* openNURBS: points multiplied by their weight, no superfluous first and last knot: n + degree - 1 knots */
+    /* openNURBS: points multiplied by their weight, no superfluous first and last knot: n + degree
+       - 1 knots */
+    GD_NURBS_RHINO
 };
 
 /* Borrowed for the call. */
@@ -29,16 +32,16 @@ struct gd_nurbs_data {
 };
 
 /* Why data are no surface. X(NAME, name) */
-#define GD_NURBS_FLAW_MAP(X)                                                                                           \
-    X(NONE, none)                                                                                                      \
-    X(DEGREE, degree)                                                                                                  \
-    X(CONTROL_COUNT, control_count)                                                                                    \
-    X(KNOT_COUNT, knot_count)                                                                                          \
-    X(NON_FINITE, non_finite)                                                                                          \
-    X(DECREASING_KNOTS, decreasing_knots)                                                                              \
-    X(KNOT_MULTIPLICITY, knot_multiplicity)                                                                            \
-    X(EMPTY_DOMAIN, empty_domain)                                                                                      \
-    X(WEIGHT, weight)                                                                                                  \
+#define GD_NURBS_FLAW_MAP(X)                                                                       \
+    X(NONE, none)                                                                                  \
+    X(DEGREE, degree)                                                                              \
+    X(CONTROL_COUNT, control_count)                                                                \
+    X(KNOT_COUNT, knot_count)                                                                      \
+    X(NON_FINITE, non_finite)                                                                      \
+    X(DECREASING_KNOTS, decreasing_knots)                                                          \
+    X(KNOT_MULTIPLICITY, knot_multiplicity)                                                        \
+    X(EMPTY_DOMAIN, empty_domain)                                                                  \
+    X(WEIGHT, weight)                                                                              \
     X(EXTENT, extent)
 
 enum gd_nurbs_flaw {
@@ -50,12 +53,14 @@ enum gd_nurbs_flaw {
 /* The flaw's name in snake_case ("decreasing_knots"): static. */
 const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw);
 
-/* The first flaw of the data and a sentence that says where; GD_NURBS_FLAW_NONE: there is none. `detail` may be NULL. O(data). Thread-safe. */
+/* The first flaw of the data and a sentence that says where; GD_NURBS_FLAW_NONE: there is none.
+ * `detail` may be NULL. O(data). Thread-safe. */
 enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_detail *detail);
 
-/* The surface of the data. Closed directions (both borders the same curve) and poles (a border that is one point) are recognised; interior knots are its
- * lines. Errors: GD_INVALID_ARGUMENT (a flaw: the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller owns one reference of `*out`. */
-GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_parametric **out,
-                                           struct gd_detail *detail);
+/* The surface of the data. Closed directions (both borders the same curve) and poles (a border that
+ * is one point) are recognised; interior knots are its lines. Errors: GD_INVALID_ARGUMENT (a flaw:
+ * the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller owns one reference of `*out`. */
+GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
+                                           struct gd_parametric **out, struct gd_detail *detail);
 
 #endif

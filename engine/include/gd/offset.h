@@ -5,11 +5,13 @@
 #include "gd/curve.h"
 #include "gd/isoline.h"
 
-/* The isoline of the curve's exact field at a distance > 0: all points of the surface that are so far from the curve, on both sides of it and around its ends.
- * None where nothing is that far. The caller frees `*out` by gd_isoline_free. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (the distance), and those of
- * gd_field_build and gd_isoline_trace. Cost: of a field that reaches as far as the distance. Thread-safe. */
-GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve, double distance,
-                                           const struct gd_control *control, struct gd_isoline *out,
-                                           struct gd_detail *detail);
+/* The isoline of the curve's exact field at a distance > 0: all points of the surface that are so
+ * far from the curve, on both sides of it and around its ends. None where nothing is that far. The
+ * caller frees `*out` by gd_isoline_free. `control` and `detail` may be NULL. Errors:
+ * GD_INVALID_ARGUMENT (the distance), and those of gd_field_build and gd_isoline_trace. Cost: of a
+ * field that reaches as far as the distance. Thread-safe. */
+GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                           double distance, const struct gd_control *control,
+                                           struct gd_isoline *out, struct gd_detail *detail);
 
 #endif

@@ -1,4 +1,5 @@
-/* Indexed polygons: what a mesh file holds, before anyone asked whether it is a surface. io makes and writes them, mesh builds from them. */
+/* Indexed polygons: what a mesh file holds, before anyone asked whether it is a surface. io makes
+ * and writes them, mesh builds from them. */
 #ifndef GD_POLYGONS_H
 #define GD_POLYGONS_H
 

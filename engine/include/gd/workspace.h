@@ -1,7 +1,9 @@
-/* Workspace: memory that a long call leaves behind for the next one, so that it need not be taken from the system, cleared and faulted in again.
+/* Workspace: memory that a long call leaves behind for the next one, so that it need not be taken
+ * from the system, cleared and faulted in again.
  *
- * Without one each call takes what it needs and gives it back. With one (struct gd_control) small queries on large meshes cost what they touch,
- * not what the mesh holds. One call at a time; give each worker thread its own. */
+ * Without one each call takes what it needs and gives it back. With one (struct gd_control) small
+ * queries on large meshes cost what they touch, not what the mesh holds. One call at a time; give
+ * each worker thread its own. */
 #ifndef GD_WORKSPACE_H
 #define GD_WORKSPACE_H
 
@@ -19,8 +21,8 @@ size_t gd_workspace_bytes(const struct gd_workspace *workspace);
 /* Gives its memory back; it stays usable. */
 void gd_workspace_trim(struct gd_workspace *workspace);
 
-/* Memory of fields that were released is kept for the next ones, up to so many bytes in the whole process; 0, as at first, keeps none.
- * Thread-safe. */
+/* Memory of fields that were released is kept for the next ones, up to so many bytes in the whole
+ * process; 0, as at first, keeps none. Thread-safe. */
 void gd_spare_memory(size_t bytes);
 
 #endif

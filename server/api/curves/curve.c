@@ -24,14 +24,16 @@ static void release(struct server_query *query)
     proto_curve_operation_free(&operating->wanted);
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct operating *operating = (struct operating *)query;
     return proto_curve_operation_decode(document, &operating->wanted, problem) &&
-           proto_curve_locate(query->surface->mesh, &operating->wanted.curve, &operating->curve, problem);
+           proto_curve_locate(query->surface->mesh, &operating->wanted.curve, &operating->curve,
+                              problem);
 }
 
-/* --- the operations ----------------------------------------------------------------------------------------------- */
+/* --- the operations --------------------------------------------------------------------------- */
 
 static enum gd_status resample(struct operating *operating, const struct gd_curve *curve,
                                const struct gd_control *control, struct gd_detail *detail)
@@ -39,7 +41,8 @@ static enum gd_status resample(struct operating *operating, const struct gd_curv
     struct proto_curve_result *result = &operating->result;
     struct gd_resampling resampling;
     enum gd_status status =
-        gd_curve_resample(operating->query.surface->mesh, curve, operating->wanted.count, control, &resampling, detail);
+        gd_curve_resample(operating->query.surface->mesh, curve, operating->wanted.count, control,
+                          &resampling, detail);
     if (status) return status;
     result->curve = resampling.curve;
     result->points = resampling.points;
@@ -54,9 +57,11 @@ static enum gd_status shorten(struct operating *operating, const struct gd_curve
     struct gd_shortening shortening;
     if (operating->wanted.operation == PROTO_OPERATION_CLOSED_GEODESIC && !curve->closed)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a closed geodesic comes from a closed curve; say \"closed\": true, or \"shorten\" this one");
-    enum gd_status status = gd_curve_shorten(operating->query.surface->mesh, curve, operating->wanted.rounds,
-                                             operating->wanted.pieces, control, &shortening, detail);
+                       "a closed geodesic comes from a closed curve; say \"closed\": true, or "
+                       "\"shorten\" this one");
+    enum gd_status status =
+        gd_curve_shorten(operating->query.surface->mesh, curve, operating->wanted.rounds,
+                         operating->wanted.pieces, control, &shortening, detail);
     if (status) return status;
     result->curve = shortening.curve;
     result->turn = shortening.turn;
@@ -74,8 +79,8 @@ static enum gd_status flatten(struct operating *operating, const struct gd_isoli
     result->is_closed = calloc(isoline->line_count + (size_t)1, sizeof *result->is_closed);
     if (!result->paths || !result->is_closed) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < isoline->line_count && !status; i++) {
-        status = gd_isoline_flatten(operating->query.surface->mesh, &isoline->lines[i], operating->wanted.tolerance,
-                                    control, &result->paths[i]);
+        status = gd_isoline_flatten(operating->query.surface->mesh, &isoline->lines[i],
+                                    operating->wanted.tolerance, control, &result->paths[i]);
         if (status) break;
         result->is_closed[i] = isoline->lines[i].closed;
         result->path_count++;
@@ -87,16 +92,16 @@ static enum gd_status offset(struct operating *operating, const struct gd_curve 
                              const struct gd_control *control, struct gd_detail *detail)
 {
     struct gd_isoline isoline;
-    enum gd_status status =
-        gd_curve_offset(operating->query.surface->mesh, curve, operating->wanted.distance, control, &isoline, detail);
+    enum gd_status status = gd_curve_offset(operating->query.surface->mesh, curve,
+                                            operating->wanted.distance, control, &isoline, detail);
     if (status) return status;
     status = flatten(operating, &isoline, control);
     gd_isoline_free(&isoline);
     return status;
 }
 
-static enum gd_status operate(struct operating *operating, struct gd_curve *curve, const struct gd_control *control,
-                              struct gd_detail *detail)
+static enum gd_status operate(struct operating *operating, struct gd_curve *curve,
+                              const struct gd_control *control, struct gd_detail *detail)
 {
     struct proto_curve_result *result = &operating->result;
     switch (result->operation) {
@@ -119,11 +124,12 @@ static size_t bytes_of(const struct proto_curve_result *result)
 {
     size_t points = (size_t)result->curve.count + result->point_count;
     for (uint32_t i = 0; i < result->path_count; i++) points += result->paths[i].count;
-    return points * sizeof(struct gd_point) + result->path_count * (sizeof *result->paths + sizeof *result->is_closed);
+    return points * sizeof(struct gd_point) +
+           result->path_count * (sizeof *result->paths + sizeof *result->is_closed);
 }
 
-static enum gd_status make(struct server_query *query, struct gd_curve *curve, const struct gd_control *control,
-                           struct gd_detail *detail, size_t *kept)
+static enum gd_status make(struct server_query *query, struct gd_curve *curve,
+                           const struct gd_control *control, struct gd_detail *detail, size_t *kept)
 {
     struct operating *operating = (struct operating *)query;
     operating->result = (struct proto_curve_result){.operation = operating->wanted.operation};
@@ -135,7 +141,7 @@ static enum gd_status make(struct server_query *query, struct gd_curve *curve, c
     return status;
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
@@ -146,7 +152,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
                                            .share = CURVE_SHARE,
                                            .what = "the curve"};
     if (!server_curve_call_make(query, &call, problem)) return SERVER_QUERY_FAILED;
-    proto_curve_result_encode(&query->draft, query->surface->mesh, &operating->result, &query->options);
+    proto_curve_result_encode(&query->draft, query->surface->mesh, &operating->result,
+                              &query->options);
     return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 

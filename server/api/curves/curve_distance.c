@@ -1,4 +1,5 @@
-/* Curve distance: from the field of one curve how far another one is; for the Hausdorff distance then the other way round. */
+/* Curve distance: from the field of one curve how far another one is; for the Hausdorff distance
+ * then the other way round. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -22,14 +23,17 @@ struct curves {
     struct gd_curve_distance found[2]; /* by the field's curve */
 };
 
-/* --- the curves --------------------------------------------------------------------------------------------------- */
+/* --- the curves ------------------------------------------------------------------------------- */
 
-/* A curve again from its seeds: points, and behind each its segment but for the last of an open one. */
+/* A curve again from its seeds: points, and behind each its segment but for the last of an open
+ * one. */
 static bool curve_of(const struct proto_located_set *set, struct gd_curve *out)
 {
-    struct gd_curve curve = {.count = (set->seed_count + 1) / 2, .closed = set->seed_count % 2 == 0};
+    struct gd_curve curve = {.count = (set->seed_count + 1) / 2,
+                             .closed = set->seed_count % 2 == 0};
     curve.points = malloc(curve.count * sizeof *curve.points);
-    for (uint32_t i = 0; i < curve.count && curve.points; i++) curve.points[i] = set->seeds[2 * i].point;
+    for (uint32_t i = 0; i < curve.count && curve.points; i++)
+        curve.points[i] = set->seeds[2 * i].point;
     *out = curve;
     return curve.points;
 }
@@ -37,7 +41,8 @@ static bool curve_of(const struct proto_located_set *set, struct gd_curve *out)
 static bool resolve(struct curves *curves, int which, struct proto_problem *problem)
 {
     struct server_query *query = &curves->field.query;
-    struct server_monitor part = server_query_monitor(query, which * SETS_SHARE / 2, SETS_SHARE / 2);
+    struct server_monitor part =
+        server_query_monitor(query, which * SETS_SHARE / 2, SETS_SHARE / 2);
     const struct proto_set *set = which == A ? &curves->wanted.a : &curves->wanted.b;
     if (!server_set_resolve(query, &part, set, &curves->set[which], problem)) return false;
     return curve_of(curves->set[which], &curves->curve[which]) ||
@@ -53,7 +58,7 @@ static bool prepare(struct server_field_query *query, struct proto_problem *prob
     return true;
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static enum server_query_turn answer(struct server_field_query *query, const struct gd_field *field,
                                      struct server_monitor *part, struct proto_problem *problem)
@@ -62,9 +67,10 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     const struct gd_control control = server_exchange_control(part);
     int source = curves->source;
     const struct gd_curve *of = &curves->curve[source], *other = &curves->curve[!source];
-    enum gd_status status = curves->wanted.hausdorff
-                                ? gd_curve_farthest(field, of, other, &control, &curves->found[source])
-                                : gd_curve_distance(field, of, other, &control, &curves->found[source]);
+    enum gd_status status =
+        curves->wanted.hausdorff
+            ? gd_curve_farthest(field, of, other, &control, &curves->found[source])
+            : gd_curve_distance(field, of, other, &control, &curves->found[source]);
     if (status) return server_query_fail(&query->query, status, WHAT, problem);
     if (!curves->wanted.hausdorff || source == B) return SERVER_QUERY_DONE;
     curves->source = B;
@@ -72,7 +78,8 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     return SERVER_QUERY_AGAIN;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct curves *curves = (struct curves *)query;
     curves->field.prepare = prepare;
@@ -84,9 +91,11 @@ static void encode(const struct server_query *query, struct proto_writer *writer
 {
     const struct curves *curves = (const struct curves *)query;
     if (curves->wanted.hausdorff)
-        proto_hausdorff_encode(writer, query->surface->mesh, &curves->found[B], &curves->found[A], &query->options);
+        proto_hausdorff_encode(writer, query->surface->mesh, &curves->found[B], &curves->found[A],
+                               &query->options);
     else
-        proto_curve_distance_encode(writer, query->surface->mesh, &curves->found[A], &query->options);
+        proto_curve_distance_encode(writer, query->surface->mesh, &curves->found[A],
+                                    &query->options);
 }
 
 static void release(struct server_query *query)

@@ -1,5 +1,5 @@
-/* Cut: a mesh along a curve. A worker cuts it and builds the pieces, the registry's writer stores them, a worker
- * writes the answer. */
+/* Cut: a mesh along a curve. A worker cuts it and builds the pieces, the registry's writer stores
+ * them, a worker writes the answer. */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -29,18 +29,22 @@ struct cut {
     struct gd_cut cut;
     struct server_making making;
     bool is_stored;
-    bool (*work)(struct server_exchange *exchange); /* of the query, which goes on after the meshes are stored */
+    /* of the query, which goes on after the meshes are stored */
+    bool (*work)(struct server_exchange *exchange);
 };
 
-/* --- the cut ------------------------------------------------------------------------------------------------------ */
+/* --- the cut ---------------------------------------------------------------------------------- */
 
-static enum gd_status cut_mesh(struct server_query *query, struct gd_curve *curve, const struct gd_control *control,
-                               struct gd_detail *detail, size_t *kept)
+static enum gd_status cut_mesh(struct server_query *query, struct gd_curve *curve,
+                               const struct gd_control *control, struct gd_detail *detail,
+                               size_t *kept)
 {
     struct cut *cut = (struct cut *)query;
-    const struct gd_cut_request request = {
-        .curve = curve, .inside = cut->has_inside ? &cut->inside : NULL, .select_only = cut->select_only};
-    enum gd_status status = gd_cut_along(query->surface->mesh, &request, control, &cut->cut, detail);
+    const struct gd_cut_request request = {.curve = curve,
+                                           .inside = cut->has_inside ? &cut->inside : NULL,
+                                           .select_only = cut->select_only};
+    enum gd_status status =
+        gd_cut_along(query->surface->mesh, &request, control, &cut->cut, detail);
     if (!status) *kept = cut->cut.bytes;
     return status;
 }
@@ -56,30 +60,35 @@ static bool make_cut(struct cut *cut, struct proto_problem *problem)
     return server_curve_call_make(&cut->query, &call, problem);
 }
 
-/* --- the meshes --------------------------------------------------------------------------------------------------- */
+/* --- the meshes ------------------------------------------------------------------------------- */
 
 static bool check_count(const struct cut *cut, struct proto_problem *problem)
 {
     uint32_t count = cut->cut.piece_count;
     if (cut->names && count != cut->name_count)
-        return proto_problem_refuse(problem, "/names", "the cut gives %u pieces, and there are %u names", count,
+        return proto_problem_refuse(problem, "/names",
+                                    "the cut gives %u pieces, and there are %u names", count,
                                     cut->name_count);
     if (count <= SERVER_MADE_MOST) return true;
-    proto_problem_set(
-        problem, PROTO_PROBLEM_TOO_LARGE,
-        "the cut gives %u pieces, and at most %d become meshes at a time; choose one by \"inside\", or ask "
-        "with \"select_only\"",
-        count, SERVER_MADE_MOST);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
+                      "by \"inside\", or ask "
+                      "with \"select_only\"",
+                      count, SERVER_MADE_MOST);
     return proto_problem_limit(problem, SERVER_MADE_MOST);
 }
 
-/* The i-th piece's name, that which was given or the parent's with a number. False: that is too long. */
-static bool name_piece(const struct cut *cut, uint32_t i, char name[PROTO_MESH_NAME + 1], struct proto_problem *problem)
+/* The i-th piece's name, that which was given or the parent's with a number. False: that is too
+ * long. */
+static bool name_piece(const struct cut *cut, uint32_t i, char name[PROTO_MESH_NAME + 1],
+                       struct proto_problem *problem)
 {
     int length = cut->names ? snprintf(name, PROTO_MESH_NAME + 1, "%s", cut->names[i])
-                            : snprintf(name, PROTO_MESH_NAME + 1, "%s-%u", cut->query.surface->record->name, i + 1);
+                            : snprintf(name, PROTO_MESH_NAME + 1, "%s-%u",
+                                       cut->query.surface->record->name, i + 1);
     return length <= PROTO_MESH_NAME ||
-           proto_problem_refuse(problem, "/names", "the mesh's name is too long to be numbered; name the pieces");
+           proto_problem_refuse(problem, "/names",
+                                "the mesh's name is too long to be numbered; name the pieces");
 }
 
 static bool make_meshes(struct cut *cut, struct proto_problem *problem)
@@ -118,7 +127,8 @@ static bool store(struct server_exchange *exchange)
     const char *taken = find_taken(cut);
     if (taken) {
         server_reply_refusal(exchange, PROTO_PROBLEM_CONFLICT,
-                             "there is another mesh of the name '%s' already; give the pieces \"names\" of their own",
+                             "there is another mesh of the name '%s' already; give the pieces "
+                             "\"names\" of their own",
                              taken);
         return true;
     }
@@ -133,17 +143,18 @@ static bool store(struct server_exchange *exchange)
     return false;
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct cut *cut = (struct cut *)query;
     struct proto_cut wanted;
     double snap;
     if (!proto_cut_decode(document, &wanted, problem)) return false;
-    bool ok =
-        proto_curve_locate(query->surface->mesh, &wanted.curve, &cut->curve, problem) &&
-        (!wanted.has_inside || proto_point_locate(query->surface->mesh, &wanted.inside, &cut->inside, &snap, problem));
+    bool ok = proto_curve_locate(query->surface->mesh, &wanted.curve, &cut->curve, problem) &&
+              (!wanted.has_inside || proto_point_locate(query->surface->mesh, &wanted.inside,
+                                                        &cut->inside, &snap, problem));
     cut->has_inside = wanted.has_inside;
     cut->select_only = wanted.select_only;
     cut->names = wanted.names;

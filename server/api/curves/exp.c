@@ -16,7 +16,9 @@ struct exp_map {
     struct gd_point start;
     double snap; /* how far it was moved; NAN: not at all */
     struct gd_vector *
-        segments; /* of all vectors, by wanted.vectors.first; of those after a vector's first only the angle is known */
+        /* of all vectors, by wanted.vectors.first; of those after a vector's first only the angle
+           is known */
+        segments;
     struct gd_point *ends;
 };
 
@@ -28,22 +30,23 @@ static void release(struct server_query *query)
     free(map->ends);
 }
 
-/* --- the question ------------------------------------------------------------------------------------------------- */
+/* --- the question ----------------------------------------------------------------------------- */
 
 static bool locate_vector(struct exp_map *map, uint32_t i, struct proto_problem *problem)
 {
     const struct proto_vectors *vectors = &map->wanted.vectors;
     uint32_t first = vectors->first[i];
     if (first == vectors->first[i + 1]) return true;
-    if (!proto_segment_locate(map->query.surface->mesh, &map->start, &vectors->segments[first], &map->segments[first],
-                              problem))
+    if (!proto_segment_locate(map->query.surface->mesh, &map->start, &vectors->segments[first],
+                              &map->segments[first], problem))
         return false;
     for (uint32_t k = first + 1; k < vectors->first[i + 1]; k++) {
         const struct proto_segment *segment = &vectors->segments[k];
         if (!segment->direction.has_angle)
-            return proto_problem_refuse(problem, segment->direction.place,
-                                        "after the first one a segment takes an angle: where it begins is known only "
-                                        "on the way");
+            return proto_problem_refuse(
+                problem, segment->direction.place,
+                "after the first one a segment takes an angle: where it begins is known only "
+                "on the way");
         map->segments[k] = (struct gd_vector){{.angle = segment->direction.angle}, segment->length};
     }
     return true;
@@ -58,21 +61,23 @@ static bool locate_vectors(struct exp_map *map, struct proto_problem *problem)
     for (uint32_t i = 0; i < vectors->count; i++)
         if (!locate_vector(map, i, problem)) return false;
     if (!vectors->factors) return true;
-    map->segments[0] =
-        gd_vector_combine(map->query.surface->mesh, &map->start, map->segments, vectors->factors, vectors->count);
+    map->segments[0] = gd_vector_combine(map->query.surface->mesh, &map->start, map->segments,
+                                         vectors->factors, vectors->count);
     vectors->count = 1;
     return true;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct exp_map *map = (struct exp_map *)query;
     return proto_exp_decode(document, &map->wanted, problem) &&
-           proto_point_locate(query->surface->mesh, &map->wanted.start, &map->start, &map->snap, problem) &&
+           proto_point_locate(query->surface->mesh, &map->wanted.start, &map->start, &map->snap,
+                              problem) &&
            locate_vectors(map, problem);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static bool fail(const struct exp_map *map, enum gd_status status, const struct gd_detail *detail,
                  struct proto_problem *problem)
@@ -101,12 +106,13 @@ static bool write_path(struct exp_map *map, uint32_t i, struct proto_problem *pr
     const struct gd_mesh *mesh = map->query.surface->mesh;
     const struct proto_vectors *vectors = &map->wanted.vectors;
     uint32_t first = vectors->first[i], count = vectors->first[i + 1] - first;
-    struct server_monitor part = server_query_monitor(&map->query, (double)i / vectors->count, 1.0 / vectors->count);
+    struct server_monitor part =
+        server_query_monitor(&map->query, (double)i / vectors->count, 1.0 / vectors->count);
     const struct gd_control control = server_exchange_control(&part);
     struct gd_detail detail = {0};
     struct gd_trace trace;
-    enum gd_status status =
-        gd_vector_exp(mesh, &map->start, &map->segments[first], count, &options, &control, &trace, &detail);
+    enum gd_status status = gd_vector_exp(mesh, &map->start, &map->segments[first], count, &options,
+                                          &control, &trace, &detail);
     if (status) return fail(map, status, &detail, problem);
     map->ends[i] = trace.path.points[trace.path.count - 1];
     if (map->query.options.fields & PROTO_EXP_FIELD_PATHS)
@@ -138,7 +144,8 @@ static void write_vectors(struct exp_map *map)
         uint32_t first = vectors->first[i];
         double length = exists(map, i) ? 0 : INFINITY;
         for (uint32_t k = first; k < vectors->first[i + 1]; k++) length += map->segments[k].length;
-        bool has_direction = exists(map, i) && (vectors->factors || vectors->segments[first].has_direction);
+        bool has_direction =
+            exists(map, i) && (vectors->factors || vectors->segments[first].has_direction);
         proto_vector_encode(writer, has_direction ? &map->segments[first].direction : NULL, length);
     }
     proto_write_array_end(writer);
@@ -175,7 +182,8 @@ static bool write_answer(struct exp_map *map, struct proto_problem *problem)
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct exp_map *map = (struct exp_map *)query;
-    enum gd_status status = server_query_take(query, 2 * (size_t)PROTO_TRACE_STEPS * sizeof(struct gd_point));
+    enum gd_status status =
+        server_query_take(query, 2 * (size_t)PROTO_TRACE_STEPS * sizeof(struct gd_point));
     if (status) return server_query_fail(query, status, WHAT, problem);
     if (!write_answer(map, problem)) return SERVER_QUERY_FAILED;
     return server_query_end_draft(query, GD_OK, WHAT, problem);

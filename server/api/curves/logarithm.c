@@ -1,5 +1,6 @@
-/* Log: the vectors of the shortest paths from a point to others. A few are searched one by one, unless the field of the point is cached; for many, and
- * for all vertices, the field is found, built or waited for (field_query.h). */
+/* Log: the vectors of the shortest paths from a point to others. A few are searched one by one,
+ * unless the field of the point is cached; for many, and for all vertices, the field is found,
+ * built or waited for (field_query.h). */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -31,7 +32,7 @@ static void release(struct server_query *query)
     server_field_query_release(query);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static bool wants_vectors(const struct log_map *map)
 {
@@ -43,13 +44,15 @@ static void begin_answer(struct log_map *map)
     struct proto_writer *writer = &map->field.query.draft;
     proto_write_object_begin(writer);
     if (map->field.query.options.fields & PROTO_LOG_FIELD_FROM)
-        proto_member_point(writer, "from", map->field.query.surface->mesh, &map->from.point, map->snap);
+        proto_member_point(writer, "from", map->field.query.surface->mesh, &map->from.point,
+                           map->snap);
     if (!wants_vectors(map)) return;
     proto_write_key(writer, "vectors");
     proto_write_array_begin(writer);
 }
 
-static enum server_query_turn end_answer(struct log_map *map, enum gd_status status, struct proto_problem *problem)
+static enum server_query_turn end_answer(struct log_map *map, enum gd_status status,
+                                         struct proto_problem *problem)
 {
     struct proto_writer *writer = &map->field.query.draft;
     if (wants_vectors(map)) proto_write_array_end(writer);
@@ -79,15 +82,17 @@ static enum gd_status write_pair(struct log_map *map, struct gd_pair_answer *ans
     return server_query_check_draft(&map->field.query);
 }
 
-/* --- from the field ----------------------------------------------------------------------------------------------- */
+/* --- from the field --------------------------------------------------------------------------- */
 
-static enum gd_status write_targets(struct log_map *map, const struct gd_field *field, struct server_monitor *part)
+static enum gd_status write_targets(struct log_map *map, const struct gd_field *field,
+                                    struct server_monitor *part)
 {
     const struct gd_control control = server_exchange_control(part);
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < map->to.count && !status; i++) {
         struct gd_pair_answer answer;
-        status = gd_pair_from_field(field, &map->from.point, &map->to.points[i], GD_PAIR_PATH_AND_CUT, &answer);
+        status = gd_pair_from_field(field, &map->from.point, &map->to.points[i],
+                                    GD_PAIR_PATH_AND_CUT, &answer);
         if (!status) status = write_pair(map, &answer);
         if (!status) status = gd_control_check(&control, (double)(i + 1) / map->to.count);
     }
@@ -102,12 +107,13 @@ static void write_vertex(struct log_map *map, double angle, double length)
         proto_write_null(&map->field.query.draft); /* no face has it */
         return;
     }
-    bool has_direction = !isnan(angle) && !gd_direction_at_angle(mesh, &map->from.point, angle, &direction, NULL);
+    bool has_direction =
+        !isnan(angle) && !gd_direction_at_angle(mesh, &map->from.point, angle, &direction, NULL);
     proto_vector_encode(&map->field.query.draft, has_direction ? &direction : NULL, length);
 }
 
-static enum gd_status write_vertices(struct log_map *map, const double *angles, const double *lengths,
-                                     const struct gd_control *control)
+static enum gd_status write_vertices(struct log_map *map, const double *angles,
+                                     const double *lengths, const struct gd_control *control)
 {
     uint32_t count = gd_mesh_summary(map->field.query.surface->mesh)->index_count;
     enum gd_status status = GD_OK;
@@ -120,15 +126,20 @@ static enum gd_status write_vertices(struct log_map *map, const double *angles, 
     return status ? status : server_query_check_draft(&map->field.query);
 }
 
-static enum gd_status write_all(struct log_map *map, const struct gd_field *field, struct server_monitor *part)
+static enum gd_status write_all(struct log_map *map, const struct gd_field *field,
+                                struct server_monitor *part)
 {
-    struct server_monitor first = server_monitor_portion(part, 0, 0.5), second = server_monitor_portion(part, 0.5, 0.5);
-    const struct gd_control mapping = server_exchange_control(&first), writing = server_exchange_control(&second);
-    size_t count = gd_mesh_summary(map->field.query.surface->mesh)->index_count, bytes = 2 * count * BYTES_A_NODE;
+    struct server_monitor first = server_monitor_portion(part, 0, 0.5),
+                          second = server_monitor_portion(part, 0.5, 0.5);
+    const struct gd_control mapping = server_exchange_control(&first),
+                            writing = server_exchange_control(&second);
+    size_t count = gd_mesh_summary(map->field.query.surface->mesh)->index_count,
+           bytes = 2 * count * BYTES_A_NODE;
     enum gd_status status = server_query_take(&map->field.query, bytes);
     if (status) return status;
     double *angles = malloc(2 * count * sizeof *angles);
-    status = angles ? gd_vector_log_all(field, &mapping, angles, angles + count, NULL) : GD_NO_MEMORY;
+    status =
+        angles ? gd_vector_log_all(field, &mapping, angles, angles + count, NULL) : GD_NO_MEMORY;
     if (!status) status = write_vertices(map, angles, angles + count, &writing);
     free(angles);
     return status;
@@ -139,12 +150,15 @@ static enum server_query_turn answer(struct server_field_query *query, const str
 {
     struct log_map *map = (struct log_map *)query;
     begin_answer(map);
-    return end_answer(map, map->to.count ? write_targets(map, field, part) : write_all(map, field, part), problem);
+    return end_answer(map,
+                      map->to.count ? write_targets(map, field, part) : write_all(map, field, part),
+                      problem);
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct log_map *map = (struct log_map *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
@@ -177,8 +191,8 @@ static enum gd_status search(struct log_map *map)
         struct server_monitor part =
             server_query_monitor(&map->field.query, (double)i / map->to.count, 1.0 / map->to.count);
         struct gd_pair_answer answer;
-        status = server_shortest_path(&map->field.query, &part, &map->from.point, &map->to.points[i],
-                                      GD_PAIR_PATH_AND_CUT, &answer);
+        status = server_shortest_path(&map->field.query, &part, &map->from.point,
+                                      &map->to.points[i], GD_PAIR_PATH_AND_CUT, &answer);
         if (!status) status = write_pair(map, &answer);
     }
     return status;

@@ -28,14 +28,15 @@ static void release(struct server_query *query)
     proto_spline_free(&drawing->wanted);
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct drawing *drawing = (struct drawing *)query;
     return proto_spline_decode(document, "", false, &drawing->wanted, problem) &&
            proto_spline_locate(query->surface->mesh, &drawing->wanted, &drawing->located, problem);
 }
 
-/* --- the curve ---------------------------------------------------------------------------------------------------- */
+/* --- the curve -------------------------------------------------------------------------------- */
 
 struct making {
     struct drawing *drawing;
@@ -59,12 +60,12 @@ static enum gd_status make(void *user, const struct gd_control *control, size_t 
     const struct gd_mesh *mesh = drawing->query.surface->mesh;
     making->detail = (struct gd_detail){0};
     making->part = server_query_monitor(&drawing->query, 0, BUILD_SHARE);
-    enum gd_status status =
-        gd_spline_build(mesh, &drawing->located.request, control, &drawing->spline, &making->detail);
+    enum gd_status status = gd_spline_build(mesh, &drawing->located.request, control,
+                                            &drawing->spline, &making->detail);
     if (status) return status;
     making->part = server_query_monitor(&drawing->query, BUILD_SHARE, 1 - BUILD_SHARE);
-    status =
-        gd_spline_sample(mesh, &drawing->spline, &drawing->located.sampling, control, &drawing->line, &making->detail);
+    status = gd_spline_sample(mesh, &drawing->spline, &drawing->located.sampling, control,
+                              &drawing->line, &making->detail);
     if (status)
         gd_spline_free(&drawing->spline);
     else
@@ -77,12 +78,13 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct drawing *drawing = (struct drawing *)query;
     struct server *server = query->exchange->server;
     struct server_landmark_set *set = server_landmarks_find(server->landmarks, query->surface);
-    struct making making = {.drawing = drawing, .part = server_query_monitor(query, 0, BUILD_SHARE)};
+    struct making making = {.drawing = drawing,
+                            .part = server_query_monitor(query, 0, BUILD_SHARE)};
     struct server_team *team = server_team_call(server->workers, query->exchange->job.deadline_ns);
     drawing->located.request.landmarks = set ? set->landmarks : NULL;
     drawing->located.request.executor = server_team_executor(team);
-    enum gd_status status =
-        server_query_call(query, &making.part, make, &making, server_field_build_grant(query->surface->mesh));
+    enum gd_status status = server_query_call(query, &making.part, make, &making,
+                                              server_field_build_grant(query->surface->mesh));
     server_team_dismiss(team);
     server_landmark_set_release(set);
     if (status && status != GD_BUDGET && making.detail.text[0]) {
@@ -91,8 +93,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
         return SERVER_QUERY_FAILED;
     }
     if (status) return server_query_fail(query, status, WHAT, problem);
-    proto_spline_encode(&query->draft, query->surface->mesh, &drawing->spline, &drawing->line, drawing->wanted.frames,
-                        &query->options);
+    proto_spline_encode(&query->draft, query->surface->mesh, &drawing->spline, &drawing->line,
+                        drawing->wanted.frames, &query->options);
     return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 

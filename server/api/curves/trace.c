@@ -23,7 +23,7 @@ static void release(struct server_query *query)
     free(tracing->directions);
 }
 
-/* --- the question ------------------------------------------------------------------------------------------------- */
+/* --- the question ----------------------------------------------------------------------------- */
 
 static bool locate_directions(struct tracing *tracing, struct proto_problem *problem)
 {
@@ -35,37 +35,43 @@ static bool locate_directions(struct tracing *tracing, struct proto_problem *pro
         struct gd_direction *out = &tracing->directions[i];
         if (!wanted->directions)
             *out = gd_trace_fan(mesh, &tracing->start, wanted->count, i);
-        else if (!proto_direction_locate(mesh, &tracing->start, &wanted->directions[i], out, problem))
+        else if (!proto_direction_locate(mesh, &tracing->start, &wanted->directions[i], out,
+                                         problem))
             return false;
     }
     return true;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct tracing *tracing = (struct tracing *)query;
     return proto_trace_decode(document, &tracing->wanted, problem) &&
-           proto_point_locate(query->surface->mesh, &tracing->wanted.start, &tracing->start, &tracing->snap, problem) &&
+           proto_point_locate(query->surface->mesh, &tracing->wanted.start, &tracing->start,
+                              &tracing->snap, problem) &&
            locate_directions(tracing, problem);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 /* While a path grows it is there twice. */
 static enum gd_status reserve(struct tracing *tracing)
 {
-    return server_query_take(&tracing->query, 2 * (size_t)tracing->wanted.options.step_limit * sizeof(struct gd_point));
+    return server_query_take(&tracing->query, 2 * (size_t)tracing->wanted.options.step_limit *
+                                                  sizeof(struct gd_point));
 }
 
 static enum gd_status write_path(struct tracing *tracing, uint32_t i)
 {
     const struct proto_trace *wanted = &tracing->wanted;
     const struct gd_mesh *mesh = tracing->query.surface->mesh;
-    struct server_monitor part = server_query_monitor(&tracing->query, (double)i / wanted->count, 1.0 / wanted->count);
+    struct server_monitor part =
+        server_query_monitor(&tracing->query, (double)i / wanted->count, 1.0 / wanted->count);
     const struct gd_control control = server_exchange_control(&part);
     struct gd_trace trace;
-    enum gd_status status = gd_trace_follow(mesh, &tracing->start, &tracing->directions[i], wanted->length,
-                                            &wanted->options, &control, &trace, NULL);
+    enum gd_status status =
+        gd_trace_follow(mesh, &tracing->start, &tracing->directions[i], wanted->length,
+                        &wanted->options, &control, &trace, NULL);
     if (status) return status;
     proto_trace_encode(&tracing->query.draft, mesh, &trace, tracing->query.options.geometry);
     gd_trace_free(&trace);

@@ -28,7 +28,7 @@ static void release(struct server_query *query)
     free(transport->vectors);
 }
 
-/* --- the question ------------------------------------------------------------------------------------------------- */
+/* --- the question ----------------------------------------------------------------------------- */
 
 static bool locate_vectors(struct transport *transport, struct proto_problem *problem)
 {
@@ -40,19 +40,23 @@ static bool locate_vectors(struct transport *transport, struct proto_problem *pr
         const struct proto_segment *segment = &wanted->segments[wanted->first[i]];
         if (wanted->first[i + 1] == wanted->first[i]) continue;
         if (wanted->first[i + 1] - wanted->first[i] > 1)
-            return proto_problem_refuse(problem, "/vectors",
-                                        "segments alone can't be moved; send the vector's direction and length as "
-                                        "well");
-        if (!proto_segment_locate(mesh, transport->ends.points, segment, &transport->vectors[i], problem)) return false;
+            return proto_problem_refuse(
+                problem, "/vectors",
+                "segments alone can't be moved; send the vector's direction and length as "
+                "well");
+        if (!proto_segment_locate(mesh, transport->ends.points, segment, &transport->vectors[i],
+                                  problem))
+            return false;
     }
     if (!wanted->factors) return true;
-    transport->vectors[0] =
-        gd_vector_combine(mesh, transport->ends.points, transport->vectors, wanted->factors, wanted->count);
+    transport->vectors[0] = gd_vector_combine(mesh, transport->ends.points, transport->vectors,
+                                              wanted->factors, wanted->count);
     wanted->count = 1;
     return true;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct transport *transport = (struct transport *)query;
     struct proto_transport wanted;
@@ -63,37 +67,42 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     return ok && locate_vectors(transport, problem);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct transport *transport = (struct transport *)query;
     struct server_monitor part = server_query_monitor(query, 0, 1);
     struct gd_pair_answer answer;
-    enum gd_status status = server_shortest_path(query, &part, &transport->ends.points[0], &transport->ends.points[1],
-                                                 GD_PAIR_PATH, &answer);
+    enum gd_status status = server_shortest_path(query, &part, &transport->ends.points[0],
+                                                 &transport->ends.points[1], GD_PAIR_PATH, &answer);
     if (status) return server_query_fail(query, status, WHAT, problem);
     transport->distance = answer.distance;
     if (isfinite(answer.distance))
-        status = gd_vector_transport(transport->ends.mesh, &answer.path, transport->vectors, transport->wanted.count,
-                                     transport->vectors, NULL);
+        status = gd_vector_transport(transport->ends.mesh, &answer.path, transport->vectors,
+                                     transport->wanted.count, transport->vectors, NULL);
     gd_pair_answer_free(&answer);
     return status ? server_query_fail(query, status, WHAT, problem) : SERVER_QUERY_DONE;
 }
 
-static void encode_end(const struct transport *transport, struct proto_writer *writer, const char *key, uint32_t end)
+static void encode_end(const struct transport *transport, struct proto_writer *writer,
+                       const char *key, uint32_t end)
 {
-    proto_member_point(writer, key, transport->ends.mesh, &transport->ends.points[end], transport->ends.snaps[end]);
+    proto_member_point(writer, key, transport->ends.mesh, &transport->ends.points[end],
+                       transport->ends.snaps[end]);
 }
 
 /* A vector that has no direction keeps none; one that does not exist still does not. */
-static void encode_vector(const struct transport *transport, struct proto_writer *writer, uint32_t i)
+static void encode_vector(const struct transport *transport, struct proto_writer *writer,
+                          uint32_t i)
 {
     const struct proto_vectors *wanted = &transport->wanted;
     const struct gd_vector *vector = &transport->vectors[i];
     bool exists = wanted->factors || wanted->first[i] < wanted->first[i + 1],
-         has_direction = exists && (wanted->factors || wanted->segments[wanted->first[i]].has_direction);
-    proto_vector_encode(writer, has_direction ? &vector->direction : NULL, exists ? vector->length : INFINITY);
+         has_direction =
+             exists && (wanted->factors || wanted->segments[wanted->first[i]].has_direction);
+    proto_vector_encode(writer, has_direction ? &vector->direction : NULL,
+                        exists ? vector->length : INFINITY);
 }
 
 static void encode_vectors(const struct transport *transport, struct proto_writer *writer)
@@ -115,7 +124,8 @@ static void encode(const struct server_query *query, struct proto_writer *writer
     proto_write_object_begin(writer);
     if (fields & PROTO_TRANSPORT_FIELD_FROM) encode_end(transport, writer, "from", 0);
     if (fields & PROTO_TRANSPORT_FIELD_TO) encode_end(transport, writer, "to", 1);
-    if (fields & PROTO_TRANSPORT_FIELD_DISTANCE) proto_member_number(writer, "distance", transport->distance);
+    if (fields & PROTO_TRANSPORT_FIELD_DISTANCE)
+        proto_member_number(writer, "distance", transport->distance);
     if (fields) proto_reason_encode(writer, transport->distance);
     if (fields & PROTO_TRANSPORT_FIELD_VECTORS) encode_vectors(transport, writer);
     proto_write_object_end(writer);

@@ -15,7 +15,7 @@
 #define QUICK_VERTICES 10000 /* as many as an HTTP thread may write */
 #define WHAT           "the answer"
 
-/* --- of all vertices ---------------------------------------------------------------------------------------------- */
+/* --- of all vertices -------------------------------------------------------------------------- */
 
 struct values {
     struct server_field_query field; /* first */
@@ -36,8 +36,10 @@ static enum gd_status reserve_values(struct values *values)
     return values->values ? GD_OK : GD_NO_MEMORY;
 }
 
-static enum server_query_turn answer_values(struct server_field_query *query, const struct gd_field *field,
-                                            struct server_monitor *part, struct proto_problem *problem)
+static enum server_query_turn answer_values(struct server_field_query *query,
+                                            const struct gd_field *field,
+                                            struct server_monitor *part,
+                                            struct proto_problem *problem)
 {
     struct values *values = (struct values *)query;
     double most = query->request.radius;
@@ -86,11 +88,12 @@ static const struct server_form value_forms[] = {{"ply", "application/x-ply", fa
                                                  {NULL, NULL, false}};
 static const enum gd_result_format value_formats[] = {GD_RESULT_PLY, GD_RESULT_GLB, GD_RESULT_CSV};
 
-static bool write_values(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
+static bool write_values(const struct server_query *query, char **bytes, size_t *size,
+                         struct proto_problem *problem)
 {
     const struct gd_result result = {.distances = ((const struct values *)query)->values};
-    return server_result_write(query, &result, true, value_formats[query->form - SERVER_FORM_FIRST], bytes, size,
-                               problem);
+    return server_result_write(query, &result, true, value_formats[query->form - SERVER_FORM_FIRST],
+                               bytes, size, problem);
 }
 
 static void release_values(struct server_query *query)
@@ -117,9 +120,10 @@ void server_handle_get_field_values(struct server_exchange *exchange)
     server_query_handle(exchange, &values_kind);
 }
 
-/* --- of points ---------------------------------------------------------------------------------------------------- */
+/* --- of points -------------------------------------------------------------------------------- */
 
-static bool decode_points(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode_points(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
 {
     struct server_evaluation *evaluation = (struct server_evaluation *)query;
     struct proto_evaluation wanted;
@@ -144,7 +148,7 @@ void server_handle_evaluate_field(struct server_exchange *exchange)
     server_query_handle(exchange, &evaluate_kind);
 }
 
-/* --- of an edge --------------------------------------------------------------------------------------------------- */
+/* --- of an edge ------------------------------------------------------------------------------- */
 
 struct edge {
     struct server_field_query field; /* first */
@@ -157,15 +161,18 @@ struct edge {
 static void name_members(struct edge *edge)
 {
     for (uint32_t i = 0; i < edge->count; i++)
-        if (!edge->wedges[i].at_vertex) edge->wedges[i].source = edge->field.set->members[edge->wedges[i].source];
+        if (!edge->wedges[i].at_vertex)
+            edge->wedges[i].source = edge->field.set->members[edge->wedges[i].source];
 }
 
-static enum server_query_turn answer_edge(struct server_field_query *query, const struct gd_field *field,
-                                          struct server_monitor *part, struct proto_problem *problem)
+static enum server_query_turn answer_edge(struct server_field_query *query,
+                                          const struct gd_field *field, struct server_monitor *part,
+                                          struct proto_problem *problem)
 {
     struct edge *edge = (struct edge *)query;
     (void)part;
-    enum gd_status status = gd_field_wedges(field, edge->ends[0], edge->ends[1], &edge->wedges, &edge->count);
+    enum gd_status status =
+        gd_field_wedges(field, edge->ends[0], edge->ends[1], &edge->wedges, &edge->count);
     if (!status) {
         name_members(edge);
         return SERVER_QUERY_DONE;
@@ -181,7 +188,8 @@ static bool parse_edge(struct server_query *query, const struct proto_parameters
     struct edge *edge = (struct edge *)query;
     edge->field.answer = answer_edge;
     edge->field.is_quick = true;
-    return server_field_query_of_resource(&edge->field, problem) && proto_wedges_parse(parameters, edge->ends, problem);
+    return server_field_query_of_resource(&edge->field, problem) &&
+           proto_wedges_parse(parameters, edge->ends, problem);
 }
 
 static void encode_edge(const struct server_query *query, struct proto_writer *writer)

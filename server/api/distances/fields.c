@@ -13,7 +13,7 @@
 
 #define WHAT "the field"
 
-/* --- make --------------------------------------------------------------------------------------------------------- */
+/* --- make ------------------------------------------------------------------------------------- */
 
 struct making {
     struct server_field_query field; /* first; its set passes to the resource */
@@ -27,7 +27,8 @@ static bool is_listed(struct making *making)
     struct server_field_query *field = &making->field;
     struct server_catalogue *catalogue = server_record_catalogue(field->query.surface->record);
     if (field->resource) return true;
-    return catalogue && server_catalogue_find(catalogue, making->id, &field->resource) == SERVER_CATALOGUE_FOUND;
+    return catalogue &&
+           server_catalogue_find(catalogue, making->id, &field->resource) == SERVER_CATALOGUE_FOUND;
 }
 
 static bool name(struct server_field_query *query, struct proto_problem *problem)
@@ -45,14 +46,15 @@ static enum gd_status find_farthest(const struct gd_field *field, struct server_
                                     struct proto_field_description *description)
 {
     const struct gd_control control = server_exchange_control(part);
-    enum gd_status status = gd_field_farthest(field, &control, &description->farthest, &description->max);
+    enum gd_status status =
+        gd_field_farthest(field, &control, &description->farthest, &description->max);
     if (status != GD_BEYOND_REACH) return status;
     description->max = NAN;
     return GD_OK;
 }
 
-static enum gd_status describe(const struct making *making, const struct gd_field *field, struct server_monitor *part,
-                               struct proto_field_description *out)
+static enum gd_status describe(const struct making *making, const struct gd_field *field,
+                               struct server_monitor *part, struct proto_field_description *out)
 {
     const struct gd_field_statistics *statistics = gd_field_statistics(field);
     *out = (struct proto_field_description){.wedges = statistics->wedges,
@@ -91,7 +93,8 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     return status ? server_query_fail(&query->query, status, WHAT, problem) : SERVER_QUERY_DONE;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct making *making = (struct making *)query;
     struct proto_field_request wanted;
@@ -106,14 +109,15 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
 static void encode_resource(const struct server_query *query, struct proto_writer *writer)
 {
     const struct server_field_query *field = (const struct server_field_query *)query;
-    proto_field_encode(writer, query->surface->mesh, &field->resource->description, query->options.fields);
+    proto_field_encode(writer, query->surface->mesh, &field->resource->description,
+                       query->options.fields);
 }
 
 static unsigned status(struct server_query *query)
 {
     const struct making *making = (const struct making *)query;
-    server_reply_header(query->exchange, "Location", "/v1/meshes/%s/fields/%s", query->surface->record->name,
-                        making->id);
+    server_reply_header(query->exchange, "Location", "/v1/meshes/%s/fields/%s",
+                        query->surface->record->name, making->id);
     return making->is_new ? 201 : 200;
 }
 
@@ -133,7 +137,7 @@ void server_handle_create_field(struct server_exchange *exchange)
     server_query_handle(exchange, &make_field);
 }
 
-/* --- describe ----------------------------------------------------------------------------------------------------- */
+/* --- describe --------------------------------------------------------------------------------- */
 
 static bool parse_id(struct server_query *query, const struct proto_parameters *parameters,
                      struct proto_problem *problem)
@@ -163,10 +167,10 @@ void server_handle_get_field(struct server_exchange *exchange)
     server_query_handle(exchange, &describe_field);
 }
 
-/* --- list --------------------------------------------------------------------------------------------------------- */
+/* --- list ------------------------------------------------------------------------------------- */
 
-static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh, struct server_resource **resources,
-                       uint32_t count, uint32_t limit)
+static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh,
+                       struct server_resource **resources, uint32_t count, uint32_t limit)
 {
     uint32_t written = count < limit ? count : limit;
     proto_page_begin(writer, "fields");
@@ -176,16 +180,17 @@ static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh, 
 }
 
 /* The fields on a page, and one more if there is a next page; at most `most`. */
-static uint32_t find_listed(struct server_surface *surface, const struct proto_page *page, uint32_t most,
-                            struct server_resource **resources)
+static uint32_t find_listed(struct server_surface *surface, const struct proto_page *page,
+                            uint32_t most, struct server_resource **resources)
 {
     struct server_catalogue *catalogue = server_record_catalogue(surface->record);
     uint32_t wanted = page->limit < most ? page->limit + 1 : most;
     return catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0;
 }
 
-static void reply_page(struct server_exchange *exchange, struct server_surface *surface, const struct proto_page *page,
-                       struct server_resource **resources, uint32_t count)
+static void reply_page(struct server_exchange *exchange, struct server_surface *surface,
+                       const struct proto_page *page, struct server_resource **resources,
+                       uint32_t count)
 {
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
@@ -227,7 +232,7 @@ void server_handle_list_fields(struct server_exchange *exchange)
     server_request_list(exchange, list_fields);
 }
 
-/* --- remove ------------------------------------------------------------------------------------------------------- */
+/* --- remove ----------------------------------------------------------------------------------- */
 
 /* Takes the field from the list and its wedges from the cache; false with the problem. */
 static bool remove_field(struct server_exchange *exchange, const struct server_listed *mesh,
@@ -236,7 +241,8 @@ static bool remove_field(struct server_exchange *exchange, const struct server_l
     struct server_resource *resource = server_find_resource(exchange, mesh->record, problem);
     if (!resource) return false;
     struct gd_field_request request = server_resource_request(resource);
-    server_resource_release(server_catalogue_remove(server_record_catalogue(mesh->record), resource->id));
+    server_resource_release(
+        server_catalogue_remove(server_record_catalogue(mesh->record), resource->id));
     if (mesh->surface) server_cache_drop(mesh->surface->shelf, &request);
     server_resource_release(resource);
     return true;

@@ -1,4 +1,5 @@
-/* Isolines: the lines of a field at some levels, traced and written level by level, or collected for a file. Always by a worker. */
+/* Isolines: the lines of a field at some levels, traced and written level by level, or collected
+ * for a file. Always by a worker. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -33,7 +34,7 @@ static bool is_file(const struct isolines *isolines)
     return isolines->field.query.form >= SERVER_FORM_FIRST;
 }
 
-/* --- limits ------------------------------------------------------------------------------------------------------- */
+/* --- limits ----------------------------------------------------------------------------------- */
 
 /* The points of a line are the ends of its arcs, if these are told, unless more are asked for. */
 static bool has_ends_only(const struct isolines *isolines)
@@ -43,41 +44,46 @@ static bool has_ends_only(const struct isolines *isolines)
 
 static bool refuse_size(struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "the lines have more than %d points or arcs; ask for fewer levels or a larger tolerance",
-                      PROTO_ISOLINES_POINTS);
+    proto_problem_set(
+        problem, PROTO_PROBLEM_TOO_LARGE,
+        "the lines have more than %d points or arcs; ask for fewer levels or a larger tolerance",
+        PROTO_ISOLINES_POINTS);
     return proto_problem_limit(problem, PROTO_ISOLINES_POINTS);
 }
 
 /* Counts what the line adds to the answer. */
-static bool admit(struct isolines *isolines, const struct gd_isoline_line *line, struct proto_problem *problem)
+static bool admit(struct isolines *isolines, const struct gd_isoline_line *line,
+                  struct proto_problem *problem)
 {
     double tolerance = proto_isolines_tolerance(&isolines->wanted, mesh_of(isolines));
     if (isolines->field.query.options.geometry != PROTO_GEOMETRY_NONE)
-        isolines->points +=
-            has_ends_only(isolines) ? line->arc_count + UINT64_C(1) : gd_isoline_flat_points(line, tolerance);
+        isolines->points += has_ends_only(isolines) ? line->arc_count + UINT64_C(1)
+                                                    : gd_isoline_flat_points(line, tolerance);
     if (isolines->wanted.wants_arcs) isolines->arcs += line->arc_count;
     return (isolines->points <= PROTO_ISOLINES_POINTS && isolines->arcs <= PROTO_ISOLINES_POINTS) ||
            refuse_size(problem);
 }
 
-/* --- one line ----------------------------------------------------------------------------------------------------- */
+/* --- one line --------------------------------------------------------------------------------- */
 
-static enum gd_status pause_at(struct isolines *isolines, const struct gd_control *control, double fraction)
+static enum gd_status pause_at(struct isolines *isolines, const struct gd_control *control,
+                               double fraction)
 {
     enum gd_status status = server_query_check_draft(&isolines->field.query);
     return status ? status : gd_control_check(control, fraction);
 }
 
 /* `count` points, of which a closed line has stored all but the last. */
-static enum gd_status write_points(struct isolines *isolines, const struct gd_point *points, uint32_t stored,
-                                   uint32_t count, const struct gd_control *control)
+static enum gd_status write_points(struct isolines *isolines, const struct gd_point *points,
+                                   uint32_t stored, uint32_t count,
+                                   const struct gd_control *control)
 {
     struct proto_writer *writer = &isolines->field.query.draft;
     enum gd_status status = GD_OK;
     proto_line_list_begin(writer, "points");
     for (uint32_t i = 0; i < count && !status; i++) {
-        proto_path_point_encode(writer, mesh_of(isolines), &points[i % stored], isolines->field.query.options.geometry);
+        proto_path_point_encode(writer, mesh_of(isolines), &points[i % stored],
+                                isolines->field.query.options.geometry);
         if ((i + 1) % PORTION == 0) status = pause_at(isolines, control, (double)i / count);
     }
     proto_line_list_end(writer);
@@ -97,8 +103,8 @@ static enum gd_status write_arcs(struct isolines *isolines, const struct gd_isol
     return status;
 }
 
-static enum gd_status write_flat(struct isolines *isolines, const struct gd_isoline_line *line, double tolerance,
-                                 const struct gd_control *control)
+static enum gd_status write_flat(struct isolines *isolines, const struct gd_isoline_line *line,
+                                 double tolerance, const struct gd_control *control)
 {
     struct gd_path path;
     enum gd_status status = gd_isoline_flatten(mesh_of(isolines), line, tolerance, control, &path);
@@ -131,23 +137,23 @@ static enum gd_status write_line(struct isolines *isolines, const struct gd_isol
     enum gd_status status = GD_OK;
     proto_line_begin(&isolines->field.query.draft, line);
     if (isolines->field.query.options.geometry != PROTO_GEOMETRY_NONE)
-        status = has_ends_only(isolines)
-                     ? write_points(isolines, line->points, line->point_count, line->arc_count + 1, control)
-                     : flatten(isolines, line, control);
+        status = has_ends_only(isolines) ? write_points(isolines, line->points, line->point_count,
+                                                        line->arc_count + 1, control)
+                                         : flatten(isolines, line, control);
     if (!status && isolines->wanted.wants_arcs) status = write_arcs(isolines, line, control);
     proto_line_end(&isolines->field.query.draft);
     return status ? status : pause_at(isolines, control, 1);
 }
 
-/* --- one level ---------------------------------------------------------------------------------------------------- */
+/* --- one level -------------------------------------------------------------------------------- */
 
-static bool write_lines(struct isolines *isolines, const struct gd_isoline *isoline, const struct server_monitor *part,
-                        struct proto_problem *problem)
+static bool write_lines(struct isolines *isolines, const struct gd_isoline *isoline,
+                        const struct server_monitor *part, struct proto_problem *problem)
 {
     proto_isoline_begin(&isolines->field.query.draft, isoline->level);
     for (uint32_t i = 0; i < isoline->line_count; i++) {
-        struct server_monitor monitor =
-            server_monitor_portion(part, (double)i / isoline->line_count, 1.0 / isoline->line_count);
+        struct server_monitor monitor = server_monitor_portion(
+            part, (double)i / isoline->line_count, 1.0 / isoline->line_count);
         const struct gd_control control = server_exchange_control(&monitor);
         if (!admit(isolines, &isoline->lines[i], problem)) return false;
         enum gd_status status = write_line(isolines, &isoline->lines[i], &control);
@@ -172,15 +178,17 @@ static enum gd_status grow(struct isolines *isolines, size_t count)
 }
 
 /* For so many more lines of a file, of a level. */
-static bool make_room(struct isolines *isolines, uint32_t more, double level, struct proto_problem *problem)
+static bool make_room(struct isolines *isolines, uint32_t more, double level,
+                      struct proto_problem *problem)
 {
     size_t count = isolines->line_count + (size_t)more;
     if (!is_file(isolines) || more == 0) return true;
-    enum gd_status status =
-        server_query_take(&isolines->field.query, more * (sizeof *isolines->lines + sizeof *isolines->levels));
+    enum gd_status status = server_query_take(
+        &isolines->field.query, more * (sizeof *isolines->lines + sizeof *isolines->levels));
     if (!status) status = grow(isolines, count);
     for (size_t i = isolines->line_count; i < count && !status; i++) isolines->levels[i] = level;
-    return !status || server_query_fail(&isolines->field.query, status, WHAT, problem) == SERVER_QUERY_DONE;
+    return !status ||
+           server_query_fail(&isolines->field.query, status, WHAT, problem) == SERVER_QUERY_DONE;
 }
 
 struct tracing {
@@ -197,11 +205,12 @@ static enum gd_status trace(void *user, const struct gd_control *control, size_t
     return status;
 }
 
-static enum gd_status trace_level(struct isolines *isolines, const struct gd_field *field, double level,
-                                  struct server_monitor *part, struct gd_isoline *out)
+static enum gd_status trace_level(struct isolines *isolines, const struct gd_field *field,
+                                  double level, struct server_monitor *part, struct gd_isoline *out)
 {
     struct tracing wanted = {field, level, out};
-    size_t grant = BYTES_A_LEVEL + gd_mesh_summary(mesh_of(isolines))->edges * (size_t)BYTES_AN_EDGE;
+    size_t grant =
+        BYTES_A_LEVEL + gd_mesh_summary(mesh_of(isolines))->edges * (size_t)BYTES_AN_EDGE;
     return server_query_call(&isolines->field.query, part, trace, &wanted, grant);
 }
 
@@ -216,14 +225,14 @@ static bool write_level(struct isolines *isolines, const struct gd_field *field,
         server_query_fail(&isolines->field.query, status, "the isoline", problem);
         return false;
     }
-    bool ok =
-        make_room(isolines, isoline.line_count, level, problem) && write_lines(isolines, &isoline, &second, problem);
+    bool ok = make_room(isolines, isoline.line_count, level, problem) &&
+              write_lines(isolines, &isoline, &second, problem);
     server_query_give(&isolines->field.query, isoline.bytes);
     gd_isoline_free(&isoline);
     return ok;
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
 static enum server_query_turn answer(struct server_field_query *query, const struct gd_field *field,
                                      struct server_monitor *part, struct proto_problem *problem)
@@ -233,7 +242,8 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     proto_isolines_begin(&isolines->field.query.draft);
     for (uint32_t i = 0; i < count; i++) {
         struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
-        if (!write_level(isolines, field, isolines->wanted.levels[i], &one, problem)) return SERVER_QUERY_FAILED;
+        if (!write_level(isolines, field, isolines->wanted.levels[i], &one, problem))
+            return SERVER_QUERY_FAILED;
     }
     proto_isolines_end(&isolines->field.query.draft);
     return server_query_end_draft(&query->query, GD_OK, WHAT, problem);
@@ -247,28 +257,35 @@ static bool settle(struct isolines *isolines, struct proto_problem *problem)
         isolines->field.query.options.geometry = PROTO_GEOMETRY_XYZ;
         isolines->wanted.wants_arcs = false;
     }
-    return proto_isolines_settle(&isolines->wanted, &isolines->field.resource->description, problem);
+    return proto_isolines_settle(&isolines->wanted, &isolines->field.resource->description,
+                                 problem);
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct isolines *isolines = (struct isolines *)query;
     return server_field_query_of_resource(&isolines->field, problem) &&
            proto_isolines_decode(document, &isolines->wanted, problem) && settle(isolines, problem);
 }
 
-static bool parse(struct server_query *query, const struct proto_parameters *parameters, struct proto_problem *problem)
+static bool parse(struct server_query *query, const struct proto_parameters *parameters,
+                  struct proto_problem *problem)
 {
     struct isolines *isolines = (struct isolines *)query;
     return server_field_query_of_resource(&isolines->field, problem) &&
-           proto_isolines_parse(parameters, &isolines->wanted, problem) && settle(isolines, problem);
+           proto_isolines_parse(parameters, &isolines->wanted, problem) &&
+           settle(isolines, problem);
 }
 
-static bool write_file(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
+static bool write_file(const struct server_query *query, char **bytes, size_t *size,
+                       struct proto_problem *problem)
 {
     const struct isolines *isolines = (const struct isolines *)query;
-    if (!isolines->line_count) return server_result_refuse_nothing(problem, "there are no lines at these distances");
-    const struct server_result_lines lines = {isolines->lines, isolines->levels, isolines->line_count};
+    if (!isolines->line_count)
+        return server_result_refuse_nothing(problem, "there are no lines at these distances");
+    const struct server_result_lines lines = {isolines->lines, isolines->levels,
+                                              isolines->line_count};
     return server_result_write_lines(query, &lines, bytes, size, problem);
 }
 

@@ -1,5 +1,5 @@
-/* Matrix: the distances from each source to each target, as rows of a field each (server/query/matrix_rows.h). Always in the
- * second lane. */
+/* Matrix: the distances from each source to each target, as rows of a field each
+ * (server/query/matrix_rows.h). Always in the second lane. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -25,7 +25,8 @@ static void release(struct server_query *query)
     free(matrix->distances);
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct matrix *matrix = (struct matrix *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
@@ -73,7 +74,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static struct proto_matrix_answer answer_of(const struct server_query *query)
 {
     const struct matrix *matrix = (const struct matrix *)query;
-    return (struct proto_matrix_answer){matrix->distances, matrix->sources.count, matrix->targets.count};
+    return (struct proto_matrix_answer){matrix->distances, matrix->sources.count,
+                                        matrix->targets.count};
 }
 
 static void encode(const struct server_query *query, struct proto_writer *writer)

@@ -27,19 +27,22 @@ static void release(struct server_query *query)
 }
 
 /* Between points of different components there is nothing. */
-static bool check_components(const struct proto_located_points *points, struct proto_problem *problem)
+static bool check_components(const struct proto_located_points *points,
+                             struct proto_problem *problem)
 {
     uint32_t component = gd_point_component(points->mesh, &points->points[0]);
     for (uint32_t i = 1; i < points->count; i++)
         if (gd_point_component(points->mesh, &points->points[i]) != component)
-            return proto_problem_refuse(problem, "/points",
-                                        "point %u lies on another component than point 0: there is no path between "
-                                        "them",
-                                        i);
+            return proto_problem_refuse(
+                problem, "/points",
+                "point %u lies on another component than point 0: there is no path between "
+                "them",
+                i);
     return true;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct mean *mean = (struct mean *)query;
     struct proto_mean wanted;
@@ -72,11 +75,12 @@ static enum gd_status find(void *user, const struct gd_control *control, size_t 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct mean *mean = (struct mean *)query;
-    struct server_landmark_set *set = server_landmarks_find(query->exchange->server->landmarks, query->surface);
+    struct server_landmark_set *set =
+        server_landmarks_find(query->exchange->server->landmarks, query->surface);
     struct server_monitor part = server_query_monitor(query, 0, 1);
     struct finding finding = {mean, set ? set->landmarks : NULL};
-    enum gd_status status =
-        server_query_call(query, &part, find, &finding, server_field_build_grant(mean->points.mesh));
+    enum gd_status status = server_query_call(query, &part, find, &finding,
+                                              server_field_build_grant(mean->points.mesh));
     server_landmark_set_release(set);
     return status ? server_query_fail(query, status, WHAT, problem) : SERVER_QUERY_DONE;
 }

@@ -1,4 +1,5 @@
-/* Nearest: the point of the surface that a point of any form names. O(log n): always in the first lane. */
+/* Nearest: the point of the surface that a point of any form names. O(log n): always in the first
+ * lane. */
 #include "server/query/handlers.h"
 
 #include "proto/nearest.h"
@@ -10,19 +11,23 @@ struct nearest {
     double snap_distance;
 };
 
-static bool locate(struct server_query *query, const struct proto_nearest *wanted, struct proto_problem *problem)
+static bool locate(struct server_query *query, const struct proto_nearest *wanted,
+                   struct proto_problem *problem)
 {
     struct nearest *nearest = (struct nearest *)query;
-    return proto_point_locate(query->surface->mesh, &wanted->point, &nearest->point, &nearest->snap_distance, problem);
+    return proto_point_locate(query->surface->mesh, &wanted->point, &nearest->point,
+                              &nearest->snap_distance, problem);
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct proto_nearest wanted;
     return proto_nearest_decode(document, &wanted, problem) && locate(query, &wanted, problem);
 }
 
-static bool parse(struct server_query *query, const struct proto_parameters *parameters, struct proto_problem *problem)
+static bool parse(struct server_query *query, const struct proto_parameters *parameters,
+                  struct proto_problem *problem)
 {
     struct proto_nearest wanted;
     return proto_nearest_parse(parameters, &wanted, problem) && locate(query, &wanted, problem);
@@ -38,7 +43,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static void encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct nearest *nearest = (const struct nearest *)query;
-    proto_nearest_encode(writer, query->surface->mesh, &nearest->point, nearest->snap_distance, &query->options);
+    proto_nearest_encode(writer, query->surface->mesh, &nearest->point, nearest->snap_distance,
+                         &query->options);
 }
 
 const struct server_query_kind server_query_nearest = {.name = "nearest",

@@ -1,9 +1,10 @@
 /* Pair: distance and path between two points, leg by leg where it is by way of others.
  *
- * The metric is symmetric, so a field of either end of a leg answers. First lane: such a field is in the cache.
- * Second lane: a worker searches from one end to the other, with the mesh's landmarks where there are some; or, if
- * one of the ends is asked about again and again, it builds the field of that point. Who asks while a field of one
- * of his points is being built is parked and looks again when it has landed. */
+ * The metric is symmetric, so a field of either end of a leg answers. First lane: such a field is
+ * in the cache. Second lane: a worker searches from one end to the other, with the mesh's landmarks
+ * where there are some; or, if one of the ends is asked about again and again, it builds the field
+ * of that point. Who asks while a field of one of his points is being built is parked and looks
+ * again when it has landed. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -18,15 +19,18 @@
 #include "server/query/pair_search.h"
 #include "server/server.h"
 
-#define INLINE_PATH_FACES   200000 /* tracing a path across a larger mesh may keep an HTTP thread for too long */
-#define PATIENCE_NS_AN_EDGE 10000  /* ten times what a field takes: who has less time left has his pair searched */
+/* tracing a path across a larger mesh may keep an HTTP thread for too long */
+#define INLINE_PATH_FACES 200000
+/* ten times what a field takes: who has less time left has his pair searched */
+#define PATIENCE_NS_AN_EDGE 10000
 #define WHAT                "the search"
 
 struct pair {
     struct server_query query; /* first */
     struct proto_located_points stops;
     bool wants_path;
-    uint32_t leg;                  /* the one in work, from that stop to the next; all are done at the last stop */
+    /* the one in work, from that stop to the next; all are done at the last stop */
+    uint32_t leg;
     bool is_noted;                 /* its ends are counted as asked about */
     struct gd_pair_answer answer;  /* of the legs before it */
     struct server_flight *flight;  /* this request is to build the field; NULL: it is not */
@@ -41,30 +45,34 @@ static void release(struct server_query *query)
     proto_located_points_free(&pair->stops);
 }
 
-/* --- the question ------------------------------------------------------------------------------------------------- */
+/* --- the question ----------------------------------------------------------------------------- */
 
-static bool locate(struct server_query *query, struct proto_points *stops, struct proto_problem *problem)
+static bool locate(struct server_query *query, struct proto_points *stops,
+                   struct proto_problem *problem)
 {
     struct pair *pair = (struct pair *)query;
     bool ok = proto_points_locate(query->surface->mesh, stops, &pair->stops, problem);
     proto_points_free(stops);
-    pair->wants_path = query->options.fields & PROTO_PAIR_FIELD_PATH || query->form >= SERVER_FORM_FIRST;
+    pair->wants_path =
+        query->options.fields & PROTO_PAIR_FIELD_PATH || query->form >= SERVER_FORM_FIRST;
     return ok;
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct proto_points stops;
     return proto_pair_decode(document, &stops, problem) && locate(query, &stops, problem);
 }
 
-static bool parse(struct server_query *query, const struct proto_parameters *parameters, struct proto_problem *problem)
+static bool parse(struct server_query *query, const struct proto_parameters *parameters,
+                  struct proto_problem *problem)
 {
     struct proto_points stops;
     return proto_pair_parse(parameters, &stops, problem) && locate(query, &stops, problem);
 }
 
-/* --- legs --------------------------------------------------------------------------------------------------------- */
+/* --- legs ------------------------------------------------------------------------------------- */
 
 static const struct gd_point *from_of(const struct pair *pair)
 {
@@ -82,8 +90,8 @@ static uint32_t leg_count(const struct pair *pair)
 }
 
 /* Ends a leg with its answer, which is used up, or with a failure. AGAIN: there are legs left. */
-static enum server_query_turn end_leg(struct pair *pair, enum gd_status status, struct gd_pair_answer *leg,
-                                      struct proto_problem *problem)
+static enum server_query_turn end_leg(struct pair *pair, enum gd_status status,
+                                      struct gd_pair_answer *leg, struct proto_problem *problem)
 {
     if (!status) status = server_pair_append(&pair->answer, leg);
     if (status) return server_query_fail(&pair->query, status, WHAT, problem);
@@ -96,7 +104,8 @@ static enum server_query_turn end_leg_by(struct pair *pair, const struct server_
                                          struct proto_problem *problem)
 {
     struct gd_pair_answer leg;
-    enum gd_status status = gd_pair_from_field(cached->field, from_of(pair), to_of(pair), pair->wants_path, &leg);
+    enum gd_status status =
+        gd_pair_from_field(cached->field, from_of(pair), to_of(pair), pair->wants_path, &leg);
     return end_leg(pair, status, &leg, problem);
 }
 
@@ -105,7 +114,8 @@ static enum server_query_turn look(struct pair *pair, struct proto_problem *prob
 {
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
     while (turn == SERVER_QUERY_AGAIN) {
-        const struct server_cached *cached = server_cache_find(pair->query.surface->shelf, from_of(pair));
+        const struct server_cached *cached =
+            server_cache_find(pair->query.surface->shelf, from_of(pair));
         if (!cached) cached = server_cache_find(pair->query.surface->shelf, to_of(pair));
         if (!cached) break;
         turn = end_leg_by(pair, cached, problem);
@@ -126,13 +136,14 @@ static enum server_query_turn search(struct pair *pair, struct proto_problem *pr
     struct server_landmark_set *set = server_landmarks_find(server->landmarks, pair->query.surface);
     struct server_monitor monitor = monitor_of(pair);
     struct gd_pair_answer leg;
-    enum gd_status status = server_pair_search(&monitor, pair->stops.mesh, from_of(pair), to_of(pair), pair->wants_path,
-                                               set ? set->landmarks : NULL, &leg);
+    enum gd_status status =
+        server_pair_search(&monitor, pair->stops.mesh, from_of(pair), to_of(pair), pair->wants_path,
+                           set ? set->landmarks : NULL, &leg);
     server_landmark_set_release(set);
     return end_leg(pair, status, &leg, problem);
 }
 
-/* --- the second lane ---------------------------------------------------------------------------------------------- */
+/* --- the second lane -------------------------------------------------------------------------- */
 
 /* Counts, once, that the leg's ends are asked about and have no field. */
 static void note(struct pair *pair)
@@ -158,13 +169,14 @@ static enum server_cache_turn board(struct pair *pair)
     return server_cache_enter(shelf, pair->source, job, &pair->flight);
 }
 
-/* Ends a flight whose build failed. Unless it is this request that ended, its leg can still be searched, as can
- * those of the requests that wait. */
-static enum server_query_turn give_up(struct pair *pair, struct server_flight *flight, enum gd_status status,
-                                      struct proto_problem *problem)
+/* Ends a flight whose build failed. Unless it is this request that ended, its leg can still be
+ * searched, as can those of the requests that wait. */
+static enum server_query_turn give_up(struct pair *pair, struct server_flight *flight,
+                                      enum gd_status status, struct proto_problem *problem)
 {
     server_cache_fail(flight, status);
-    if (status == GD_DEADLINE || status == GD_CANCELLED) return server_query_fail(&pair->query, status, WHAT, problem);
+    if (status == GD_DEADLINE || status == GD_CANCELLED)
+        return server_query_fail(&pair->query, status, WHAT, problem);
     server_query_count(&pair->query, status);
     return search(pair, problem);
 }
@@ -179,10 +191,12 @@ static enum server_query_turn fly(struct pair *pair, struct proto_problem *probl
     struct gd_field *field;
     monitor.flight = flight;
     pair->flight = NULL;
-    enum gd_status status = server_field_build_request(&monitor, pair->stops.mesh, &request, &field);
+    enum gd_status status =
+        server_field_build_request(&monitor, pair->stops.mesh, &request, &field);
     if (status) return give_up(pair, flight, status, problem);
     const struct server_cached *landed = server_cache_land(flight, field);
-    enum server_query_turn turn = landed ? end_leg_by(pair, landed, problem) : search(pair, problem);
+    enum server_query_turn turn =
+        landed ? end_leg_by(pair, landed, problem) : search(pair, problem);
     server_cache_unpin(landed);
     return turn;
 }
@@ -208,13 +222,14 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     return search(pair, problem);
 }
 
-/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in the queue. */
+/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in
+ * the queue. */
 static bool join(struct server_query *query)
 {
     return board((struct pair *)query) == SERVER_CACHE_WAIT;
 }
 
-/* --- the first lane ----------------------------------------------------------------------------------------------- */
+/* --- the first lane --------------------------------------------------------------------------- */
 
 static bool is_quick(const struct pair *pair)
 {
@@ -230,7 +245,7 @@ static enum server_query_turn glance(struct server_query *query, struct proto_pr
     return turn;
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void encode(const struct server_query *query, struct proto_writer *writer)
 {
@@ -241,24 +256,30 @@ static void encode(const struct server_query *query, struct proto_writer *writer
 static const struct server_form path_forms[] = {
     SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
 
-static bool write_path(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
+static bool write_path(const struct server_query *query, char **bytes, size_t *size,
+                       struct proto_problem *problem)
 {
     const struct gd_pair_answer *answer = &((const struct pair *)query)->answer;
-    if (isinf(answer->distance)) return server_result_refuse_nothing(problem, "there is no path between the points");
+    if (isinf(answer->distance))
+        return server_result_refuse_nothing(problem, "there is no path between the points");
     const struct server_result_lines line = {.paths = &answer->path, .count = 1};
     if (query->form < SERVER_RESULT_LINE_FORMS_END)
         return server_result_write_lines(query, &line, bytes, size, problem);
     return server_result_write_strip(query, &answer->path, bytes, size, problem);
 }
 
-#define PAIR_STEPS                                                                                                     \
-    .size = sizeof(struct pair), .parameters = proto_pair_parameters, .decode = decode, .parse = parse,                \
-    .glance = glance, .join = join, .solve = solve, .encode = encode, .release = release
+#define PAIR_STEPS                                                                                 \
+    .size = sizeof(struct pair), .parameters = proto_pair_parameters, .decode = decode,            \
+    .parse = parse, .glance = glance, .join = join, .solve = solve, .encode = encode,              \
+    .release = release
 
 const struct server_query_kind server_query_distance = {
     .name = "distance", .fields = proto_distance_fields, PAIR_STEPS};
-const struct server_query_kind server_query_path = {
-    .name = "path", .fields = proto_path_fields, .forms = path_forms, .write = write_path, PAIR_STEPS};
+const struct server_query_kind server_query_path = {.name = "path",
+                                                    .fields = proto_path_fields,
+                                                    .forms = path_forms,
+                                                    .write = write_path,
+                                                    PAIR_STEPS};
 
 void server_handle_distance(struct server_exchange *exchange)
 {

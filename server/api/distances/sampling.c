@@ -24,7 +24,8 @@ struct sampling {
     double *radii;
 };
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct sampling *sampling = (struct sampling *)query;
     struct proto_sampling wanted;
@@ -32,14 +33,15 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     sampling->count = wanted.count;
     sampling->has_start = wanted.has_start;
     sampling->snap = NAN;
-    return !wanted.has_start ||
-           proto_point_locate(query->surface->mesh, &wanted.start, &sampling->start, &sampling->snap, problem);
+    return !wanted.has_start || proto_point_locate(query->surface->mesh, &wanted.start,
+                                                   &sampling->start, &sampling->snap, problem);
 }
 
 /* Memory for the answer, and bytes of the budget. */
 static enum gd_status reserve(struct sampling *sampling)
 {
-    enum gd_status status = server_query_take(&sampling->query, (size_t)sampling->count * BYTES_A_POINT);
+    enum gd_status status =
+        server_query_take(&sampling->query, (size_t)sampling->count * BYTES_A_POINT);
     if (status) return status;
     sampling->points = malloc(sampling->count * sizeof *sampling->points);
     sampling->radii = malloc(sampling->count * sizeof *sampling->radii);
@@ -56,18 +58,21 @@ static enum gd_status choose(void *user, const struct gd_control *control, size_
     const struct choosing *choosing = user;
     struct sampling *sampling = choosing->sampling;
     *kept = 0;
-    return gd_sampling_farthest(sampling->query.surface->mesh, sampling->has_start ? &sampling->start : NULL,
-                                sampling->count, control, choosing->executor, sampling->points, sampling->radii, NULL);
+    return gd_sampling_farthest(
+        sampling->query.surface->mesh, sampling->has_start ? &sampling->start : NULL,
+        sampling->count, control, choosing->executor, sampling->points, sampling->radii, NULL);
 }
 
 static enum gd_status choose_points(struct sampling *sampling)
 {
     struct server *server = sampling->query.exchange->server;
     struct server_monitor part = server_query_monitor(&sampling->query, 0, 1);
-    struct server_team *team = server_team_call(server->workers, sampling->query.exchange->job.deadline_ns);
+    struct server_team *team =
+        server_team_call(server->workers, sampling->query.exchange->job.deadline_ns);
     struct choosing choosing = {sampling, server_team_executor(team)};
-    enum gd_status status = server_query_call(&sampling->query, &part, choose, &choosing,
-                                              server_field_build_grant(sampling->query.surface->mesh));
+    enum gd_status status =
+        server_query_call(&sampling->query, &part, choose, &choosing,
+                          server_field_build_grant(sampling->query.surface->mesh));
     server_team_dismiss(team);
     return status;
 }
@@ -83,8 +88,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static void encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct sampling *sampling = (const struct sampling *)query;
-    proto_sampling_encode(writer, query->surface->mesh, sampling->points, sampling->radii, sampling->count,
-                          sampling->snap, &query->options);
+    proto_sampling_encode(writer, query->surface->mesh, sampling->points, sampling->radii,
+                          sampling->count, sampling->snap, &query->options);
 }
 
 static void release(struct server_query *query)

@@ -25,16 +25,17 @@ static const struct gd_mesh *mesh_of(const struct voronoi *voronoi)
     return voronoi->field.query.surface->mesh;
 }
 
-static enum gd_status pause_at(struct voronoi *voronoi, const struct gd_control *control, double fraction)
+static enum gd_status pause_at(struct voronoi *voronoi, const struct gd_control *control,
+                               double fraction)
 {
     enum gd_status status = server_query_check_draft(&voronoi->field.query);
     return status ? status : gd_control_check(control, fraction);
 }
 
-/* --- labels ------------------------------------------------------------------------------------------------------- */
+/* --- labels ----------------------------------------------------------------------------------- */
 
-static enum gd_status write_labels(struct voronoi *voronoi, const struct gd_field *field, uint32_t *labels,
-                                   const struct gd_control *control)
+static enum gd_status write_labels(struct voronoi *voronoi, const struct gd_field *field,
+                                   uint32_t *labels, const struct gd_control *control)
 {
     uint32_t count = gd_mesh_summary(mesh_of(voronoi))->index_count;
     enum gd_status status = gd_voronoi_labels(field, voronoi->field.set->members, labels);
@@ -47,11 +48,13 @@ static enum gd_status write_labels(struct voronoi *voronoi, const struct gd_fiel
     return status;
 }
 
-static enum gd_status tell_labels(struct voronoi *voronoi, const struct gd_field *field, struct server_monitor *part)
+static enum gd_status tell_labels(struct voronoi *voronoi, const struct gd_field *field,
+                                  struct server_monitor *part)
 {
     const struct gd_control control = server_exchange_control(part);
     size_t bytes = gd_mesh_summary(mesh_of(voronoi))->index_count * sizeof(uint32_t);
-    enum gd_status status = server_query_take(&voronoi->field.query, 2 * bytes); /* and while they are found */
+    /* and while they are found */
+    enum gd_status status = server_query_take(&voronoi->field.query, 2 * bytes);
     if (status) return status;
     uint32_t *labels = malloc(bytes);
     status = labels ? write_labels(voronoi, field, labels, &control) : GD_NO_MEMORY;
@@ -60,7 +63,7 @@ static enum gd_status tell_labels(struct voronoi *voronoi, const struct gd_field
     return status;
 }
 
-/* --- bisectors ---------------------------------------------------------------------------------------------------- */
+/* --- bisectors -------------------------------------------------------------------------------- */
 
 struct tracing {
     const struct gd_field *field;
@@ -72,7 +75,8 @@ struct tracing {
 static enum gd_status trace(void *user, const struct gd_control *control, size_t *kept)
 {
     const struct tracing *wanted = user;
-    enum gd_status status = gd_voronoi_trace(wanted->field, wanted->members, wanted->tolerance, control, wanted->out);
+    enum gd_status status =
+        gd_voronoi_trace(wanted->field, wanted->members, wanted->tolerance, control, wanted->out);
     if (!status) *kept = wanted->out->bytes;
     return status;
 }
@@ -111,25 +115,30 @@ static enum gd_status write_bisectors(struct voronoi *voronoi, const struct gd_v
     enum gd_status status = GD_OK;
     proto_voronoi_bisectors_begin(&voronoi->field.query.draft);
     for (uint32_t i = 0; i < found->bisector_count && !status; i++)
-        status = write_bisector(voronoi, &found->bisectors[i], &control, (double)i / found->bisector_count);
+        status = write_bisector(voronoi, &found->bisectors[i], &control,
+                                (double)i / found->bisector_count);
     proto_voronoi_list_end(&voronoi->field.query.draft);
     return status;
 }
 
-static bool admit(const struct voronoi *voronoi, const struct gd_voronoi *found, struct proto_problem *problem)
+static bool admit(const struct voronoi *voronoi, const struct gd_voronoi *found,
+                  struct proto_problem *problem)
 {
     uint64_t points = 0;
     for (uint32_t i = 0; i < found->bisector_count; i++) points += found->bisectors[i].point_count;
-    if (voronoi->field.query.options.geometry == PROTO_GEOMETRY_NONE || points <= PROTO_VORONOI_POINTS) return true;
+    if (voronoi->field.query.options.geometry == PROTO_GEOMETRY_NONE ||
+        points <= PROTO_VORONOI_POINTS)
+        return true;
     proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "the bisectors have %llu points, more than %d; ask for a larger tolerance, fewer members, or "
+                      "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
+                      "fewer members, or "
                       "geometry=none",
                       (unsigned long long)points, PROTO_VORONOI_POINTS);
     return proto_problem_limit(problem, PROTO_VORONOI_POINTS);
 }
 
-static bool tell_bisectors(struct voronoi *voronoi, const struct gd_field *field, const struct server_monitor *part,
-                           struct proto_problem *problem)
+static bool tell_bisectors(struct voronoi *voronoi, const struct gd_field *field,
+                           const struct server_monitor *part, struct proto_problem *problem)
 {
     struct server_monitor first = server_monitor_portion(part, 0, TRACE_SHARE),
                           second = server_monitor_portion(part, TRACE_SHARE, 1 - TRACE_SHARE);
@@ -147,7 +156,7 @@ static bool tell_bisectors(struct voronoi *voronoi, const struct gd_field *field
     return ok && !status;
 }
 
-/* --- the steps ---------------------------------------------------------------------------------------------------- */
+/* --- the steps -------------------------------------------------------------------------------- */
 
 static enum server_query_turn answer(struct server_field_query *query, const struct gd_field *field,
                                      struct server_monitor *part, struct proto_problem *problem)
@@ -166,12 +175,14 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     return server_query_end_draft(&query->query, GD_OK, WHAT, problem);
 }
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     struct voronoi *voronoi = (struct voronoi *)query;
     struct proto_voronoi wanted;
     if (!proto_voronoi_decode(document, &wanted, problem)) return false;
-    const struct proto_isolines lines = {.tolerance = wanted.tolerance}; /* their polylines are as fine */
+    /* their polylines are as fine */
+    const struct proto_isolines lines = {.tolerance = wanted.tolerance};
     voronoi->tolerance = proto_isolines_tolerance(&lines, query->surface->mesh);
     voronoi->field.answer = answer;
     bool ok = server_field_query_of_set(&voronoi->field, &wanted.set, 0, problem);

@@ -1,12 +1,13 @@
-/* Batch: many queries in one request, a line each, answered in their order by the same steps as requests of their own
- * (query.h).
+/* Batch: many queries in one request, a line each, answered in their order by the same steps as
+ * requests of their own (query.h).
  *
- * One worker takes line after line; a line that has to wait for somebody else's field parks the whole exchange. When the
- * time is over, or memory, the lines that are left are told so.
+ * One worker takes line after line; a line that has to wait for somebody else's field parks the
+ * whole exchange. When the time is over, or memory, the lines that are left are told so.
  *
- * The answer is collected at first, and leaves as a whole if that goes without a stop. Before the first line that takes time, or when
- * much is collected, the exchange is answered with a stream (relay.h), and the work goes on in one detached from it: from
- * then on what is collected is handed on before each line that takes time. A job (Prefer: respond-async) collects all. */
+ * The answer is collected at first, and leaves as a whole if that goes without a stop. Before the
+ * first line that takes time, or when much is collected, the exchange is answered with a stream
+ * (relay.h), and the work goes on in one detached from it: from then on what is collected is handed
+ * on before each line that takes time. A job (Prefer: respond-async) collects all. */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -24,12 +25,16 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-#define NDJSON      "application/x-ndjson"
-#define ANSWER_MOST ((size_t)64 << 20) /* bytes of collected answers after which no line is begun */
-#define RIPE        65536              /* bytes of answers that are handed on even before a quick line */
+#define NDJSON "application/x-ndjson"
+#define ANSWER_MOST                                                                                \
+    ((size_t)64 << 20) /* bytes of collected answers after which no line is begun                  \
+                        */
+/* bytes of answers that are handed on even before a quick line */
+#define RIPE 65536
 
 struct batch {
-    struct server_exchange *exchange; /* the request's, or the one that goes on when that is answered */
+    /* the request's, or the one that goes on when that is answered */
+    struct server_exchange *exchange;
     struct server_surface *surface;
     struct proto_batch_line line; /* in work */
     struct server_query *query;   /* of that line; NULL: it is answered */
@@ -39,9 +44,10 @@ struct batch {
     bool has_answered_all, is_refused;
 };
 
-static const struct server_query_kind *const kinds[] = {&server_query_distance,        &server_query_path,
-                                                        &server_query_nearest,         &server_query_matrix,
-                                                        &server_query_distance_to_set, &server_query_curve_distance};
+static const struct server_query_kind *const kinds[] = {
+    &server_query_distance,        &server_query_path,
+    &server_query_nearest,         &server_query_matrix,
+    &server_query_distance_to_set, &server_query_curve_distance};
 
 static void free_batch(void *state)
 {
@@ -54,7 +60,7 @@ static void free_batch(void *state)
     free(batch);
 }
 
-/* --- a line's question -------------------------------------------------------------------------------------------- */
+/* --- a line's question ------------------------------------------------------------------------ */
 
 static const struct server_query_kind *find_kind(const char *name, struct proto_problem *problem)
 {
@@ -63,8 +69,10 @@ static const struct server_query_kind *find_kind(const char *name, struct proto_
     char names[256] = "";
     size_t length = 0;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "", kinds[i]->name);
-    proto_problem_refuse(problem, "/query", "a batch has no query \"%s\"; it takes %s", name, names);
+        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "",
+                                   kinds[i]->name);
+    proto_problem_refuse(problem, "/query", "a batch has no query \"%s\"; it takes %s", name,
+                         names);
     return NULL;
 }
 
@@ -84,17 +92,19 @@ static bool read_line(struct batch *batch, struct proto_problem *problem)
 {
     struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
     struct proto_batch_query line;
-    if (!server_request_begin_parsing(batch->exchange, batch->line.text, batch->line.size, problem)) return false;
+    if (!server_request_begin_parsing(batch->exchange, batch->line.text, batch->line.size, problem))
+        return false;
     bool is_read = proto_batch_decode(&batch->line, &line, problem);
     bool ok = is_read && create_query(batch, line.name, problem) &&
-              proto_batch_options(&line, &parameters, batch->query->kind->fields, &batch->query->options, problem) &&
+              proto_batch_options(&line, &parameters, batch->query->kind->fields,
+                                  &batch->query->options, problem) &&
               batch->query->kind->decode(batch->query, line.document, problem);
     if (is_read) proto_batch_query_free(&line);
     server_request_end_parsing(batch->exchange);
     return ok;
 }
 
-/* --- a line's answer ---------------------------------------------------------------------------------------------- */
+/* --- a line's answer -------------------------------------------------------------------------- */
 
 /* OK, or why no more work is to be done. */
 static enum gd_status check_time(const struct batch *batch)
@@ -102,7 +112,8 @@ static enum gd_status check_time(const struct batch *batch)
     const struct server_body *body = &batch->exchange->body;
     struct server_monitor monitor = {.exchange = batch->exchange, .share = 1};
     struct gd_control control = server_exchange_control(&monitor);
-    return gd_control_check(&control, (double)(batch->line.text - body->bytes) / (double)body->size);
+    return gd_control_check(&control,
+                            (double)(batch->line.text - body->bytes) / (double)body->size);
 }
 
 /* Is there time and room for another line? */
@@ -111,11 +122,11 @@ static bool admit(const struct batch *batch, struct proto_problem *problem)
     enum gd_status status = check_time(batch);
     if (status) return proto_problem_from_status(problem, status, NULL);
     if (batch->begin < ANSWER_MOST) return true;
-    proto_problem_set(
-        problem, PROTO_PROBLEM_TOO_LARGE,
-        "the answers before this line take the %zu bytes that those of a batch may take; send this line and "
-        "the rest as another batch",
-        ANSWER_MOST);
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "the answers before this line take the %zu bytes that those of a batch may "
+                      "take; send this line and "
+                      "the rest as another batch",
+                      ANSWER_MOST);
     return proto_problem_limit(problem, ANSWER_MOST);
 }
 
@@ -132,13 +143,15 @@ static void end_line(struct batch *batch, bool ok, struct proto_problem *problem
 }
 
 /* False: the exchange is parked. */
-static bool take_turn(struct batch *batch, enum server_query_turn turn, struct proto_problem *problem)
+static bool take_turn(struct batch *batch, enum server_query_turn turn,
+                      struct proto_problem *problem)
 {
-    if (turn == SERVER_QUERY_DONE || turn == SERVER_QUERY_FAILED) end_line(batch, turn == SERVER_QUERY_DONE, problem);
+    if (turn == SERVER_QUERY_DONE || turn == SERVER_QUERY_FAILED)
+        end_line(batch, turn == SERVER_QUERY_DONE, problem);
     return turn != SERVER_QUERY_PARKED;
 }
 
-/* --- line by line ------------------------------------------------------------------------------------------------- */
+/* --- line by line ----------------------------------------------------------------------------- */
 
 /* False: there are no more lines. */
 static bool begin_line(struct batch *batch)
@@ -154,7 +167,7 @@ static bool begin_line(struct batch *batch)
     return true;
 }
 
-/* --- handing on --------------------------------------------------------------------------------------------------- */
+/* --- handing on ------------------------------------------------------------------------------- */
 
 /* Bytes of lines that are answered. */
 static size_t ready_in(const struct batch *batch)
@@ -188,7 +201,8 @@ static bool is_over(struct server_exchange *exchange)
 static const struct server_transport detached = {
     .finish = server_exchange_destroy, .is_gone = is_over, .can_stream = true};
 
-/* A line that waits for somebody's field is refused when it is late, as are all after it: their answers say so. */
+/* A line that waits for somebody's field is refused when it is late, as are all after it: their
+ * answers say so. */
 static void refuse(struct server_job *job, enum server_refusal why)
 {
     struct server_exchange *exchange = server_exchange_of(job);
@@ -198,8 +212,10 @@ static void refuse(struct server_job *job, enum server_refusal why)
     job->run(job);
 }
 
-/* Answers the request with the stream of the relay; the rest of the work is another exchange's. NULL without memory. */
-static struct server_exchange *detach(struct batch *batch, struct server_relay *relay, bool is_packed)
+/* Answers the request with the stream of the relay; the rest of the work is another exchange's.
+ * NULL without memory. */
+static struct server_exchange *detach(struct batch *batch, struct server_relay *relay,
+                                      bool is_packed)
 {
     struct server_exchange *exchange = batch->exchange;
     struct server_exchange *rest = server_exchange_detach(exchange, &detached);
@@ -229,7 +245,8 @@ static void move_to(struct batch *batch, struct server_exchange *rest)
     if (batch->query) batch->query->exchange = rest;
 }
 
-/* True: the exchange is answered, and the batch is another thread's. False, without memory: it goes on collecting. */
+/* True: the exchange is answered, and the batch is another thread's. False, without memory: it goes
+ * on collecting. */
 static bool start_stream(struct batch *batch)
 {
     struct server *server = batch->exchange->server;
@@ -247,9 +264,10 @@ static bool start_stream(struct batch *batch)
     return true;
 }
 
-/* --- from the first line to the last ------------------------------------------------------------------------------ */
+/* --- from the first line to the last ---------------------------------------------------------- */
 
-/* True: there is nothing more to be done now, as `is_done` says: the exchange is answered or else parked. */
+/* True: there is nothing more to be done now, as `is_done` says: the exchange is answered or else
+ * parked. */
 static bool pass_on(struct batch *batch, bool *is_done)
 {
     if (!is_ripe(batch)) return false;
@@ -295,7 +313,8 @@ static bool work(struct server_exchange *exchange)
     while (is_wanted(batch)) {
         if (pass_on(batch, &is_done)) return is_done;
         if (batch->query) {
-            if (!take_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem)) return false;
+            if (!take_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem))
+                return false;
         } else if (!begin_line(batch)) {
             break;
         }
@@ -304,23 +323,26 @@ static bool work(struct server_exchange *exchange)
     return true;
 }
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool is_ndjson(const char *content_type)
 {
     size_t size = content_type ? strcspn(content_type, "; \t") : 0;
-    return !content_type || (size == strlen(NDJSON) && strncasecmp(content_type, NDJSON, size) == 0);
+    return !content_type ||
+           (size == strlen(NDJSON) && strncasecmp(content_type, NDJSON, size) == 0);
 }
 
-static bool check(struct server_exchange *exchange, struct proto_options *options, struct proto_problem *problem)
+static bool check(struct server_exchange *exchange, struct proto_options *options,
+                  struct proto_problem *problem)
 {
     struct proto_parameters parameters = server_exchange_parameters(exchange);
     if (!proto_accept_quality(server_exchange_header(exchange, "Accept"), NDJSON))
         return proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
                                  "the answer is lines of JSON; send Accept: " NDJSON " or none");
     if (!is_ndjson(server_exchange_header(exchange, "Content-Type")))
-        return proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
-                                 "a batch is lines of JSON: send it with the header Content-Type: " NDJSON);
+        return proto_problem_set(
+            problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+            "a batch is lines of JSON: send it with the header Content-Type: " NDJSON);
     return proto_batch_parse(&parameters, options, problem);
 }
 
@@ -337,7 +359,8 @@ void server_handle_batch(struct server_exchange *exchange)
     struct batch *batch = calloc(1, sizeof *batch);
     if (!batch) {
         server_surface_release(surface);
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                             "the system is out of memory");
         return;
     }
     *batch = (struct batch){.exchange = exchange, .surface = surface};

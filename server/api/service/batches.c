@@ -1,5 +1,5 @@
-/* Batches: many-source work that is spread over the daemons of a store (batches.h), and what clients ask about it. What is asked of the
- * queue's database is done by workers. */
+/* Batches: many-source work that is spread over the daemons of a store (batches.h), and what
+ * clients ask about it. What is asked of the queue's database is done by workers. */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -20,12 +20,13 @@
 #define BATCHES_MOST 1000 /* of a tenant */
 #define READ_AT_ONCE 16
 
-/* --- steps, each replies when it fails ---------------------------------------------------------------------------- */
+/* --- steps, each replies when it fails -------------------------------------------------------- */
 
 static struct server_store_sql *open_queue(struct server_exchange *exchange)
 {
     char error[256];
-    struct server_store_sql *sql = server_batches_sql(exchange->server->batches, error, sizeof error);
+    struct server_store_sql *sql =
+        server_batches_sql(exchange->server->batches, error, sizeof error);
     if (sql) return sql;
     server_request_fail(exchange, SERVER_STORE_REFUSED);
     return NULL;
@@ -35,21 +36,24 @@ static bool check(struct server_exchange *exchange, enum server_store_outcome ou
 {
     if (!outcome) return true;
     if (outcome == SERVER_STORE_ABSENT)
-        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
-                             "there is no batch of this id; GET /v1/batches lists those that there are");
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_NOT_FOUND,
+            "there is no batch of this id; GET /v1/batches lists those that there are");
     else
         server_request_fail(exchange, outcome);
     return false;
 }
 
 /* The batch that the path names. */
-static bool find_batch(struct server_exchange *exchange, struct server_store_sql *sql, struct server_batch *out)
+static bool find_batch(struct server_exchange *exchange, struct server_store_sql *sql,
+                       struct server_batch *out)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
     char id[SERVER_BATCH_ID] = "";
     if (capture->length == SERVER_BATCH_ID - 1) memcpy(id, capture->text, SERVER_BATCH_ID - 1);
     id[SERVER_BATCH_ID - 1] = '\0';
-    return check(exchange, id[0] ? server_batch_queue_find(sql, exchange->tenant, id, out) : SERVER_STORE_ABSENT);
+    return check(exchange, id[0] ? server_batch_queue_find(sql, exchange->tenant, id, out)
+                                 : SERVER_STORE_ABSENT);
 }
 
 static struct proto_many_state state_of(const struct server_batch *batch)
@@ -62,7 +66,8 @@ static struct proto_many_state state_of(const struct server_batch *batch)
                                      .is_cancelled = batch->is_cancelled};
 }
 
-static void reply_batch(struct server_exchange *exchange, unsigned status, const struct server_batch *batch)
+static void reply_batch(struct server_exchange *exchange, unsigned status,
+                        const struct server_batch *batch)
 {
     struct proto_writer writer;
     const struct proto_many_state state = state_of(batch);
@@ -71,7 +76,7 @@ static void reply_batch(struct server_exchange *exchange, unsigned status, const
     server_reply_json(exchange, status, &writer);
 }
 
-/* --- begun -------------------------------------------------------------------------------------------------------- */
+/* --- begun ------------------------------------------------------------------------------------ */
 
 /* Ids grow with time, as far as the clock goes forward, and can't be guessed. */
 static void name_batch(struct server_batch *batch)
@@ -87,7 +92,8 @@ static void name_batch(struct server_batch *batch)
 }
 
 /* All items of all pairs are about one version of the mesh: that which there is now. */
-static bool fix_version(struct server_exchange *exchange, const struct proto_many *many, char etag[SERVER_ETAG])
+static bool fix_version(struct server_exchange *exchange, const struct proto_many *many,
+                        char etag[SERVER_ETAG])
 {
     const struct server_key key = {exchange->tenant, &server_kind_mesh, proto_many_mesh(many, 0)};
     struct server_listed listed;
@@ -110,9 +116,10 @@ static bool has_room(struct server_exchange *exchange, struct server_store_sql *
     struct proto_problem problem;
     if (!check(exchange, server_batch_queue_count(sql, exchange->tenant, &count))) return false;
     if (count < BATCHES_MOST) return true;
-    (void)proto_problem_set(&problem, PROTO_PROBLEM_CONFLICT,
-                            "there are %d batches already; delete those whose answers are no longer needed",
-                            BATCHES_MOST);
+    (void)proto_problem_set(
+        &problem, PROTO_PROBLEM_CONFLICT,
+        "there are %d batches already; delete those whose answers are no longer needed",
+        BATCHES_MOST);
     (void)proto_problem_limit(&problem, BATCHES_MOST);
     server_reply_problem(exchange, &problem);
     return false;
@@ -125,7 +132,8 @@ static void add_batch(struct server_exchange *exchange, const struct proto_many 
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql || !fix_version(exchange, many, etag) || !has_room(exchange, sql)) return;
     name_batch(&batch);
-    const struct server_batch_order order = {&batch, exchange->tenant, exchange->body.bytes, exchange->body.size, etag};
+    const struct server_batch_order order = {&batch, exchange->tenant, exchange->body.bytes,
+                                             exchange->body.size, etag};
     if (!check(exchange, server_batch_queue_add(sql, &order))) return;
     server_batches_wake(exchange->server->batches);
     server_reply_header(exchange, "Location", "/v1/batches/%s", batch.id);
@@ -154,7 +162,7 @@ void server_handle_create_batch(struct server_exchange *exchange)
         server_exchange_defer(exchange, create, NULL);
 }
 
-/* --- told --------------------------------------------------------------------------------------------------------- */
+/* --- told ------------------------------------------------------------------------------------- */
 
 static bool list(struct server_exchange *exchange)
 {
@@ -165,8 +173,8 @@ static bool list(struct server_exchange *exchange)
     if (!sql || !server_request_page(exchange, &page)) return true;
     struct server_batch *batches = calloc(page.limit + 1, sizeof *batches);
     enum server_store_outcome outcome =
-        batches ? server_batch_queue_list(sql, exchange->tenant, page.after ? page.after : "", page.limit + 1, batches,
-                                          &count)
+        batches ? server_batch_queue_list(sql, exchange->tenant, page.after ? page.after : "",
+                                          page.limit + 1, batches, &count)
                 : SERVER_STORE_NO_MEMORY;
     if (check(exchange, outcome)) {
         uint32_t shown = count < page.limit ? count : page.limit;
@@ -202,7 +210,7 @@ void server_handle_get_batch(struct server_exchange *exchange)
         server_exchange_defer(exchange, get, NULL);
 }
 
-/* --- its answers -------------------------------------------------------------------------------------------------- */
+/* --- its answers ------------------------------------------------------------------------------ */
 
 struct answers {
     struct proto_many many;
@@ -221,25 +229,27 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     if (answers->is_cut) return false;
     answers->count++;
     answers->last = row[0].integer;
-    proto_many_encode_answer(&answers->writer, &answers->many, (uint32_t)row[0].integer, (unsigned)row[1].integer,
-                             row[2].bytes, row[2].size);
+    proto_many_encode_answer(&answers->writer, &answers->many, (uint32_t)row[0].integer,
+                             (unsigned)row[1].integer, row[2].bytes, row[2].size);
     return true;
 }
 
 /* A few at a time, since an answer may be large. */
-static enum server_store_outcome show_answers(struct server_store_sql *sql, const char *id, struct answers *answers)
+static enum server_store_outcome show_answers(struct server_store_sql *sql, const char *id,
+                                              struct answers *answers)
 {
     enum server_store_outcome outcome;
     do {
         answers->seen = 0;
-        outcome = server_batch_queue_answers(sql, id, answers->last, READ_AT_ONCE, on_answer, answers);
+        outcome =
+            server_batch_queue_answers(sql, id, answers->last, READ_AT_ONCE, on_answer, answers);
     } while (!outcome && answers->seen == READ_AT_ONCE && !answers->is_cut);
     return outcome;
 }
 
 /* What the batch asks. */
-static bool read_many(struct server_exchange *exchange, struct server_store_sql *sql, const char *id,
-                      struct proto_many *out)
+static bool read_many(struct server_exchange *exchange, struct server_store_sql *sql,
+                      const char *id, struct proto_many *out)
 {
     struct proto_problem problem;
     void *text;
@@ -252,7 +262,8 @@ static bool read_many(struct server_exchange *exchange, struct server_store_sql 
 }
 
 /* The cursor of a page of answers: a number of an item. */
-static bool read_cursor(struct server_exchange *exchange, const struct proto_page *page, int64_t *out)
+static bool read_cursor(struct server_exchange *exchange, const struct proto_page *page,
+                        int64_t *out)
 {
     struct proto_problem problem;
     if (proto_page_number(page, out, &problem)) return true;
@@ -260,8 +271,8 @@ static bool read_cursor(struct server_exchange *exchange, const struct proto_pag
     return false;
 }
 
-static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql, const char *id,
-                          struct answers *answers)
+static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
+                          const char *id, struct answers *answers)
 {
     char next[PROTO_PAGE_NUMBER];
     server_reply_writer(exchange, &answers->writer);
@@ -270,7 +281,8 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
         proto_writer_free(&answers->writer);
         return;
     }
-    proto_page_end(&answers->writer, answers->is_cut ? proto_page_write_number(answers->last, next) : NULL);
+    proto_page_end(&answers->writer,
+                   answers->is_cut ? proto_page_write_number(answers->last, next) : NULL);
     server_reply_json(exchange, 200, &answers->writer);
 }
 
@@ -280,8 +292,11 @@ static bool get_results(struct server_exchange *exchange)
     struct server_batch batch;
     struct proto_page page;
     struct server_store_sql *sql = open_queue(exchange);
-    if (!sql || !server_request_page(exchange, &page) || !read_cursor(exchange, &page, &answers.last)) return true;
-    if (!find_batch(exchange, sql, &batch) || !read_many(exchange, sql, batch.id, &answers.many)) return true;
+    if (!sql || !server_request_page(exchange, &page) ||
+        !read_cursor(exchange, &page, &answers.last))
+        return true;
+    if (!find_batch(exchange, sql, &batch) || !read_many(exchange, sql, batch.id, &answers.many))
+        return true;
     answers.most = page.limit;
     reply_answers(exchange, sql, batch.id, &answers);
     proto_many_free(&answers.many);
@@ -293,7 +308,7 @@ void server_handle_get_batch_results(struct server_exchange *exchange)
     if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, get_results, NULL);
 }
 
-/* --- ended -------------------------------------------------------------------------------------------------------- */
+/* --- ended ------------------------------------------------------------------------------------ */
 
 static bool end(struct server_exchange *exchange)
 {
@@ -301,8 +316,8 @@ static bool end(struct server_exchange *exchange)
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql || !find_batch(exchange, sql, &batch)) return true;
     bool has_ended = batch.is_cancelled || batch.done == batch.items;
-    if (!check(exchange,
-               has_ended ? server_batch_queue_remove(sql, batch.id) : server_batch_queue_cancel(sql, batch.id)))
+    if (!check(exchange, has_ended ? server_batch_queue_remove(sql, batch.id)
+                                   : server_batch_queue_cancel(sql, batch.id)))
         return true;
     server_batches_end(exchange->server->batches, batch.id);
     server_reply_empty(exchange, 204);

@@ -17,22 +17,23 @@
 #define EVENT_STREAM "text/event-stream"
 #define LENT_FROM    65536 /* bytes of an answer; shorter ones are copied */
 
-/* --- found -------------------------------------------------------------------------------------------------------- */
+/* --- found ------------------------------------------------------------------------------------ */
 
 /* The job that the path names, for the caller to release; NULL: replied. */
 static struct server_async *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
-    struct server_async *job = server_jobs_find(exchange->server->jobs, exchange->tenant, id->text, id->length);
+    struct server_async *job =
+        server_jobs_find(exchange->server->jobs, exchange->tenant, id->text, id->length);
     if (!job)
-        server_reply_refusal(
-            exchange, PROTO_PROBLEM_NOT_FOUND,
-            "there is no job of this id: it was removed, or has ended some time ago, or the daemon was "
-            "started again; GET /v1/jobs lists those that there are");
+        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
+                             "there is no job of this id: it was removed, or has ended some time "
+                             "ago, or the daemon was "
+                             "started again; GET /v1/jobs lists those that there are");
     return job;
 }
 
-/* --- told --------------------------------------------------------------------------------------------------------- */
+/* --- told ------------------------------------------------------------------------------------- */
 
 static void release_job(void *user)
 {
@@ -40,7 +41,8 @@ static void release_job(void *user)
 }
 
 /* A large answer is sent as the job holds it, which is kept meanwhile. */
-static struct server_lent lend(struct server_async *job, const struct proto_job_answer *answer, const char *tail)
+static struct server_lent lend(struct server_async *job, const struct proto_job_answer *answer,
+                               const char *tail)
 {
     return (struct server_lent){.bytes = answer->body,
                                 .size = answer->size,
@@ -99,14 +101,16 @@ void server_handle_get_job_result(struct server_exchange *exchange)
     if (told.answer)
         reply_answer(exchange, job, told.answer);
     else
-        server_reply_refusal(exchange, PROTO_PROBLEM_CONFLICT,
-                             told.state == PROTO_JOB_CANCELLED
-                                 ? "the job was cancelled and has no answer; ask again"
-                                 : "the job has not ended; its events tell when it has, or ask again later");
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_CONFLICT,
+            told.state == PROTO_JOB_CANCELLED
+                ? "the job was cancelled and has no answer; ask again"
+                : "the job has not ended; its events tell when it has, or ask again later");
     server_async_release(job);
 }
 
-static void write_page(struct proto_writer *writer, struct server_async *const *jobs, uint32_t count, uint32_t limit)
+static void write_page(struct proto_writer *writer, struct server_async *const *jobs,
+                       uint32_t count, uint32_t limit)
 {
     uint32_t written = count < limit ? count : limit;
     proto_page_begin(writer, "jobs");
@@ -118,15 +122,15 @@ static void write_page(struct proto_writer *writer, struct server_async *const *
 }
 
 /* The jobs on a page, and one more if there is a next page; at most `most`. */
-static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page, uint32_t most,
-                            struct server_async **jobs)
+static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page,
+                            uint32_t most, struct server_async **jobs)
 {
     return server_jobs_list(exchange->server->jobs, exchange->tenant, page->after,
                             page->limit < most ? page->limit + 1 : most, jobs);
 }
 
-static void reply_page(struct server_exchange *exchange, const struct proto_page *page, struct server_async **jobs,
-                       uint32_t count)
+static void reply_page(struct server_exchange *exchange, const struct proto_page *page,
+                       struct server_async **jobs, uint32_t count)
 {
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
@@ -159,9 +163,10 @@ void server_handle_list_jobs(struct server_exchange *exchange)
     server_request_list(exchange, list);
 }
 
-/* --- begun and ended ---------------------------------------------------------------------------------------------- */
+/* --- begun and ended -------------------------------------------------------------------------- */
 
-/* A job that the daemon had no room or time for: its client is told so at once, and there is nothing to come back for. */
+/* A job that the daemon had no room or time for: its client is told so at once, and there is
+ * nothing to come back for. */
 static bool was_refused(const struct proto_job *told)
 {
     return told->answer && told->answer->status == 503;
@@ -206,7 +211,7 @@ void server_handle_delete_job(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
 }
 
-/* --- watched ------------------------------------------------------------------------------------------------------ */
+/* --- watched ---------------------------------------------------------------------------------- */
 
 /* State and progress in one number. */
 static uint64_t event_version(void *user)
@@ -226,8 +231,10 @@ static bool tell_event(void *user, struct proto_writer *writer)
 static void reply_events(struct server_exchange *exchange, struct server_async *job)
 {
     struct server *server = exchange->server;
-    const struct server_event_source source = {
-        .version = event_version, .tell = tell_event, .release = release_job, .user = server_async_retain(job)};
+    const struct server_event_source source = {.version = event_version,
+                                               .tell = tell_event,
+                                               .release = release_job,
+                                               .user = server_async_retain(job)};
     struct server_stream *stream = server_stream_open(server->events, &source);
     if (!stream) {
         server_async_release(job);
@@ -250,7 +257,8 @@ void server_handle_get_job_events(struct server_exchange *exchange)
     if (!server_request_is_plain(exchange)) return;
     if (proto_accept_quality(server_exchange_header(exchange, "Accept"), EVENT_STREAM) == 0) {
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                             "the answer is a stream of events; send Accept: " EVENT_STREAM " or none");
+                             "the answer is a stream of events; send Accept: " EVENT_STREAM
+                             " or none");
         return;
     }
     struct server_async *job = find_job(exchange);

@@ -16,7 +16,8 @@ static void reply_asset(struct server_exchange *exchange, const char *path)
     if (asset)
         server_reply_asset(exchange, asset);
     else
-        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND, "this build of the program holds no %s", path);
+        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
+                             "this build of the program holds no %s", path);
 }
 
 /* A page's parameters are for its scripts. */
@@ -30,8 +31,8 @@ void server_handle_get_openapi(struct server_exchange *exchange)
     if (server_request_is_plain(exchange)) reply_asset(exchange, "/openapi.json");
 }
 
-static void reply_health(struct server_exchange *exchange, unsigned status, enum proto_health health,
-                         const char *reason)
+static void reply_health(struct server_exchange *exchange, unsigned status,
+                         enum proto_health health, const char *reason)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, ANSWER_MOST);
@@ -44,8 +45,9 @@ void server_handle_get_livez(struct server_exchange *exchange)
     if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
-/* A store that takes no changes leaves the daemon ready, since queries are answered as before; so does a shared one that is out of
- * reach: it is so for the other daemons, too, and what is in memory can be asked about. */
+/* A store that takes no changes leaves the daemon ready, since queries are answered as before; so
+ * does a shared one that is out of reach: it is so for the other daemons, too, and what is in
+ * memory can be asked about. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->server->registry);
@@ -55,8 +57,9 @@ void server_handle_get_readyz(struct server_exchange *exchange)
         server_reply_header(exchange, "Retry-After", "1");
         reply_health(exchange, 503, PROTO_HEALTH_DRAINING, NULL);
     } else {
-        enum proto_health broken =
-            server_registry_is_shared(exchange->server->registry) ? PROTO_HEALTH_DEGRADED : PROTO_HEALTH_READ_ONLY;
+        enum proto_health broken = server_registry_is_shared(exchange->server->registry)
+                                       ? PROTO_HEALTH_DEGRADED
+                                       : PROTO_HEALTH_READ_ONLY;
         reply_health(exchange, 200, reason ? broken : PROTO_HEALTH_OK, reason);
     }
 }

@@ -1,4 +1,5 @@
-/* Shortest paths on NURBS surfaces: between two points, a point and a curve, two curves; by a worker. */
+/* Shortest paths on NURBS surfaces: between two points, a point and a curve, two curves; by a
+ * worker. */
 #include "server/query/handlers.h"
 
 #include "proto/geodesic_like.h"
@@ -18,42 +19,48 @@ struct finding {
     struct gd_detail detail;
 };
 
-/* --- the question ------------------------------------------------------------------------------------------------- */
+/* --- the question ----------------------------------------------------------------------------- */
 
 /* Why there are no paths on this surface. */
 static bool refuse_surface(const struct server_nurbs *nurbs, struct proto_problem *problem)
 {
-    const char *why = nurbs->detail.text[0] ? nurbs->detail.text : gd_status_sentence(nurbs->refusal);
-    proto_problem_set(problem, PROTO_PROBLEM_INVALID_MESH,
-                      "shortest paths are first looked for on a tessellation, and this surface has none: %s", why);
+    const char *why =
+        nurbs->detail.text[0] ? nurbs->detail.text : gd_status_sentence(nurbs->refusal);
+    proto_problem_set(
+        problem, PROTO_PROBLEM_INVALID_MESH,
+        "shortest paths are first looked for on a tessellation, and this surface has none: %s",
+        why);
     problem->reason = gd_status_name(nurbs->refusal);
     return false;
 }
 
-static bool decode(struct server_query *query, const json_t *document, const struct proto_geodesic_form *form,
-                   struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   const struct proto_geodesic_form *form, struct proto_problem *problem)
 {
     const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
     if (!nurbs->tessellation) return refuse_surface(nurbs, problem);
     return proto_geodesic_decode(document, form, &((struct finding *)query)->wanted, problem);
 }
 
-static bool decode_points(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode_points(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
 {
     return decode(query, document, &proto_geodesic_between_points, problem);
 }
 
-static bool decode_point_and_curve(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode_point_and_curve(struct server_query *query, const json_t *document,
+                                   struct proto_problem *problem)
 {
     return decode(query, document, &proto_geodesic_to_curve, problem);
 }
 
-static bool decode_curves(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode_curves(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
 {
     return decode(query, document, &proto_geodesic_between_curves, problem);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static size_t found_bytes(const struct gd_geodesics *found)
 {
@@ -62,7 +69,8 @@ static size_t found_bytes(const struct gd_geodesics *found)
         const struct gd_geodesic *path = &found->items[i];
         bytes += path->piece_count * sizeof *path->pieces;
         for (uint32_t k = 0; k < path->piece_count; k++)
-            bytes += (3 * (size_t)path->pieces[k].count + path->pieces[k].degree + 1) * sizeof(double);
+            bytes +=
+                (3 * (size_t)path->pieces[k].count + path->pieces[k].degree + 1) * sizeof(double);
     }
     return bytes;
 }
@@ -70,9 +78,11 @@ static size_t found_bytes(const struct gd_geodesics *found)
 static enum gd_status find(void *user, const struct gd_control *control, size_t *kept)
 {
     struct finding *finding = user;
-    const struct gd_tessellation *tessellation = server_nurbs_of(finding->query.surface)->tessellation;
-    enum gd_status status = gd_geodesic_solve(tessellation, finding->ends[0], finding->ends[1],
-                                              &finding->wanted.options, control, &finding->found, &finding->detail);
+    const struct gd_tessellation *tessellation =
+        server_nurbs_of(finding->query.surface)->tessellation;
+    enum gd_status status =
+        gd_geodesic_solve(tessellation, finding->ends[0], finding->ends[1],
+                          &finding->wanted.options, control, &finding->found, &finding->detail);
     if (!status) *kept = found_bytes(&finding->found);
     return status;
 }
@@ -80,7 +90,8 @@ static enum gd_status find(void *user, const struct gd_control *control, size_t 
 static enum gd_status find_paths(struct finding *finding)
 {
     struct server_query *query = &finding->query;
-    const struct gd_mesh *mesh = gd_tessellation_mesh(server_nurbs_of(query->surface)->tessellation);
+    const struct gd_mesh *mesh =
+        gd_tessellation_mesh(server_nurbs_of(query->surface)->tessellation);
     finding->monitor = server_query_monitor(query, 0, 1);
     return server_query_call(query, &finding->monitor, find, finding,
                              BYTES_A_PATH + gd_mesh_summary(mesh)->faces * (size_t)BYTES_A_FACE);
@@ -94,9 +105,11 @@ static bool locate_ends(struct finding *finding, struct proto_problem *problem)
     const struct gd_control control = server_exchange_control(&finding->monitor);
     for (int k = 0; k < 2; k++) {
         const struct proto_domain_curve *wanted = &finding->wanted.ends[k];
-        bool located = proto_domain_curve_locate(surface, wanted, &control, &finding->ends[k], problem);
+        bool located =
+            proto_domain_curve_locate(surface, wanted, &control, &finding->ends[k], problem);
         enum gd_status status = gd_control_check(&control, 0);
-        if (status) return server_query_fail(&finding->query, status, WHAT, problem) == SERVER_QUERY_DONE;
+        if (status)
+            return server_query_fail(&finding->query, status, WHAT, problem) == SERVER_QUERY_DONE;
         if (!located) return false;
     }
     return true;
@@ -104,8 +117,9 @@ static bool locate_ends(struct finding *finding, struct proto_problem *problem)
 
 static enum gd_status write_answer(struct finding *finding)
 {
-    const struct proto_geodesic_answer answer = {
-        .request = &finding->wanted, .ends = {finding->ends[0], finding->ends[1]}, .found = &finding->found};
+    const struct proto_geodesic_answer answer = {.request = &finding->wanted,
+                                                 .ends = {finding->ends[0], finding->ends[1]},
+                                                 .found = &finding->found};
     return proto_geodesic_encode(&finding->query.draft, &answer, &finding->query.options);
 }
 
@@ -130,7 +144,7 @@ static void release(struct server_query *query)
     proto_geodesic_free(&finding->wanted);
 }
 
-/* --- the three questions ------------------------------------------------------------------------------------------ */
+/* --- the three questions ---------------------------------------------------------------------- */
 
 static const struct server_query_kind geodesic_kind = {.name = "geodesic",
                                                        .size = sizeof(struct finding),

@@ -10,14 +10,16 @@ enum server_query_turn server_smooth_fail(const struct server_query *query, enum
                                           const struct gd_detail *detail, const char *what,
                                           struct proto_problem *problem)
 {
-    if (status == GD_BUDGET || !detail->text[0]) return server_query_fail(query, status, what, problem);
+    if (status == GD_BUDGET || !detail->text[0])
+        return server_query_fail(query, status, what, problem);
     if (status == GD_INTERNAL) status = GD_DEGENERATE_FACE;
     proto_problem_from_status(problem, status, detail);
-    if (status == GD_TOO_LARGE) proto_problem_limit(problem, query->exchange->server->config.max_faces);
+    if (status == GD_TOO_LARGE)
+        proto_problem_limit(problem, query->exchange->server->config.max_faces);
     return SERVER_QUERY_FAILED;
 }
 
-/* --- evaluate ----------------------------------------------------------------------------------------------------- */
+/* --- evaluate --------------------------------------------------------------------------------- */
 
 static enum gd_status write_round(struct server_smooth_evaluation *evaluation, uint32_t first)
 {
@@ -31,7 +33,8 @@ static enum gd_status write_round(struct server_smooth_evaluation *evaluation, u
     return status ? status : gd_control_check(&control, 1);
 }
 
-enum server_query_turn server_smooth_evaluation_solve(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_smooth_evaluation_solve(struct server_query *query,
+                                                      struct proto_problem *problem)
 {
     struct server_smooth_evaluation *evaluation = (struct server_smooth_evaluation *)query;
     struct proto_writer *writer = &query->draft;
@@ -39,21 +42,25 @@ enum server_query_turn server_smooth_evaluation_solve(struct server_query *query
     proto_write_object_begin(writer);
     proto_write_key(writer, "points");
     proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < evaluation->count && !status; i += evaluation->round) status = write_round(evaluation, i);
+    for (uint32_t i = 0; i < evaluation->count && !status; i += evaluation->round)
+        status = write_round(evaluation, i);
     proto_write_array_end(writer);
     proto_write_object_end(writer);
-    if (status) return server_smooth_fail(query, status, &evaluation->detail, "the answer", problem);
+    if (status)
+        return server_smooth_fail(query, status, &evaluation->detail, "the answer", problem);
     return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 
-enum server_query_turn server_smooth_evaluation_glance(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_smooth_evaluation_glance(struct server_query *query,
+                                                       struct proto_problem *problem)
 {
-    const struct server_smooth_evaluation *evaluation = (const struct server_smooth_evaluation *)query;
+    const struct server_smooth_evaluation *evaluation =
+        (const struct server_smooth_evaluation *)query;
     if (evaluation->count > evaluation->quick) return SERVER_QUERY_AGAIN;
     return server_smooth_evaluation_solve(query, problem);
 }
 
-/* --- nearest ------------------------------------------------------------------------------------------------------ */
+/* --- nearest ---------------------------------------------------------------------------------- */
 
 bool server_smooth_approach_decode(struct server_smooth_approach *approach, const json_t *document,
                                    struct proto_problem *problem)
@@ -68,7 +75,8 @@ static enum gd_status find(void *user, const struct gd_control *control, size_t 
     return approach->find(approach, control);
 }
 
-enum server_query_turn server_smooth_approach_solve(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_smooth_approach_solve(struct server_query *query,
+                                                    struct proto_problem *problem)
 {
     struct server_smooth_approach *approach = (struct server_smooth_approach *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 1);

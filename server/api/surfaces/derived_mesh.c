@@ -30,9 +30,10 @@ void server_making_end(struct server_making *making)
     *making = (struct server_making){0};
 }
 
-/* --- building ----------------------------------------------------------------------------------------------------- */
+/* --- building --------------------------------------------------------------------------------- */
 
-static void drop_attachment(struct server_budget *budget, const struct server_record *record, void *attachment)
+static void drop_attachment(struct server_budget *budget, const struct server_record *record,
+                            void *attachment)
 {
     if (!attachment) return;
     free(attachment);
@@ -45,8 +46,9 @@ static bool complete(struct server_surface *surface)
     return surface->record->description || server_description_remember(surface);
 }
 
-struct server_surface *server_making_build(struct server_exchange *exchange, struct server_record *record,
-                                           const void *bytes, void *attachment, struct proto_problem *problem)
+struct server_surface *server_making_build(struct server_exchange *exchange,
+                                           struct server_record *record, const void *bytes,
+                                           void *attachment, struct proto_problem *problem)
 {
     struct server *server = exchange->server;
     struct server_monitor monitor = {.exchange = exchange};
@@ -66,7 +68,7 @@ struct server_surface *server_making_build(struct server_exchange *exchange, str
     return NULL;
 }
 
-/* --- one mesh ----------------------------------------------------------------------------------------------------- */
+/* --- one mesh --------------------------------------------------------------------------------- */
 
 /* Counts bytes as the making's. */
 static bool hold(struct server_making *making, size_t bytes, struct proto_problem *problem)
@@ -78,32 +80,39 @@ static bool hold(struct server_making *making, size_t bytes, struct proto_proble
     return true;
 }
 
-static bool check_name(const struct server_making *making, const char *name, struct proto_problem *problem)
+static bool check_name(const struct server_making *making, const char *name,
+                       struct proto_problem *problem)
 {
     if (making->count == SERVER_MADE_MOST)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                                 "one request makes at most %d meshes; ask for fewer at a time", SERVER_MADE_MOST);
+                                 "one request makes at most %d meshes; ask for fewer at a time",
+                                 SERVER_MADE_MOST);
     if (!proto_mesh_name_check(name, strlen(name), problem)) return false;
     for (uint32_t i = 0; i < making->count; i++)
         if (strcmp(making->made[i].surface->record->name, name) == 0)
-            return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                                     "two of the meshes would have the name '%s'; name each one differently", name);
+            return proto_problem_set(
+                problem, PROTO_PROBLEM_INVALID_REQUEST,
+                "two of the meshes would have the name '%s'; name each one differently", name);
     return true;
 }
 
 /* Upper bound of the file's bytes: doubles, and of each polygon its corners and their number. */
 static size_t file_cost(const struct gd_polygons *polygons)
 {
-    return polygons->position_count * 3 * sizeof(double) + gd_polygons_corner_count(polygons) * sizeof(uint32_t) +
+    return polygons->position_count * 3 * sizeof(double) +
+           gd_polygons_corner_count(polygons) * sizeof(uint32_t) +
            polygons->polygon_count * sizeof(uint32_t) + 1024;
 }
 
-enum gd_status server_making_copy(void *to, const void *from, size_t size, const struct gd_control *control)
+enum gd_status server_making_copy(void *to, const void *from, size_t size,
+                                  const struct gd_control *control)
 {
     enum gd_status status = GD_OK;
     for (size_t at = 0; !status && at < size; at += COPY_BYTES) {
         status = gd_control_check(control, 0);
-        if (!status) memcpy((char *)to + at, (const char *)from + at, size - at < COPY_BYTES ? size - at : COPY_BYTES);
+        if (!status)
+            memcpy((char *)to + at, (const char *)from + at,
+                   size - at < COPY_BYTES ? size - at : COPY_BYTES);
     }
     return status;
 }
@@ -128,7 +137,8 @@ static enum gd_status identify(const struct server_exchange *exchange, const str
                                    .options = MADE_OPTIONS};
     enum gd_status status = server_sha256_within(draft->file, draft->size, draft->control, sha256);
     if (!status && attachment) {
-        status = server_sha256_within(attachment->bytes, attachment->size, draft->control, attachment_sha256);
+        status = server_sha256_within(attachment->bytes, attachment->size, draft->control,
+                                      attachment_sha256);
         origin.attachment_sha256 = attachment_sha256;
         origin.attachment_size = attachment->size;
     }
@@ -147,7 +157,8 @@ static enum gd_status identify(const struct server_exchange *exchange, const str
 }
 
 /* A copy that is counted as SERVER_BUDGET_FLIGHT; NULL with the problem. */
-static void *copy_attachment(struct server_budget *budget, const struct draft *draft, struct proto_problem *problem)
+static void *copy_attachment(struct server_budget *budget, const struct draft *draft,
+                             struct proto_problem *problem)
 {
     const struct server_attachment *attachment = draft->attachment;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, attachment->size)) {
@@ -156,7 +167,8 @@ static void *copy_attachment(struct server_budget *budget, const struct draft *d
     }
     void *copy = malloc(attachment->size);
     enum gd_status status =
-        copy ? server_making_copy(copy, attachment->bytes, attachment->size, draft->control) : GD_NO_MEMORY;
+        copy ? server_making_copy(copy, attachment->bytes, attachment->size, draft->control)
+             : GD_NO_MEMORY;
     if (!status) return copy;
     free(copy);
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, attachment->size);
@@ -174,21 +186,25 @@ static struct server_surface *make(struct server_exchange *exchange, const struc
     enum gd_status status = identify(exchange, draft, &record);
     if (status)
         proto_problem_from_status(problem, status, NULL);
-    else if (!draft->attachment || (copy = copy_attachment(&exchange->server->budget, draft, problem)))
+    else if (!draft->attachment ||
+             (copy = copy_attachment(&exchange->server->budget, draft, problem)))
         surface = server_making_build(exchange, record, draft->file, copy, problem);
     server_record_release(record);
     return surface;
 }
 
-bool server_making_add(struct server_making *making, const char *name, const struct gd_polygons *polygons,
+bool server_making_add(struct server_making *making, const char *name,
+                       const struct gd_polygons *polygons,
                        const struct server_attachment *attachment, struct proto_problem *problem)
 {
     struct server_monitor monitor = {.exchange = making->exchange};
     const struct gd_control control = server_exchange_control(&monitor);
     struct draft draft = {.name = name, .attachment = attachment, .control = &control};
     char *file;
-    if (!check_name(making, name, problem) || !hold(making, file_cost(polygons), problem)) return false;
-    enum gd_status status = gd_write_polygons_within(polygons, GD_FORMAT_PLY, &control, &file, &draft.size);
+    if (!check_name(making, name, problem) || !hold(making, file_cost(polygons), problem))
+        return false;
+    enum gd_status status =
+        gd_write_polygons_within(polygons, GD_FORMAT_PLY, &control, &file, &draft.size);
     if (status) return proto_problem_from_status(problem, status, NULL);
     draft.file = file;
     struct server_surface *surface = make(making->exchange, &draft, problem);
@@ -200,7 +216,7 @@ bool server_making_add(struct server_making *making, const char *name, const str
     return true;
 }
 
-/* --- storing ------------------------------------------------------------------------------------------------------ */
+/* --- storing ---------------------------------------------------------------------------------- */
 
 /* Removes those that were created, unless somebody has put others in their place meanwhile. */
 static void undo(const struct server_making *making, uint32_t count)
@@ -222,8 +238,8 @@ enum server_store_outcome server_making_store(struct server_making *making)
     bool is_new = true;
     for (uint32_t i = 0; i < making->count; i++) {
         struct server_made *made = &making->made[i];
-        enum server_store_outcome outcome =
-            server_registry_put(making->exchange->server->registry, made->surface, made->file, &none);
+        enum server_store_outcome outcome = server_registry_put(making->exchange->server->registry,
+                                                                made->surface, made->file, &none);
         if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
             undo(making, i);
             return outcome;

@@ -35,7 +35,8 @@ void server_description_tag(struct server_exchange *exchange, const struct serve
     server_reply_tag(exchange, record->etag);
 }
 
-void server_description_reply(struct server_exchange *exchange, unsigned status, const struct server_listed *listed)
+void server_description_reply(struct server_exchange *exchange, unsigned status,
+                              const struct server_listed *listed)
 {
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);

@@ -10,10 +10,11 @@
 void server_description_write(struct proto_writer *writer, const struct server_listed *listed);
 
 /* Replies with the description and its ETag. */
-void server_description_reply(struct server_exchange *exchange, unsigned status, const struct server_listed *listed);
+void server_description_reply(struct server_exchange *exchange, unsigned status,
+                              const struct server_listed *listed);
 
-/* Writes the surface's description into its record, and what it takes in memory: before the record is shared. False
- * without memory. */
+/* Writes the surface's description into its record, and what it takes in memory: before the record
+ * is shared. False without memory. */
 bool server_description_remember(struct server_surface *surface);
 
 /* The ETag header of a surface, which every answer about it carries. */

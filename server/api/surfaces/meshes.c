@@ -1,4 +1,5 @@
-/* Meshes: what they have besides what all surfaces have (surfaces.c): the file that they can be sent back as. */
+/* Meshes: what they have besides what all surfaces have (surfaces.c): the file that they can be
+ * sent back as. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -10,11 +11,13 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-/* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an index 11. */
+/* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an
+ * index 11. */
 static size_t content_cost(const struct gd_mesh *mesh)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
-    return (size_t)summary->index_count * (24 + 2 * 80) + (size_t)summary->faces * (16 + 2 * 40) + 4096;
+    return (size_t)summary->index_count * (24 + 2 * 80) + (size_t)summary->faces * (16 + 2 * 40) +
+           4096;
 }
 
 struct content {
@@ -68,7 +71,8 @@ static bool send_content(struct server_exchange *exchange)
     return true;
 }
 
-/* Replies without the file when the client has it already, so that it need not be written, or even loaded. */
+/* Replies without the file when the client has it already, so that it need not be written, or even
+ * loaded. */
 static bool is_known(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
@@ -90,7 +94,8 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
     struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
     enum gd_format format;
-    if (!proto_mesh_content_format(&parameters, server_exchange_header(exchange, "Accept"), &format, &problem)) {
+    if (!proto_mesh_content_format(&parameters, server_exchange_header(exchange, "Accept"), &format,
+                                   &problem)) {
         server_reply_problem(exchange, &problem);
         return;
     }
@@ -108,7 +113,7 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
     server_exchange_defer(exchange, send_content, NULL);
 }
 
-/* --- boundaries --------------------------------------------------------------------------------------------------- */
+/* --- boundaries ------------------------------------------------------------------------------- */
 
 void server_handle_list_boundaries(struct server_exchange *exchange)
 {

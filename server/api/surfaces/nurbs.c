@@ -10,15 +10,15 @@ static const struct gd_parametric *surface_of(const struct server_query *query)
     return server_nurbs_of(query->surface)->surface;
 }
 
-/* --- evaluate ----------------------------------------------------------------------------------------------------- */
+/* --- evaluate --------------------------------------------------------------------------------- */
 
 struct evaluating {
     struct server_smooth_evaluation evaluation; /* first */
     struct proto_uvs places;
 };
 
-static enum gd_status write_jets(struct server_smooth_evaluation *evaluation, uint32_t first, uint32_t count,
-                                 const struct gd_control *control)
+static enum gd_status write_jets(struct server_smooth_evaluation *evaluation, uint32_t first,
+                                 uint32_t count, const struct gd_control *control)
 {
     struct server_query *query = &evaluation->query;
     const double(*places)[2] = ((const struct evaluating *)evaluation)->places.items + first;
@@ -32,7 +32,8 @@ static enum gd_status write_jets(struct server_smooth_evaluation *evaluation, ui
     return status;
 }
 
-static bool decode_evaluate(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode_evaluate(struct server_query *query, const json_t *document,
+                            struct proto_problem *problem)
 {
     struct evaluating *evaluating = (struct evaluating *)query;
     if (!proto_jets_decode(document, surface_of(query), &evaluating->places, problem)) return false;
@@ -61,20 +62,22 @@ void server_handle_nurbs_evaluate(struct server_exchange *exchange)
     server_query_handle(exchange, &evaluate_kind);
 }
 
-/* --- nearest ------------------------------------------------------------------------------------------------------ */
+/* --- nearest ---------------------------------------------------------------------------------- */
 
 struct approaching {
     struct server_smooth_approach approach; /* first */
     struct gd_parametric_foot foot;
 };
 
-static enum gd_status find(struct server_smooth_approach *approach, const struct gd_control *control)
+static enum gd_status find(struct server_smooth_approach *approach,
+                           const struct gd_control *control)
 {
     return gd_parametric_nearest(surface_of(&approach->query), approach->xyz, control,
                                  &((struct approaching *)approach)->foot, NULL);
 }
 
-static bool decode_nearest(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode_nearest(struct server_query *query, const json_t *document,
+                           struct proto_problem *problem)
 {
     struct server_smooth_approach *approach = (struct server_smooth_approach *)query;
     approach->find = find;

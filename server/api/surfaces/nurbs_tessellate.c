@@ -1,5 +1,5 @@
-/* Tessellate: a NURBS surface becomes a mesh resource whose vertices remember their (u, v). A worker makes it, the registry's
- * writer stores it and answers. */
+/* Tessellate: a NURBS surface becomes a mesh resource whose vertices remember their (u, v). A
+ * worker makes it, the registry's writer stores it and answers. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -23,20 +23,22 @@ struct tessellating {
     struct server_making making;
 };
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     uint32_t max_faces = (uint32_t)query->exchange->server->config.max_faces;
-    return proto_tessellation_decode(document, max_faces, &((struct tessellating *)query)->wanted, problem);
+    return proto_tessellation_decode(document, max_faces, &((struct tessellating *)query)->wanted,
+                                     problem);
 }
 
-/* --- the mesh ----------------------------------------------------------------------------------------------------- */
+/* --- the mesh --------------------------------------------------------------------------------- */
 
 static enum gd_status build(void *user, const struct gd_control *control, size_t *kept)
 {
     struct tessellating *tessellating = user;
-    enum gd_status status =
-        gd_tessellation_build(server_nurbs_of(tessellating->query.surface)->surface, &tessellating->wanted.options,
-                              control, &tessellating->tessellation, &tessellating->detail);
+    enum gd_status status = gd_tessellation_build(
+        server_nurbs_of(tessellating->query.surface)->surface, &tessellating->wanted.options,
+        control, &tessellating->tessellation, &tessellating->detail);
     if (!status) *kept = gd_tessellation_memsize(tessellating->tessellation);
     return status;
 }
@@ -45,7 +47,8 @@ static bool tessellate(struct tessellating *tessellating, struct proto_problem *
 {
     struct server_query *query = &tessellating->query;
     tessellating->monitor = server_query_monitor(query, 0, 0.5);
-    enum gd_status status = server_query_call(query, &tessellating->monitor, build, tessellating, TESSELLATION_BYTES);
+    enum gd_status status =
+        server_query_call(query, &tessellating->monitor, build, tessellating, TESSELLATION_BYTES);
     if (!status) return true;
     server_query_fail(query, status, WHAT, problem);
     if (status != GD_BUDGET) proto_problem_from_status(problem, status, &tessellating->detail);

@@ -5,9 +5,11 @@
 #include "server/api/smooth/smooth.h"
 #include "server/surfaces/subdivision_surface.h"
 
-/* The discretization of a level of the query's surface, to be released; the query's work up to `share`. By a worker. */
-GD_MUST_USE enum gd_status server_subdivision_discretization(const struct server_query *query, uint32_t level,
-                                                             double share, struct server_discretization **out,
+/* The discretization of a level of the query's surface, to be released; the query's work up to
+ * `share`. By a worker. */
+GD_MUST_USE enum gd_status server_subdivision_discretization(const struct server_query *query,
+                                                             uint32_t level, double share,
+                                                             struct server_discretization **out,
                                                              struct gd_detail *detail);
 
 #endif

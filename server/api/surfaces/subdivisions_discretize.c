@@ -1,5 +1,5 @@
-/* Discretize: a subdivision surface becomes a mesh resource whose vertices remember their places. A worker makes it, the registry's
- * writer stores it and answers. */
+/* Discretize: a subdivision surface becomes a mesh resource whose vertices remember their places. A
+ * worker makes it, the registry's writer stores it and answers. */
 #include <stdlib.h>
 
 #include "proto/discretization.h"
@@ -20,18 +20,20 @@ struct discretizing {
     struct server_making making;
 };
 
-static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document,
+                   struct proto_problem *problem)
 {
     uint32_t max_faces = (uint32_t)query->exchange->server->config.max_faces;
-    return proto_discretization_decode(document, server_subdivision_of(query->surface)->surface, max_faces,
-                                       &((struct discretizing *)query)->wanted, problem);
+    return proto_discretization_decode(document, server_subdivision_of(query->surface)->surface,
+                                       max_faces, &((struct discretizing *)query)->wanted, problem);
 }
 
-/* --- the mesh ----------------------------------------------------------------------------------------------------- */
+/* --- the mesh --------------------------------------------------------------------------------- */
 
 static size_t bytes_of(const struct gd_discretization *fine)
 {
-    size_t a_vertex = sizeof *fine->polygons.positions + sizeof *fine->places + sizeof *fine->normals;
+    size_t a_vertex =
+        sizeof *fine->polygons.positions + sizeof *fine->places + sizeof *fine->normals;
     return fine->polygons.position_count * a_vertex +
            gd_polygons_corner_count(&fine->polygons) * sizeof *fine->polygons.corners;
 }
@@ -39,9 +41,9 @@ static size_t bytes_of(const struct gd_discretization *fine)
 static enum gd_status make(void *user, const struct gd_control *control, size_t *kept)
 {
     struct discretizing *discretizing = user;
-    enum gd_status status =
-        gd_discretize(server_subdivision_of(discretizing->query.surface)->surface, &discretizing->wanted.options,
-                      control, &discretizing->fine, &discretizing->detail);
+    enum gd_status status = gd_discretize(
+        server_subdivision_of(discretizing->query.surface)->surface, &discretizing->wanted.options,
+        control, &discretizing->fine, &discretizing->detail);
     if (!status) *kept = bytes_of(&discretizing->fine);
     return status;
 }
@@ -50,8 +52,10 @@ static bool discretize(struct discretizing *discretizing, struct proto_problem *
 {
     struct server_query *query = &discretizing->query;
     struct server_monitor monitor = server_query_monitor(query, 0, 0.3);
-    enum gd_status status = server_query_call(query, &monitor, make, discretizing, BYTES_A_DISCRETIZATION);
-    return !status || server_smooth_fail(query, status, &discretizing->detail, WHAT, problem) == SERVER_QUERY_DONE;
+    enum gd_status status =
+        server_query_call(query, &monitor, make, discretizing, BYTES_A_DISCRETIZATION);
+    return !status || server_smooth_fail(query, status, &discretizing->detail, WHAT, problem) ==
+                          SERVER_QUERY_DONE;
 }
 
 static bool store(struct server_exchange *exchange)
@@ -64,8 +68,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct discretizing *discretizing = (struct discretizing *)query;
     if (!discretize(discretizing, problem)) return SERVER_QUERY_FAILED;
     server_making_begin(&discretizing->making, query->exchange);
-    if (!server_vertex_places_make(query, discretizing->wanted.mesh, &discretizing->fine, &discretizing->making,
-                                   problem))
+    if (!server_vertex_places_make(query, discretizing->wanted.mesh, &discretizing->fine,
+                                   &discretizing->making, problem))
         return SERVER_QUERY_FAILED;
     (void)server_request_write(query->exchange, store);
     return SERVER_QUERY_PARKED;

@@ -8,11 +8,11 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-/* --- list --------------------------------------------------------------------------------------------------------- */
+/* --- list ------------------------------------------------------------------------------------- */
 
 /* Ends the page also when it has many bytes. */
-static void write_page(struct proto_writer *writer, const char *plural, struct server_listed *listed, uint32_t count,
-                       uint32_t limit)
+static void write_page(struct proto_writer *writer, const char *plural,
+                       struct server_listed *listed, uint32_t count, uint32_t limit)
 {
     uint32_t written = 0;
     proto_page_begin(writer, plural);
@@ -22,16 +22,16 @@ static void write_page(struct proto_writer *writer, const char *plural, struct s
 }
 
 /* The surfaces on a page, and one more if there is a next page; at most `most`. */
-static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page, uint32_t most,
-                            struct server_listed *listed)
+static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page,
+                            uint32_t most, struct server_listed *listed)
 {
     const struct server_key after = {exchange->tenant, server_request_kind(exchange), page->after};
-    return server_registry_list(exchange->server->registry, &after, page->limit < most ? page->limit + 1 : most,
-                                listed);
+    return server_registry_list(exchange->server->registry, &after,
+                                page->limit < most ? page->limit + 1 : most, listed);
 }
 
-static void reply_page(struct server_exchange *exchange, const struct proto_page *page, struct server_listed *listed,
-                       uint32_t count)
+static void reply_page(struct server_exchange *exchange, const struct proto_page *page,
+                       struct server_listed *listed, uint32_t count)
 {
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
@@ -64,7 +64,7 @@ void server_handle_list_surfaces(struct server_exchange *exchange)
     server_request_list(exchange, list);
 }
 
-/* --- describe, remove --------------------------------------------------------------------------------------------- */
+/* --- describe, remove ------------------------------------------------------------------------- */
 
 void server_handle_get_surface(struct server_exchange *exchange)
 {
@@ -82,7 +82,8 @@ static bool remove_surface(struct server_exchange *exchange)
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     if (!server_request_key(exchange, name, &key)) return true;
-    enum server_store_outcome outcome = server_registry_remove(exchange->server->registry, &key, &precondition);
+    enum server_store_outcome outcome =
+        server_registry_remove(exchange->server->registry, &key, &precondition);
     if (outcome == SERVER_STORE_DONE)
         server_reply_empty(exchange, 204);
     else

@@ -1,5 +1,6 @@
-/* Upload: the bytes of a file become a surface under a name. Read and built by a worker, then stored by the registry's
- * writer: it is durable before the answer says that it is there. The route tells the kind (request.h). */
+/* Upload: the bytes of a file become a surface under a name. Read and built by a worker, then
+ * stored by the registry's writer: it is durable before the answer says that it is there. The route
+ * tells the kind (request.h). */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -29,14 +30,15 @@ static void free_upload(void *state)
     free(upload);
 }
 
-static void reply_description(struct server_exchange *exchange, unsigned status, const struct server_listed *listed)
+static void reply_description(struct server_exchange *exchange, unsigned status,
+                              const struct server_listed *listed)
 {
     const struct server_record *record = listed->record;
     server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
     server_description_reply(exchange, status, listed);
 }
 
-/* --- steps, each replies when it fails ---------------------------------------------------------------------------- */
+/* --- steps, each replies when it fails -------------------------------------------------------- */
 
 static bool read_options(struct server_exchange *exchange, char text[SERVER_OPTIONS])
 {
@@ -44,7 +46,8 @@ static bool read_options(struct server_exchange *exchange, char text[SERVER_OPTI
     const struct server_file file = {exchange->body.bytes, exchange->body.size,
                                      server_exchange_header(exchange, "Content-Type")};
     struct proto_problem problem;
-    if (server_request_kind(exchange)->read_options(&parameters, &file, text, &problem)) return true;
+    if (server_request_kind(exchange)->read_options(&parameters, &file, text, &problem))
+        return true;
     server_reply_problem(exchange, &problem);
     return false;
 }
@@ -55,20 +58,22 @@ static bool identify(struct server_exchange *exchange, struct upload *upload)
     char sha256[SERVER_SHA256_HEX], options[SERVER_OPTIONS];
     if (!read_options(exchange, options)) return false;
     server_sha256(body->bytes, body->size, sha256);
-    if (!upload->name[0]) snprintf(upload->name, sizeof upload->name, "%.*s", GENERATED_NAME, sha256);
+    if (!upload->name[0])
+        snprintf(upload->name, sizeof upload->name, "%.*s", GENERATED_NAME, sha256);
     server_record_release(
-        upload->record); /* of the last time, if the name was another surface's before it was stored */
-    upload->record = server_record_create(
-        &(struct server_origin){.key = {exchange->tenant, server_request_kind(exchange), upload->name},
-                                .sha256 = sha256,
-                                .size = body->size,
-                                .options = options});
+        /* of the last time, if the name was another surface's before it was stored */
+        upload->record);
+    upload->record = server_record_create(&(struct server_origin){
+        .key = {exchange->tenant, server_request_kind(exchange), upload->name},
+        .sha256 = sha256,
+        .size = body->size,
+        .options = options});
     if (!upload->record) server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
     return upload->record != NULL;
 }
 
-/* The name holds the same already: the upload goes on, to make sure of what is stored, and to bring the surface into
- * memory if it is not there. */
+/* The name holds the same already: the upload goes on, to make sure of what is stored, and to bring
+ * the surface into memory if it is not there. */
 static void take_over(struct upload *upload, const struct server_listed *before)
 {
     server_record_release(upload->record);
@@ -106,7 +111,7 @@ static void reply_outcome(struct server_exchange *exchange, struct server_surfac
         server_request_fail(exchange, outcome);
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static bool make_surface(struct server_exchange *exchange);
 
@@ -115,13 +120,14 @@ static bool store_surface(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
     const struct upload *upload = exchange->state;
-    reply_outcome(
-        exchange, upload->surface,
-        server_registry_put(exchange->server->registry, upload->surface, exchange->body.bytes, &precondition));
+    reply_outcome(exchange, upload->surface,
+                  server_registry_put(exchange->server->registry, upload->surface,
+                                      exchange->body.bytes, &precondition));
     return true;
 }
 
-/* By the writer, of a surface that is in memory already. If it no longer is the name's, the upload begins anew. */
+/* By the writer, of a surface that is in memory already. If it no longer is the name's, the upload
+ * begins anew. */
 static bool confirm_surface(struct server_exchange *exchange)
 {
     struct upload *upload = exchange->state;
@@ -145,7 +151,8 @@ static bool make_surface(struct server_exchange *exchange)
     struct proto_problem problem;
     if (!identify(exchange, upload) || answer_from_registry(exchange, upload)) return true;
     if (upload->surface) return server_request_write(exchange, confirm_surface);
-    upload->surface = server_making_build(exchange, upload->record, exchange->body.bytes, NULL, &problem);
+    upload->surface =
+        server_making_build(exchange, upload->record, exchange->body.bytes, NULL, &problem);
     if (upload->surface) return server_request_write(exchange, store_surface);
     server_reply_problem(exchange, &problem);
     return true;

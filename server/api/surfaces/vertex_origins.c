@@ -14,7 +14,7 @@
 #include "server/http/reply.h"
 #include "server/server.h"
 
-/* --- the attachment ----------------------------------------------------------------------------------------------- */
+/* --- the attachment --------------------------------------------------------------------------- */
 
 /* Before the origins, one a vertex index. Everything is as this machine has it in memory. */
 struct head {
@@ -60,7 +60,8 @@ static const struct origin parameters = {.word = {'n', 'u', 'r', 'b', 's', 'u', 
                                      .maker = "discretize",
                                      .noun = "places"};
 
-static_assert(offsetof(struct head, period) % _Alignof(struct gd_limit_point) == 0, "places follow their head");
+static_assert(offsetof(struct head, period) % _Alignof(struct gd_limit_point) == 0,
+              "places follow their head");
 
 static size_t cost_of(const struct origin *origin, uint32_t vertices)
 {
@@ -68,7 +69,8 @@ static size_t cost_of(const struct origin *origin, uint32_t vertices)
 }
 
 /* Malloc'ed, with room for the items; NULL without memory. */
-static struct head *begin(const struct origin *origin, const struct server_record *surface, uint32_t vertices)
+static struct head *begin(const struct origin *origin, const struct server_record *surface,
+                          uint32_t vertices)
 {
     struct head *head = calloc(1, cost_of(origin, vertices));
     if (!head) return NULL;
@@ -88,18 +90,20 @@ static const struct head *find(const struct origin *origin, const struct server_
 {
     const struct head *head = mesh->attachment;
     size_t size = cost_of(origin, gd_mesh_summary(mesh->mesh)->index_count);
-    bool is_one = head && mesh->record->attachment_size == size && memcmp(head->word, origin->word, 8) == 0;
+    bool is_one =
+        head && mesh->record->attachment_size == size && memcmp(head->word, origin->word, 8) == 0;
     return is_one ? head : NULL;
 }
 
-/* --- making ------------------------------------------------------------------------------------------------------- */
+/* --- making ----------------------------------------------------------------------------------- */
 
 static double period_of(const struct gd_axis *axis)
 {
     return axis->closed ? axis->high - axis->low : 0;
 }
 
-static enum gd_status write_parameters(const void *source, const struct gd_control *control, struct head *head)
+static enum gd_status write_parameters(const void *source, const struct gd_control *control,
+                                       struct head *head)
 {
     const struct gd_tessellation *tessellation = source;
     const struct gd_parametric *surface = gd_tessellation_surface(tessellation);
@@ -107,14 +111,16 @@ static enum gd_status write_parameters(const void *source, const struct gd_contr
     head->period[0] = period_of(gd_parametric_axis_u(surface));
     head->period[1] = period_of(gd_parametric_axis_v(surface));
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; !status && i < gd_tessellation_polygons(tessellation)->position_count; i++) {
+    for (uint32_t i = 0; !status && i < gd_tessellation_polygons(tessellation)->position_count;
+         i++) {
         if (i % VERTICES_A_LOOK == 0) status = gd_control_check(control, 0);
         gd_tessellation_vertex(tessellation, (struct gd_vertex){i}, uv[i]);
     }
     return status;
 }
 
-static enum gd_status write_places(const void *source, const struct gd_control *control, struct head *head)
+static enum gd_status write_places(const void *source, const struct gd_control *control,
+                                   struct head *head)
 {
     const struct gd_discretization *fine = source;
     return server_making_copy(items_of(&places, head), fine->places,
@@ -125,7 +131,8 @@ static enum gd_status write_places(const void *source, const struct gd_control *
 struct made {
     const struct origin *origin;
     const struct gd_polygons *polygons;
-    enum gd_status (*write)(const void *source, const struct gd_control *control, struct head *head);
+    enum gd_status (*write)(const void *source, const struct gd_control *control,
+                            struct head *head);
     const void *source;
 };
 
@@ -150,15 +157,17 @@ static bool make(const struct server_query *query, const char *name, const struc
 }
 
 bool server_vertex_parameters_make(const struct server_query *query, const char *name,
-                                   const struct gd_tessellation *tessellation, struct server_making *making,
-                                   struct proto_problem *problem)
+                                   const struct gd_tessellation *tessellation,
+                                   struct server_making *making, struct proto_problem *problem)
 {
-    const struct made made = {&parameters, gd_tessellation_polygons(tessellation), write_parameters, tessellation};
+    const struct made made = {&parameters, gd_tessellation_polygons(tessellation), write_parameters,
+                              tessellation};
     return make(query, name, &made, making, problem);
 }
 
-bool server_vertex_places_make(const struct server_query *query, const char *name, const struct gd_discretization *fine,
-                               struct server_making *making, struct proto_problem *problem)
+bool server_vertex_places_make(const struct server_query *query, const char *name,
+                               const struct gd_discretization *fine, struct server_making *making,
+                               struct proto_problem *problem)
 {
     const struct made made = {&places, &fine->polygons, write_places, fine};
     return make(query, name, &made, making, problem);
@@ -178,7 +187,7 @@ bool server_vertex_origins_store(struct server_exchange *exchange, struct server
     return true;
 }
 
-/* --- the operations ----------------------------------------------------------------------------------------------- */
+/* --- the operations --------------------------------------------------------------------------- */
 
 struct telling {
     struct server_query query; /* first */
@@ -187,7 +196,8 @@ struct telling {
     uint32_t count;
 };
 
-static bool parse(struct server_query *query, const struct origin *origin, struct proto_problem *problem)
+static bool parse(struct server_query *query, const struct origin *origin,
+                  struct proto_problem *problem)
 {
     struct telling *telling = (struct telling *)query;
     telling->origin = origin;
@@ -235,8 +245,10 @@ static void encode_places(const struct server_query *query, struct proto_writer 
 {
     const struct telling *telling = (const struct telling *)query;
     const struct head *head = telling->head;
-    const struct proto_vertex_places told = {
-        .surface = head->surface, .etag = head->etag, .items = items_of(&places, head), .count = telling->count};
+    const struct proto_vertex_places told = {.surface = head->surface,
+                                             .etag = head->etag,
+                                             .items = items_of(&places, head),
+                                             .count = telling->count};
     proto_vertex_places_encode(writer, &told, query->options.fields);
 }
 
@@ -265,7 +277,8 @@ static unsigned set_headers(struct server_query *query)
     return 200;
 }
 
-#define TELLING_STEPS .size = sizeof(struct telling), .solve = solve, .bytes = as_bytes, .status = set_headers
+#define TELLING_STEPS                                                                              \
+    .size = sizeof(struct telling), .solve = solve, .bytes = as_bytes, .status = set_headers
 
 static const struct server_query_kind parameters_kind = {.name = "parameters",
                                                          .fields = proto_vertex_parameters_fields,

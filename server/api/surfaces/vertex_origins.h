@@ -1,5 +1,6 @@
-/* Vertex origins: where on a smooth surface the vertices of a mesh lie that was made of it. They are the mesh's attachment; GET …/parameters (NURBS) and GET …/places (subdivision surfaces)
- * tell them. */
+/* Vertex origins: where on a smooth surface the vertices of a mesh lie that was made of it. They
+ * are the mesh's attachment; GET …/parameters (NURBS) and GET …/places (subdivision surfaces) tell
+ * them. */
 #ifndef SERVER_API_SURFACES_VERTEX_ORIGINS_H
 #define SERVER_API_SURFACES_VERTEX_ORIGINS_H
 
@@ -8,12 +9,14 @@
 #include "server/api/surfaces/derived_mesh.h"
 #include "server/query/query.h"
 
-/* Adds a mesh of the query's surface to a making, whose attachment its vertices' origins become. False with the problem. */
+/* Adds a mesh of the query's surface to a making, whose attachment its vertices' origins become.
+ * False with the problem. */
 bool server_vertex_parameters_make(const struct server_query *query, const char *name,
-                                   const struct gd_tessellation *tessellation, struct server_making *making,
-                                   struct proto_problem *problem);
-bool server_vertex_places_make(const struct server_query *query, const char *name, const struct gd_discretization *fine,
-                               struct server_making *making, struct proto_problem *problem);
+                                   const struct gd_tessellation *tessellation,
+                                   struct server_making *making, struct proto_problem *problem);
+bool server_vertex_places_make(const struct server_query *query, const char *name,
+                               const struct gd_discretization *fine, struct server_making *making,
+                               struct proto_problem *problem);
 
 /* Stores the one mesh of a making and answers as an upload does. By the registry's writer. */
 bool server_vertex_origins_store(struct server_exchange *exchange, struct server_making *making);

@@ -1,10 +1,11 @@
 /* See store_tools.h: --backup and --restore, which differ in how objects are brought over.
  *
- * The database is copied as it is at one moment; what its rows name is then brought over. A file that a replacement or
- * a delete took away meanwhile means that the moment was a bad one: then it is done again. Batches are copied before.
+ * The database is copied as it is at one moment; what its rows name is then brought over. A file
+ * that a replacement or a delete took away meanwhile means that the moment was a bad one: then it
+ * is done again. Batches are copied before.
  *
- * A marker stands in the copy's folder from before its first file until after its last one is durable: no daemon starts on
- * a copy that was interrupted, and the same command completes it. */
+ * A marker stands in the copy's folder from before its first file until after its last one is
+ * durable: no daemon starts on a copy that was interrupted, and the same command completes it. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,9 +27,10 @@ struct backup {
     unsigned long long bytes;
 };
 
-/* --- what a row names --------------------------------------------------------------------------------------------- */
+/* --- what a row names ------------------------------------------------------------------------- */
 
-static bool give_up(struct backup *backup, enum server_store_outcome outcome, const char *what, const char *name)
+static bool give_up(struct backup *backup, enum server_store_outcome outcome, const char *what,
+                    const char *name)
 {
     backup->outcome = outcome;
     if (outcome != SERVER_STORE_ABSENT) fprintf(backup->out, "%s: %s\n", what, name);
@@ -41,7 +43,8 @@ static struct server_record *read_row(const struct server_row *row)
     return server_record_read(row->text, row->size, &record) == SERVER_RECORD_READ ? record : NULL;
 }
 
-static enum server_store_outcome bring_object(struct backup *backup, const struct server_object *object)
+static enum server_store_outcome bring_object(struct backup *backup,
+                                              const struct server_object *object)
 {
     char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH], folder[SERVER_DISK_PATH];
     void *bytes = NULL;
@@ -53,7 +56,8 @@ static enum server_store_outcome bring_object(struct backup *backup, const struc
     bool is_there = server_files_read_object(&backup->to, object, &bytes) == SERVER_STORE_DONE;
     free(bytes);
     bytes = NULL;
-    if (!is_there) (void)server_disk_remove(NULL, to); /* a part of it, of an attempt that was interrupted */
+    /* a part of it, of an attempt that was interrupted */
+    if (!is_there) (void)server_disk_remove(NULL, to);
     result = is_there ? server_disk_sync_file(to) : backup->bring(from, to);
     if (!result) result = server_disk_sync_folder(folder);
     if (result) return server_files_outcome(result);
@@ -64,7 +68,8 @@ static enum server_store_outcome bring_object(struct backup *backup, const struc
     return outcome;
 }
 
-static enum server_store_outcome bring_objects(struct backup *backup, const struct server_record *record)
+static enum server_store_outcome bring_objects(struct backup *backup,
+                                               const struct server_record *record)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
@@ -77,28 +82,32 @@ static bool on_row_bring(void *user, const struct server_row *row)
 {
     struct backup *backup = user;
     struct server_record *record = read_row(row);
-    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
+    if (!record)
+        return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
     enum server_store_outcome outcome = bring_objects(backup, record);
     backup->surfaces++;
     server_record_release(record);
-    return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->key);
+    return !outcome ||
+           give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->key);
 }
 
 static bool on_row_manifest(void *user, const struct server_row *row)
 {
     struct backup *backup = user;
     struct server_record *record = read_row(row);
-    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
+    if (!record)
+        return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
     enum server_store_outcome outcome = server_files_write_manifest(&backup->to, record);
     server_record_release(record);
     return !outcome || give_up(backup, outcome, "a manifest can't be written", row->key);
 }
 
-/* --- one moment --------------------------------------------------------------------------------------------------- */
+/* --- one moment ------------------------------------------------------------------------------- */
 
 typedef enum server_store_outcome open_database(const char *path, struct server_database **out);
 
-static enum server_store_outcome copy_database(const struct backup *backup, const char *name, open_database *open)
+static enum server_store_outcome copy_database(const struct backup *backup, const char *name,
+                                               open_database *open)
 {
     struct server_database *database;
     char path[SERVER_DISK_PATH], copy[SERVER_DISK_PATH];
@@ -124,17 +133,19 @@ static enum server_store_outcome copy_moment(struct backup *backup)
     unlink(path);
     backup->surfaces = 0;
     backup->bytes = 0;
-    enum server_store_outcome outcome = copy_database(backup, "geodesicd.db", server_database_open_to_read);
+    enum server_store_outcome outcome =
+        copy_database(backup, "geodesicd.db", server_database_open_to_read);
     if (!outcome) outcome = server_database_open(path, &database);
     if (outcome) return outcome;
     backup->outcome = SERVER_STORE_DONE;
     outcome = server_database_each(database, on_row_bring, backup);
-    if (!outcome && !backup->outcome) outcome = server_database_each(database, on_row_manifest, backup);
+    if (!outcome && !backup->outcome)
+        outcome = server_database_each(database, on_row_manifest, backup);
     server_database_close(database, true);
     return outcome ? outcome : backup->outcome;
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static bool has_file(const struct server_store_files *files, const char *name)
 {
@@ -157,9 +168,11 @@ static bool copy_store(struct backup *backup)
     for (int attempt = 0; outcome == SERVER_STORE_ABSENT && attempt < ATTEMPTS; attempt++)
         outcome = copy_moment(backup);
     if (outcome == SERVER_STORE_ABSENT)
-        fprintf(backup->out, "an uploaded file is missing, or surfaces change too fast: see --check-store\n");
+        fprintf(backup->out,
+                "an uploaded file is missing, or surfaces change too fast: see --check-store\n");
     if (!outcome && server_files_finish(&backup->to) == SERVER_STORE_DONE) return true;
-    fprintf(backup->out, "no copy was made: '%s' is unfinished; run the same again, or delete it\n", backup->to.folder);
+    fprintf(backup->out, "no copy was made: '%s' is unfinished; run the same again, or delete it\n",
+            backup->to.folder);
     return false;
 }
 
@@ -175,8 +188,8 @@ static bool copy_folder(struct backup backup, const char *folder, const char *co
     }
     bool copied = copy_store(&backup);
     if (copied)
-        fprintf(out, "%u surfaces, %llu bytes, copied from '%s' to '%s'\n", backup.surfaces, backup.bytes, folder,
-                copy);
+        fprintf(out, "%u surfaces, %llu bytes, copied from '%s' to '%s'\n", backup.surfaces,
+                backup.bytes, folder, copy);
     server_files_close(&backup.to);
     return copied;
 }
@@ -194,7 +207,8 @@ bool server_store_restore(const char *folder, const char *backup, FILE *out)
         fprintf(out, "%s\n", error);
         return false;
     }
-    bool restored = copy_folder((struct backup){.out = out, .bring = server_disk_copy}, backup, folder);
+    bool restored =
+        copy_folder((struct backup){.out = out, .bring = server_disk_copy}, backup, folder);
     server_files_close(&files);
     return restored;
 }

@@ -1,5 +1,5 @@
-/* See store_tools.h: --check-store. Files that are named by their checksum are read first, each once; then the
- * manifests and the rows, which say which of them there must be. */
+/* See store_tools.h: --check-store. Files that are named by their checksum are read first, each
+ * once; then the manifests and the rows, which say which of them there must be. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,7 +41,7 @@ static void each_file(struct check *check, const char *folder,
     if (!server_disk_each(path, visit, check)) fault(check, "the folder can't be read", path);
 }
 
-/* --- files that are named by their checksum ----------------------------------------------------------------------- */
+/* --- files that are named by their checksum --------------------------------------------------- */
 
 /* Does the name begin with a hash, and what follows it? NULL: it does not. */
 static const char *after_hash(const char *file)
@@ -112,7 +112,8 @@ static void on_field(void *user, const char *path, const char *file)
 static void on_field_folder(void *user, const char *path, const char *file)
 {
     (void)file;
-    if (!server_disk_each(path, on_field, user)) fault(user, "the file is none of the store's", path);
+    if (!server_disk_each(path, on_field, user))
+        fault(user, "the file is none of the store's", path);
 }
 
 static int by_id(const void *a, const void *b)
@@ -124,7 +125,8 @@ static void check_files(struct check *check)
 {
     char fields[SERVER_DISK_PATH];
     each_file(check, "objects", on_object_folder);
-    if (check->object_count) qsort(check->objects, check->object_count, sizeof *check->objects, by_id);
+    if (check->object_count)
+        qsort(check->objects, check->object_count, sizeof *check->objects, by_id);
     server_files_path(&check->files, fields, "fields");
     (void)server_disk_each(fields, on_field_folder, check); /* there need not be any */
 }
@@ -132,17 +134,20 @@ static void check_files(struct check *check)
 /* How the parts of a surface are told of. */
 static const char *const missing[SERVER_PARTS] = {"the surface's file is missing",
                                                   "the surface's attachment is missing"};
-static const char *const damaged[SERVER_PARTS] = {"the surface's file is damaged or can't be read",
-                                                  "the surface's attachment is damaged or can't be read"};
+static const char *const damaged[SERVER_PARTS] = {
+    "the surface's file is damaged or can't be read",
+    "the surface's attachment is damaged or can't be read"};
 
-static void check_object(struct check *check, const struct server_record *record, enum server_part part)
+static void check_object(struct check *check, const struct server_record *record,
+                         enum server_part part)
 {
     struct server_object wanted;
     struct object sought;
     if (!server_record_object(record, part, &wanted)) return;
     strcpy(sought.id, wanted.id);
-    struct object *object =
-        check->object_count ? bsearch(&sought, check->objects, check->object_count, sizeof sought, by_id) : NULL;
+    struct object *object = check->object_count ? bsearch(&sought, check->objects,
+                                                          check->object_count, sizeof sought, by_id)
+                                                : NULL;
     if (!object) {
         fault(check, missing[part], record->key);
         return;
@@ -165,17 +170,20 @@ static void check_unused_objects(struct check *check)
         const struct object *object = &check->objects[i];
         if (object->is_used) continue;
         check->leftovers++;
-        if (!object->is_sound) fault(check, "the file, which no surface has, is damaged or can't be read", object->id);
+        if (!object->is_sound)
+            fault(check, "the file, which no surface has, is damaged or can't be read", object->id);
     }
 }
 
-/* --- manifests ---------------------------------------------------------------------------------------------------- */
+/* --- manifests -------------------------------------------------------------------------------- */
 
 static struct server_record *read_manifest(const struct check *check, const char *key)
 {
     char checksum[SERVER_SHA256_HEX];
     struct server_record *record = NULL;
-    return server_files_read_manifest(&check->files, key, &record, checksum) == SERVER_RECORD_READ ? record : NULL;
+    return server_files_read_manifest(&check->files, key, &record, checksum) == SERVER_RECORD_READ
+               ? record
+               : NULL;
 }
 
 static void on_manifest(void *user, const char *path, const char *file)
@@ -196,12 +204,13 @@ static void on_manifest(void *user, const char *path, const char *file)
     }
     check->manifests++;
     check_objects(check, record);
-    if (check->database && server_database_find(check->database, key, objects) == SERVER_STORE_ABSENT)
+    if (check->database &&
+        server_database_find(check->database, key, objects) == SERVER_STORE_ABSENT)
         check->unfinished++;
     server_record_release(record);
 }
 
-/* --- rows --------------------------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static bool on_row(void *user, const struct server_row *row)
 {
@@ -231,9 +240,12 @@ static void check_database(struct check *check)
     if (!outcome) outcome = server_database_each(check->database, on_row, check);
     each_file(check, "manifests", on_manifest);
     if (outcome == SERVER_STORE_ABSENT && check->manifests)
-        fault(check, "the database is missing; the next start makes it again from the manifests", path);
+        fault(check, "the database is missing; the next start makes it again from the manifests",
+              path);
     else if (outcome && outcome != SERVER_STORE_ABSENT)
-        fault(check, "the database is damaged or can't be read; the next start makes it again from the manifests",
+        fault(check,
+              "the database is damaged or can't be read; the next start makes it again from the "
+              "manifests",
               path);
 }
 
@@ -245,11 +257,13 @@ static void check_batches(struct check *check)
     server_files_path(&check->files, path, SERVER_BATCH_QUEUE_FILE);
     enum server_store_outcome outcome = server_database_open_to_copy(path, &database);
     if (outcome && outcome != SERVER_STORE_ABSENT)
-        fault(check, "the database of batches is damaged or can't be read; without it there are none", path);
+        fault(check,
+              "the database of batches is damaged or can't be read; without it there are none",
+              path);
     server_database_close(database, false);
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static void on_temporary(void *user, const char *path, const char *file)
 {
@@ -269,22 +283,25 @@ static void on_file(void *user, const char *path, const char *file)
 static void print_sums(const struct check *check)
 {
     if (check->unfinished)
-        fprintf(
-            check->out,
-            "note: %u surfaces have no row in the database, or an older one: changes that were cut short before they "
-            "were "
-            "acknowledged, or rows that could not be written; the next start writes them\n",
-            check->unfinished);
+        fprintf(check->out,
+                "note: %u surfaces have no row in the database, or an older one: changes that were "
+                "cut short before they "
+                "were "
+                "acknowledged, or rows that could not be written; the next start writes them\n",
+                check->unfinished);
     if (check->leftovers)
         fprintf(check->out,
-                "note: %u files that were not finished, or that no surface has; the next start deletes them\n",
+                "note: %u files that were not finished, or that no surface has; the next start "
+                "deletes them\n",
                 check->leftovers);
     if (check->aside)
         fprintf(check->out,
-                "note: %u damaged files were put aside (*%s*); delete them when they have told you enough\n",
+                "note: %u damaged files were put aside (*%s*); delete them when they have told you "
+                "enough\n",
                 check->aside, SERVER_DISK_ASIDE);
-    fprintf(check->out, "%u manifests, %u rows, %u files (%llu bytes), %u fields verified: %u faults\n",
-            check->manifests, check->rows, check->verified, check->bytes, check->fields, check->faults);
+    fprintf(
+        check->out, "%u manifests, %u rows, %u files (%llu bytes), %u fields verified: %u faults\n",
+        check->manifests, check->rows, check->verified, check->bytes, check->fields, check->faults);
 }
 
 bool server_store_check(const char *folder, FILE *out)

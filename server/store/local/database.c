@@ -30,10 +30,11 @@ struct server_database {
     sqlite3_stmt *statements[STATEMENTS];
     int log_pages;        /* in the log, after the last commit */
     bool cant_checkpoint; /* one failed: nothing is written any more */
-    bool had_no_log;      /* opened to be read, when it was closed: then the log that this makes goes with it */
+    /* opened to be read, when it was closed: then the log that this makes goes with it */
+    bool had_no_log;
 };
 
-/* --- open and close ----------------------------------------------------------------------------------------------- */
+/* --- open and close --------------------------------------------------------------------------- */
 
 static int on_commit(void *user, sqlite3 *connection, const char *name, int pages)
 {
@@ -61,7 +62,8 @@ static int on_check(void *user, int columns, char **values, char **names)
 static enum server_store_outcome check_all(struct server_database *database)
 {
     bool is_sound = false;
-    int code = sqlite3_exec(database->connection, "PRAGMA integrity_check(1)", on_check, &is_sound, NULL);
+    int code =
+        sqlite3_exec(database->connection, "PRAGMA integrity_check(1)", on_check, &is_sound, NULL);
     if (code) return server_store_outcome_of(code);
     return is_sound ? SERVER_STORE_DONE : SERVER_STORE_DAMAGED;
 }
@@ -76,26 +78,32 @@ static enum server_store_outcome prepare(struct server_database *database)
     return SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome connect_to(struct server_database *database, const char *path, int flags)
+static enum server_store_outcome connect_to(struct server_database *database, const char *path,
+                                            int flags)
 {
     int code = sqlite3_open_v2(path, &database->connection, flags | SQLITE_OPEN_NOMUTEX, NULL);
     if (code) return server_store_outcome_of(code);
     sqlite3_extended_result_codes(database->connection, 1);
     sqlite3_busy_timeout(database->connection, BUSY_MS);
-    return run(database, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA temp_store = MEMORY");
+    return run(
+        database,
+        "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA temp_store = MEMORY");
 }
 
 static enum server_store_outcome make_ready(struct server_database *database, const char *path)
 {
     char copy[SERVER_DISK_PATH];
     snprintf(copy, sizeof copy, "%s.before-migration", path);
-    enum server_store_outcome outcome = connect_to(database, path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    enum server_store_outcome outcome =
+        connect_to(database, path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     if (!outcome) outcome = run(database, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
     if (outcome) return outcome;
-    sqlite3_wal_hook(database->connection, on_commit, database); /* takes the place of automatic checkpoints */
+    /* takes the place of automatic checkpoints */
+    sqlite3_wal_hook(database->connection, on_commit, database);
     outcome = check_all(database);
     if (!outcome)
-        outcome = server_store_migrate(database->connection, server_store_schema, server_store_schema_version, copy);
+        outcome = server_store_migrate(database->connection, server_store_schema,
+                                       server_store_schema_version, copy);
     return outcome ? outcome : prepare(database);
 }
 
@@ -140,10 +148,12 @@ static enum server_store_outcome lift(struct server_database *database)
 static enum server_store_outcome connect_to_read(struct server_database *database, const char *path)
 {
     database->had_no_log = !has_log(path);
-    return server_disk_exists(path) ? connect_to(database, path, SQLITE_OPEN_READWRITE) : SERVER_STORE_ABSENT;
+    return server_disk_exists(path) ? connect_to(database, path, SQLITE_OPEN_READWRITE)
+                                    : SERVER_STORE_ABSENT;
 }
 
-enum server_store_outcome server_database_open_to_copy(const char *path, struct server_database **out)
+enum server_store_outcome server_database_open_to_copy(const char *path,
+                                                       struct server_database **out)
 {
     struct server_database *database = calloc(1, sizeof *database);
     if (!database) return SERVER_STORE_NO_MEMORY;
@@ -156,7 +166,8 @@ enum server_store_outcome server_database_open_to_copy(const char *path, struct 
     return outcome;
 }
 
-enum server_store_outcome server_database_open_to_read(const char *path, struct server_database **out)
+enum server_store_outcome server_database_open_to_read(const char *path,
+                                                       struct server_database **out)
 {
     struct server_database *database = calloc(1, sizeof *database);
     if (!database) return SERVER_STORE_NO_MEMORY;
@@ -192,22 +203,24 @@ const char *server_database_error(struct server_database *database)
     return sqlite3_errmsg(database->connection);
 }
 
-/* --- statements --------------------------------------------------------------------------------------------------- */
+/* --- statements ------------------------------------------------------------------------------- */
 
-static sqlite3_stmt *bind_key(struct server_database *database, enum statement which, const char *key)
+static sqlite3_stmt *bind_key(struct server_database *database, enum statement which,
+                              const char *key)
 {
     sqlite3_stmt *statement = database->statements[which];
     sqlite3_bind_text(statement, 1, key, -1, SQLITE_STATIC);
     return statement;
 }
 
-/* Moves what is in the log into the database. What was committed is durable already: so a failure fails the next write,
- * not this one. */
+/* Moves what is in the log into the database. What was committed is durable already: so a failure
+ * fails the next write, not this one. */
 static void checkpoint(struct server_database *database, int mode)
 {
     int code = sqlite3_wal_checkpoint_v2(database->connection, NULL, mode, NULL, NULL);
     enum server_store_outcome outcome = server_store_outcome_of(code);
-    database->cant_checkpoint |= outcome == SERVER_STORE_READ_ONLY || outcome == SERVER_STORE_DAMAGED;
+    database->cant_checkpoint |=
+        outcome == SERVER_STORE_READ_ONLY || outcome == SERVER_STORE_DAMAGED;
 }
 
 /* Once there is enough of it. */
@@ -217,7 +230,8 @@ static void checkpoint_when_due(struct server_database *database)
 }
 
 /* Runs a statement that writes. */
-static enum server_store_outcome run_write(struct server_database *database, sqlite3_stmt *statement)
+static enum server_store_outcome run_write(struct server_database *database,
+                                           sqlite3_stmt *statement)
 {
     if (database->cant_checkpoint) return SERVER_STORE_READ_ONLY;
     (void)sqlite3_step(statement);
@@ -226,7 +240,8 @@ static enum server_store_outcome run_write(struct server_database *database, sql
     return server_store_outcome_of(code);
 }
 
-enum server_store_outcome server_database_put(struct server_database *database, const struct server_record *record)
+enum server_store_outcome server_database_put(struct server_database *database,
+                                              const struct server_record *record)
 {
     size_t size;
     char *text = server_record_write(record, &size);
@@ -243,8 +258,8 @@ enum server_store_outcome server_database_put(struct server_database *database, 
     return outcome;
 }
 
-/* The log is emptied: damage can end a log early without a trace, and while a manifest tells of a row that was lost so,
- * nothing would tell of a deletion that was. */
+/* The log is emptied: damage can end a log early without a trace, and while a manifest tells of a
+ * row that was lost so, nothing would tell of a deletion that was. */
 enum server_store_outcome server_database_remove(struct server_database *database, const char *key)
 {
     enum server_store_outcome outcome = run_write(database, bind_key(database, REMOVE, key));
@@ -252,7 +267,8 @@ enum server_store_outcome server_database_remove(struct server_database *databas
     return outcome;
 }
 
-enum server_store_outcome server_database_count(struct server_database *database, const char *object, int64_t *count)
+enum server_store_outcome server_database_count(struct server_database *database,
+                                                const char *object, int64_t *count)
 {
     sqlite3_stmt *statement = bind_key(database, COUNT, object);
     if (sqlite3_step(statement) == SQLITE_ROW) *count = sqlite3_column_int64(statement, 0);
@@ -274,7 +290,8 @@ enum server_store_outcome server_database_find(struct server_database *database,
 
 enum server_store_outcome server_database_note_uses(struct server_database *database,
                                                     const struct server_record *const *records,
-                                                    const struct server_store_uses *uses, uint32_t count)
+                                                    const struct server_store_uses *uses,
+                                                    uint32_t count)
 {
     enum server_store_outcome outcome = run(database, "BEGIN IMMEDIATE");
     for (uint32_t i = 0; !outcome && i < count; i++) {
@@ -291,21 +308,24 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
     return outcome;
 }
 
-/* --- as a whole --------------------------------------------------------------------------------------------------- */
+/* --- as a whole ------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_database_each(struct server_database *database,
-                                               bool (*visit)(void *user, const struct server_row *row), void *user)
+enum server_store_outcome
+server_database_each(struct server_database *database,
+                     bool (*visit)(void *user, const struct server_row *row), void *user)
 {
     sqlite3_stmt *statement;
     bool go_on = true;
-    int code = sqlite3_prepare_v2(database->connection, "SELECT key, record, uses, used FROM surfaces ORDER BY key", -1,
+    int code = sqlite3_prepare_v2(database->connection,
+                                  "SELECT key, record, uses, used FROM surfaces ORDER BY key", -1,
                                   &statement, NULL);
     while (!code && go_on && sqlite3_step(statement) == SQLITE_ROW) {
-        const struct server_row row = {.key = (const char *)sqlite3_column_text(statement, 0),
-                                       .text = sqlite3_column_blob(statement, 1),
-                                       .size = (size_t)sqlite3_column_bytes(statement, 1),
-                                       .uses = {.count = (uint64_t)sqlite3_column_int64(statement, 2),
-                                                .last = sqlite3_column_int64(statement, 3)}};
+        const struct server_row row = {
+            .key = (const char *)sqlite3_column_text(statement, 0),
+            .text = sqlite3_column_blob(statement, 1),
+            .size = (size_t)sqlite3_column_bytes(statement, 1),
+            .uses = {.count = (uint64_t)sqlite3_column_int64(statement, 2),
+                     .last = sqlite3_column_int64(statement, 3)}};
         if (row.key && row.text) go_on = visit(user, &row);
     }
     int end = sqlite3_finalize(statement);

@@ -42,24 +42,28 @@ static enum server_store_outcome written(enum server_disk_result result)
     return result == SERVER_DISK_ABSENT ? SERVER_STORE_REFUSED : server_files_outcome(result);
 }
 
-/* --- paths -------------------------------------------------------------------------------------------------------- */
+/* --- paths ------------------------------------------------------------------------------------ */
 
-void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name)
+void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
+                       const char *name)
 {
     snprintf(path, SERVER_DISK_PATH, "%s/%s", files->folder, name);
 }
 
-static void object_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *object)
+static void object_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH],
+                          const char *object)
 {
     snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s", files->folder, object);
 }
 
-void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *object)
+void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
+                              const char *object)
 {
     snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s/%s", files->folder, object, object);
 }
 
-void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *key)
+void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
+                                const char *key)
 {
     snprintf(path, SERVER_DISK_PATH, "%s/manifests/%s" MANIFEST_SUFFIX, files->folder, key);
 }
@@ -85,7 +89,7 @@ bool server_files_object_check(const char *file)
     return !file[digits] || (file[digits] == '.' && server_tenant_check(file + digits + 1));
 }
 
-/* --- open --------------------------------------------------------------------------------------------------------- */
+/* --- open ------------------------------------------------------------------------------------- */
 
 /* The folder and those above it that are missing. */
 static enum server_disk_result make_folders(const char *folder)
@@ -94,7 +98,8 @@ static enum server_disk_result make_folders(const char *folder)
     snprintf(path, sizeof path, "%s", folder);
     for (char *slash = path + 1; (slash = strchr(slash, '/')); slash++) {
         *slash = '\0';
-        enum server_disk_result result = server_disk_exists(path) ? SERVER_DISK_DONE : server_disk_make_folder(path);
+        enum server_disk_result result =
+            server_disk_exists(path) ? SERVER_DISK_DONE : server_disk_make_folder(path);
         *slash = '/';
         if (result) return result;
     }
@@ -113,8 +118,8 @@ static enum server_disk_result make_layout(const struct server_store_files *file
     return result;
 }
 
-/* Makes durable the names of the folders that the data folder stands in: of those that this process may write to,
- * since in no other can it have made one. */
+/* Makes durable the names of the folders that the data folder stands in: of those that this process
+ * may write to, since in no other can it have made one. */
 static enum server_disk_result sync_path(const char *folder)
 {
     char text[SERVER_STORE_FOLDER], *path = text;
@@ -129,8 +134,9 @@ static enum server_disk_result sync_path(const char *folder)
     return result;
 }
 
-/* A process may have been killed after it made a folder and before the name was durable: who finds the folder and
- * puts files into it would lose them with it. So all names that are there are made durable before the first use. */
+/* A process may have been killed after it made a folder and before the name was durable: who finds
+ * the folder and puts files into it would lose them with it. So all names that are there are made
+ * durable before the first use. */
 static enum server_disk_result sync_layout(const struct server_store_files *files)
 {
     char path[SERVER_DISK_PATH];
@@ -143,7 +149,8 @@ static enum server_disk_result sync_layout(const struct server_store_files *file
 static bool refuse_second(const struct server_store_files *files, char *error, size_t error_size)
 {
     snprintf(error, error_size,
-             "the data folder '%s' is in use by another geodesicd: stop that one, or choose another --data-dir",
+             "the data folder '%s' is in use by another geodesicd: stop that one, or choose "
+             "another --data-dir",
              files->folder);
     return false;
 }
@@ -154,8 +161,8 @@ static bool refuse_path(const char *path, char *error, size_t error_size)
     return false;
 }
 
-/* The folder itself is locked, since a file that holds a lock can be removed; and the file, by which earlier versions know,
- * and which can be locked where a folder can't (NFS). */
+/* The folder itself is locked, since a file that holds a lock can be removed; and the file, by
+ * which earlier versions know, and which can be locked where a folder can't (NFS). */
 static bool lock_both(struct server_store_files *files, int flags, char *error, size_t error_size)
 {
     char path[SERVER_DISK_PATH];
@@ -165,7 +172,8 @@ static bool lock_both(struct server_store_files *files, int flags, char *error, 
     if (flock(files->held, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return refuse_second(files, error, error_size);
     files->lock = open(path, flags | O_CLOEXEC | O_NONBLOCK, 0600);
-    if (files->lock < 0 && errno == ENOENT) return true; /* without O_CREAT: a copy has no such file as yet */
+    /* without O_CREAT: a copy has no such file as yet */
+    if (files->lock < 0 && errno == ENOENT) return true;
     if (files->lock < 0) return refuse_path(path, error, error_size);
     return flock(files->lock, LOCK_EX | LOCK_NB) == 0 || refuse_second(files, error, error_size);
 }
@@ -177,11 +185,13 @@ static bool take_lock(struct server_store_files *files, int flags, char *error, 
     return false;
 }
 
-static bool set_folder(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+static bool set_folder(struct server_store_files *files, const char *folder, char *error,
+                       size_t error_size)
 {
     *files = (struct server_store_files){.held = -1, .lock = -1};
     if (strlen(folder) >= sizeof files->folder) {
-        snprintf(error, error_size, "the path of the data folder is longer than %d bytes", SERVER_STORE_FOLDER - 1);
+        snprintf(error, error_size, "the path of the data folder is longer than %d bytes",
+                 SERVER_STORE_FOLDER - 1);
         return false;
     }
     strcpy(files->folder, folder);
@@ -190,7 +200,8 @@ static bool set_folder(struct server_store_files *files, const char *folder, cha
 
 static bool refuse_folder(const char *folder, char *error, size_t error_size)
 {
-    snprintf(error, error_size, "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
+    snprintf(error, error_size,
+             "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
              folder, strerror(errno));
     return false;
 }
@@ -200,10 +211,12 @@ static void make_private(void *user, const char *path, const char *file)
 {
     struct stat facts;
     (void)user, (void)file;
-    if (lstat(path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077)) (void)chmod(path, 0600);
+    if (lstat(path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077))
+        (void)chmod(path, 0600);
 }
 
-bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+bool server_files_open(struct server_store_files *files, const char *folder, char *error,
+                       size_t error_size)
 {
     if (!set_folder(files, folder, error, error_size)) return false;
     if (server_files_is_unfinished(folder, error, error_size)) return false;
@@ -221,11 +234,13 @@ static bool has_folder(const struct server_store_files *files, const char *name)
     return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
 }
 
-bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error,
+                                size_t error_size)
 {
     if (!set_folder(files, folder, error, error_size)) return false;
     if (!has_folder(files, "objects") || !has_folder(files, "manifests")) {
-        snprintf(error, error_size, "there is no data folder at '%s': name one that a daemon or --backup has made",
+        snprintf(error, error_size,
+                 "there is no data folder at '%s': name one that a daemon or --backup has made",
                  folder);
         return false;
     }
@@ -253,7 +268,7 @@ bool server_files_are_there(const struct server_store_files *files)
     return are_there;
 }
 
-/* --- copies ------------------------------------------------------------------------------------------------------- */
+/* --- copies ----------------------------------------------------------------------------------- */
 
 #define UNFINISHED "unfinished"
 
@@ -263,7 +278,8 @@ bool server_files_is_unfinished(const char *folder, char *error, size_t error_si
     snprintf(path, sizeof path, "%s/" UNFINISHED, folder);
     if (!server_disk_exists(path)) return false;
     snprintf(error, error_size,
-             "'%s' is an unfinished copy: run the --restore or --backup that began it again, or delete the folder",
+             "'%s' is an unfinished copy: run the --restore or --backup that began it again, or "
+             "delete the folder",
              folder);
     return true;
 }
@@ -293,11 +309,13 @@ static bool has_data(const struct server_store_files *files)
 static void on_left_file(void *user, const char *path, const char *file)
 {
     const char *const *only = user;
-    if (!only || strncmp(file, only[0], strlen(only[0])) == 0 || strncmp(file, only[1], strlen(only[1])) == 0)
+    if (!only || strncmp(file, only[0], strlen(only[0])) == 0 ||
+        strncmp(file, only[1], strlen(only[1])) == 0)
         (void)unlink(path);
 }
 
-/* What an earlier attempt has left may be of another moment, or of another backup: but objects are what their names say. */
+/* What an earlier attempt has left may be of another moment, or of another backup: but objects are
+ * what their names say. */
 static void clear_copy(const struct server_store_files *files)
 {
     static const char *databases[] = {"geodesicd.db", "batches.db"};
@@ -328,7 +346,8 @@ static bool begin_copy(struct server_store_files *files, char *error, size_t err
 }
 
 /* The marker stands before the lock's file, so that an interrupted copy is no empty folder. */
-bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error,
+                            size_t error_size)
 {
     char path[SERVER_DISK_PATH];
     if (!set_folder(files, folder, error, error_size)) return false;
@@ -340,7 +359,8 @@ bool server_files_open_copy(struct server_store_files *files, const char *folder
     }
     server_files_path(files, path, UNFINISHED);
     if (!mark(files, path)) return refuse_path(path, error, error_size);
-    if (take_lock(files, O_RDWR | O_CREAT, error, error_size)) return begin_copy(files, error, error_size);
+    if (take_lock(files, O_RDWR | O_CREAT, error, error_size))
+        return begin_copy(files, error, error_size);
     if (is_new) (void)server_disk_remove(folder, path);
     return false;
 }
@@ -353,7 +373,7 @@ enum server_store_outcome server_files_finish(const struct server_store_files *f
     return server_files_outcome(result ? result : server_disk_remove(files->folder, path));
 }
 
-/* --- objects ------------------------------------------------------------------------------------------------------ */
+/* --- objects ---------------------------------------------------------------------------------- */
 
 enum server_store_outcome server_files_read_object(const struct server_store_files *files,
                                                    const struct server_object *object, void **bytes)
@@ -390,7 +410,8 @@ static bool on_piece(void *user, const void *bytes, size_t size)
     return !verification->was_ended;
 }
 
-static enum server_store_verdict judge_scan(enum server_disk_result result, bool was_ended, bool is_same)
+static enum server_store_verdict judge_scan(enum server_disk_result result, bool was_ended,
+                                            bool is_same)
 {
     if (result == SERVER_DISK_ABSENT) return SERVER_VERDICT_MISSING;
     if (result == SERVER_DISK_NO_MEMORY || was_ended) return SERVER_VERDICT_NONE;
@@ -400,7 +421,8 @@ static enum server_store_verdict judge_scan(enum server_disk_result result, bool
 
 enum server_store_verdict server_files_verify_object(const struct server_store_files *files,
                                                      const struct server_object *object,
-                                                     bool (*pace)(void *user, size_t bytes), void *user)
+                                                     bool (*pace)(void *user, size_t bytes),
+                                                     void *user)
 {
     char path[SERVER_DISK_PATH], found[SERVER_SHA256_HEX];
     struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
@@ -421,7 +443,8 @@ static bool has_object(const struct server_store_files *files, const struct serv
 }
 
 enum server_store_outcome server_files_write_object(struct server_store_files *files,
-                                                    const struct server_object *object, const void *bytes)
+                                                    const struct server_object *object,
+                                                    const void *bytes)
 {
     char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
     object_folder(files, folder, object->id);
@@ -429,8 +452,9 @@ enum server_store_outcome server_files_write_object(struct server_store_files *f
     temporary_path(files, temporary);
     enum server_disk_result result = server_disk_make_folder(folder);
     if (result) return written(result);
-    result = has_object(files, object) ? server_disk_sync_folder(folder)
-                                       : server_disk_write(folder, path, temporary, bytes, (size_t)object->size);
+    result = has_object(files, object)
+                 ? server_disk_sync_folder(folder)
+                 : server_disk_write(folder, path, temporary, bytes, (size_t)object->size);
     return written(result);
 }
 
@@ -441,22 +465,24 @@ void server_files_remove_object(const struct server_store_files *files, const ch
     (void)server_disk_remove(NULL, path); /* one that stays is collected at the next start */
 }
 
-/* --- manifests ---------------------------------------------------------------------------------------------------- */
+/* --- manifests -------------------------------------------------------------------------------- */
 
 static void manifests_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH])
 {
     server_files_path(files, path, "manifests");
 }
 
-enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *key,
-                                                      struct server_record **out, char sha256[SERVER_SHA256_HEX])
+enum server_record_reading server_files_read_manifest(const struct server_store_files *files,
+                                                      const char *key, struct server_record **out,
+                                                      char sha256[SERVER_SHA256_HEX])
 {
     char path[SERVER_DISK_PATH];
     void *text;
     size_t size;
     server_files_manifest_path(files, path, key);
     enum server_disk_result result = server_disk_read(path, &text, &size);
-    if (result) return result == SERVER_DISK_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
+    if (result)
+        return result == SERVER_DISK_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
     enum server_record_reading reading = server_record_read_named(key, text, size, out);
     server_sha256(text, size, sha256);
     free(text);
@@ -495,7 +521,8 @@ void server_files_settle_manifest(const struct server_store_files *files)
     (void)server_disk_remove(NULL, aside);
 }
 
-enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files, const char *key)
+enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files,
+                                                     const char *key)
 {
     char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
     manifests_folder(files, folder);
@@ -505,7 +532,8 @@ enum server_store_outcome server_files_undo_manifest(const struct server_store_f
     return server_files_outcome(server_disk_sync_folder(folder));
 }
 
-enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files, const char *key)
+enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files,
+                                                       const char *key)
 {
     char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH];
     manifests_folder(files, folder);
@@ -514,7 +542,7 @@ enum server_store_outcome server_files_remove_manifest(const struct server_store
     return result == SERVER_DISK_ABSENT ? SERVER_STORE_DONE : server_files_outcome(result);
 }
 
-/* --- ballast ------------------------------------------------------------------------------------------------------ */
+/* --- ballast ---------------------------------------------------------------------------------- */
 
 enum server_store_outcome server_files_load_ballast(struct server_store_files *files)
 {
@@ -524,7 +552,8 @@ enum server_store_outcome server_files_load_ballast(struct server_store_files *f
     void *zeros = calloc(1, BALLAST_BYTES);
     if (!zeros) return SERVER_STORE_NO_MEMORY;
     temporary_path(files, temporary);
-    enum server_disk_result result = server_disk_write(files->folder, path, temporary, zeros, BALLAST_BYTES);
+    enum server_disk_result result =
+        server_disk_write(files->folder, path, temporary, zeros, BALLAST_BYTES);
     free(zeros);
     return written(result);
 }

@@ -14,7 +14,7 @@ static struct server_store_local *local_of(struct server_store *store)
     return (struct server_store_local *)store;
 }
 
-/* --- health ------------------------------------------------------------------------------------------------------- */
+/* --- health ----------------------------------------------------------------------------------- */
 
 void server_local_forbid(struct server_store_local *local, const char *format, ...)
 {
@@ -29,13 +29,15 @@ void server_local_forbid(struct server_store_local *local, const char *format, .
 
 static const char *health(struct server_store *store)
 {
-    static const char missing[] = "the data folder, or a part of it (objects, manifests, geodesicd.db), was removed or "
-                                  "replaced under the daemon: put it back, or restart on what there is";
+    static const char missing[] =
+        "the data folder, or a part of it (objects, manifests, geodesicd.db), was removed or "
+        "replaced under the daemon: put it back, or restart on what there is";
     struct server_store_local *local = local_of(store);
     if (atomic_load(&local->is_read_only)) return local->reason;
     bool is_missing = !server_files_are_there(&local->files);
     if (atomic_exchange(&local->was_missing, is_missing) != is_missing)
-        server_log_message(SERVER_LOG_ERROR, "store_missing", "%s", is_missing ? missing : "the data folder is back");
+        server_log_message(SERVER_LOG_ERROR, "store_missing", "%s",
+                           is_missing ? missing : "the data folder is back");
     return is_missing ? missing : NULL;
 }
 
@@ -45,15 +47,16 @@ static bool can_write(struct server_store_local *local)
 }
 
 /* What failed in a way that more writing could make worse ends all writing. */
-static enum server_store_outcome judge(struct server_store_local *local, enum server_store_outcome outcome,
-                                       const char *what)
+static enum server_store_outcome judge(struct server_store_local *local,
+                                       enum server_store_outcome outcome, const char *what)
 {
     if (outcome == SERVER_STORE_REFUSED)
-        server_log_message(SERVER_LOG_ERROR, "store_refused", "%s could not be written (%s): mend the folder", what,
-                           strerror(errno));
+        server_log_message(SERVER_LOG_ERROR, "store_refused",
+                           "%s could not be written (%s): mend the folder", what, strerror(errno));
     if (outcome != SERVER_STORE_READ_ONLY && outcome != SERVER_STORE_DAMAGED) return outcome;
-    server_local_forbid(local, "%s could not be written and made durable (%s): mend the disk and restart", what,
-                        outcome == SERVER_STORE_DAMAGED ? server_database_error(local->database) : strerror(errno));
+    server_local_forbid(
+        local, "%s could not be written and made durable (%s): mend the disk and restart", what,
+        outcome == SERVER_STORE_DAMAGED ? server_database_error(local->database) : strerror(errno));
     return SERVER_STORE_READ_ONLY;
 }
 
@@ -66,23 +69,25 @@ static void look_after(struct server_store_local *local)
         (void)judge(local, server_files_load_ballast(&local->files), "the ballast");
 }
 
-/* --- objects ------------------------------------------------------------------------------------------------------ */
+/* --- objects ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome write_object(struct server_store_local *local, const struct server_object *object,
-                                              const void *bytes)
+static enum server_store_outcome write_object(struct server_store_local *local,
+                                              const struct server_object *object, const void *bytes)
 {
     enum server_store_outcome outcome = server_files_write_object(&local->files, object, bytes);
     if (!outcome) server_quarantine_lift(&local->quarantine, object->id);
     return outcome;
 }
 
-static enum server_store_outcome write_objects(struct server_store_local *local, const struct server_record *record,
+static enum server_store_outcome write_objects(struct server_store_local *local,
+                                               const struct server_record *record,
                                                const struct server_content *content)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) outcome = write_object(local, &object, content->parts[part]);
+        if (server_record_object(record, part, &object))
+            outcome = write_object(local, &object, content->parts[part]);
     return judge(local, outcome, "a surface's file");
 }
 
@@ -113,12 +118,14 @@ static void tidy(struct server_store *store)
     if (can_write(local)) look_after(local); /* after the bytes: the ballast may need their room */
 }
 
-/* --- put ---------------------------------------------------------------------------------------------------------- */
+/* --- put -------------------------------------------------------------------------------------- */
 
 /* The object is there. */
-static enum server_store_outcome put_record(struct server_store_local *local, const struct server_record *record)
+static enum server_store_outcome put_record(struct server_store_local *local,
+                                            const struct server_record *record)
 {
-    enum server_store_outcome outcome = judge(local, server_files_write_manifest(&local->files, record), "a manifest");
+    enum server_store_outcome outcome =
+        judge(local, server_files_write_manifest(&local->files, record), "a manifest");
     if (outcome) return outcome;
     outcome = judge(local, server_database_put(local->database, record), "a row of the database");
     if (outcome && outcome != SERVER_STORE_READ_ONLY)
@@ -147,16 +154,17 @@ static enum server_store_outcome put(struct server_store *store, const struct se
     return outcome;
 }
 
-static enum server_store_outcome keep(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome keep(struct server_store *store,
+                                      const struct server_record *record,
                                       const struct server_content *content)
 {
     struct server_store_local *local = local_of(store);
-    if (!can_write(local))
-        return SERVER_STORE_DONE; /* it was durable once; whether it still is shows when it is loaded */
+    if (!can_write(local)) /* it was durable once; whether it still is shows when it is loaded */
+        return SERVER_STORE_DONE;
     return write_objects(local, record, content);
 }
 
-/* --- remove ------------------------------------------------------------------------------------------------------- */
+/* --- remove ----------------------------------------------------------------------------------- */
 
 /* Those that no surface has any more go when all is tidy. */
 static void leave_objects(struct server_store_local *local, const struct server_record *record)
@@ -175,8 +183,8 @@ static enum server_store_outcome remove_row(struct server_store_local *local, co
     return judge(local, outcome, "a row of the database");
 }
 
-static enum server_store_outcome remove_record(struct server_store *store, const struct server_record *record,
-                                               uint64_t *version)
+static enum server_store_outcome
+remove_record(struct server_store *store, const struct server_record *record, uint64_t *version)
 {
     struct server_store_local *local = local_of(store);
     (void)version;
@@ -185,17 +193,19 @@ static enum server_store_outcome remove_record(struct server_store *store, const
     if (outcome) return outcome;
     outcome = judge(local, server_files_remove_manifest(&local->files, record->key), "a manifest");
     if (outcome == SERVER_STORE_REFUSED)
-        server_local_forbid(local, "a manifest could not be removed (%s): mend the folder and restart",
+        server_local_forbid(local,
+                            "a manifest could not be removed (%s): mend the folder and restart",
                             strerror(errno));
     if (outcome) return SERVER_STORE_READ_ONLY;
     leave_objects(local, record);
     return SERVER_STORE_DONE;
 }
 
-/* --- the rest ----------------------------------------------------------------------------------------------------- */
+/* --- the rest --------------------------------------------------------------------------------- */
 
-static enum server_store_outcome fetch(struct server_store *store, const struct server_record *record,
-                                       enum server_part part, void **bytes)
+static enum server_store_outcome fetch(struct server_store *store,
+                                       const struct server_record *record, enum server_part part,
+                                       void **bytes)
 {
     struct server_store_local *local = local_of(store);
     struct server_object object;
@@ -203,23 +213,28 @@ static enum server_store_outcome fetch(struct server_store *store, const struct 
     if (server_quarantine_holds(&local->quarantine, object.id)) return SERVER_STORE_DAMAGED;
     uint64_t turn = server_quarantine_turn(&local->quarantine);
     enum server_store_outcome outcome = server_files_read_object(&local->files, &object, bytes);
-    if (outcome == SERVER_STORE_DAMAGED) (void)server_quarantine_condemn(&local->quarantine, object.id, turn);
+    if (outcome == SERVER_STORE_DAMAGED)
+        (void)server_quarantine_condemn(&local->quarantine, object.id, turn);
     return outcome;
 }
 
 /* Who mends a file behind the daemon's back has it back after the next look. */
-static enum server_store_verdict verify(struct server_store *store, const struct server_record *record,
-                                        enum server_part part, bool (*pace)(void *user, size_t bytes), void *user)
+static enum server_store_verdict verify(struct server_store *store,
+                                        const struct server_record *record, enum server_part part,
+                                        bool (*pace)(void *user, size_t bytes), void *user)
 {
     struct server_store_local *local = local_of(store);
     struct server_object object;
     if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
     uint64_t turn = server_quarantine_turn(&local->quarantine);
-    enum server_store_verdict verdict = server_files_verify_object(&local->files, &object, pace, user);
+    enum server_store_verdict verdict =
+        server_files_verify_object(&local->files, &object, pace, user);
     bool was_held = server_quarantine_holds(&local->quarantine, object.id);
-    if (verdict == SERVER_VERDICT_SOUND && was_held) server_quarantine_lift(&local->quarantine, object.id);
+    if (verdict == SERVER_VERDICT_SOUND && was_held)
+        server_quarantine_lift(&local->quarantine, object.id);
     if (verdict != SERVER_VERDICT_DAMAGED) return verdict;
-    return server_quarantine_condemn(&local->quarantine, object.id, turn) ? verdict : SERVER_VERDICT_NONE;
+    return server_quarantine_condemn(&local->quarantine, object.id, turn) ? verdict
+                                                                          : SERVER_VERDICT_NONE;
 }
 
 static uint32_t damaged(struct server_store *store)
@@ -232,11 +247,13 @@ static void note_uses(struct server_store *store, const struct server_record *co
 {
     struct server_store_local *local = local_of(store);
     if (!can_write(local)) return;
-    (void)judge(local, server_database_note_uses(local->database, records, uses, count), "a row of the database");
+    (void)judge(local, server_database_note_uses(local->database, records, uses, count),
+                "a row of the database");
 }
 
 static enum server_store_outcome each(struct server_store *store,
-                                      bool (*visit)(void *user, const struct server_stored *stored), void *user)
+                                      bool (*visit)(void *user, const struct server_stored *stored),
+                                      void *user)
 {
     struct server_store_local *local = local_of(store);
     for (uint32_t i = 0; i < local->found_count; i++)

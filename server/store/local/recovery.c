@@ -1,17 +1,15 @@
-/* Recovery: how a local store opens, whatever the last process left behind, and whatever happened to the files
- * since.
+/* Recovery: how a local store opens, whatever the last process left behind, and whatever happened
+ * to the files since.
  *
- * DESIGN. A manifest that can be read tells the truth: it was durable before its row, and is removed only after its
- * row.
- *     manifest     row                  what it was                        what is done
- *     good         the same             nothing                            nothing
- *     good         none, other, bad     a crash between the two, or a      the row is written
- *                                       damaged database
- *     none         good                 a manifest was lost                it is written
- *     bad          good                 a damaged manifest                 it is put aside and written again
- *     bad or none  bad or none          both are damaged                   put aside: that name is lost, and said so
- * Crashes alone lead only to the first two rows. A database that SQLite can't vouch for is put aside, and a new one
- * is made from the manifests. Objects are verified when they are loaded. */
+ * DESIGN. A manifest that can be read tells the truth: it was durable before its row, and is
+ * removed only after its row. manifest     row                  what it was what is done good the
+ * same             nothing                            nothing good         none, other, bad     a
+ * crash between the two, or a      the row is written damaged database none         good a manifest
+ * was lost                it is written bad          good                 a damaged manifest it is
+ * put aside and written again bad or none  bad or none          both are damaged put aside: that
+ * name is lost, and said so Crashes alone lead only to the first two rows. A database that SQLite
+ * can't vouch for is put aside, and a new one is made from the manifests. Objects are verified when
+ * they are loaded. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +36,7 @@ struct recovery {
     bool is_newer, no_memory, lost_some;
 };
 
-/* --- findings ----------------------------------------------------------------------------------------------------- */
+/* --- findings --------------------------------------------------------------------------------- */
 
 static int by_key(const void *a, const void *b)
 {
@@ -65,8 +63,9 @@ static struct finding *find_or_add(struct recovery *recovery, const char *key)
 {
     struct finding sought;
     snprintf(sought.key, sizeof sought.key, "%s", key);
-    struct finding *found =
-        recovery->sorted ? bsearch(&sought, recovery->findings, recovery->sorted, sizeof sought, by_key) : NULL;
+    struct finding *found = recovery->sorted ? bsearch(&sought, recovery->findings,
+                                                       recovery->sorted, sizeof sought, by_key)
+                                             : NULL;
     return found ? found : add_finding(recovery, key);
 }
 
@@ -77,7 +76,7 @@ static void note_reading(struct recovery *recovery, enum server_record_reading r
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-/* --- rows --------------------------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static bool on_row(void *user, const struct server_row *row)
 {
@@ -91,15 +90,16 @@ static bool on_row(void *user, const struct server_row *row)
     return true;
 }
 
-/* --- the database ------------------------------------------------------------------------------------------------- */
+/* --- the database ----------------------------------------------------------------------------- */
 
 static void move_database_aside(const char *path)
 {
     char suffix[SERVER_DISK_ASIDE_SUFFIX];
     server_disk_set_aside(path, server_disk_database_parts, suffix);
-    server_log_message(
-        SERVER_LOG_ERROR, "store_database_damaged",
-        "the database is damaged: it was renamed to geodesicd.db%s, a new one is made from the manifests", suffix);
+    server_log_message(SERVER_LOG_ERROR, "store_database_damaged",
+                       "the database is damaged: it was renamed to geodesicd.db%s, a new one is "
+                       "made from the manifests",
+                       suffix);
 }
 
 static enum server_store_outcome read_database(struct recovery *recovery, const char *path)
@@ -140,21 +140,24 @@ static void open_database(struct recovery *recovery)
     if (!outcome) return;
     server_database_close(local->database, false);
     local->database = NULL;
-    server_local_forbid(local, "the database '%s' can't be opened or made (%s): mend that and restart", path,
-                        outcome == SERVER_STORE_FULL ? "the disk is full" : strerror(errno));
+    server_local_forbid(local,
+                        "the database '%s' can't be opened or made (%s): mend that and restart",
+                        path, outcome == SERVER_STORE_FULL ? "the disk is full" : strerror(errno));
 }
 
-/* --- manifests ---------------------------------------------------------------------------------------------------- */
+/* --- manifests -------------------------------------------------------------------------------- */
 
 static void on_manifest(void *user, const char *path, const char *file)
 {
     struct recovery *recovery = user;
     char key[SERVER_KEY_TEXT], checksum[SERVER_SHA256_HEX] = "";
     (void)path;
-    struct finding *finding = server_files_manifest_key(file, key) ? find_or_add(recovery, key) : NULL;
+    struct finding *finding =
+        server_files_manifest_key(file, key) ? find_or_add(recovery, key) : NULL;
     if (!finding) return;
     finding->has_manifest = true;
-    note_reading(recovery, server_files_read_manifest(&recovery->local->files, key, &finding->manifest, checksum));
+    note_reading(recovery, server_files_read_manifest(&recovery->local->files, key,
+                                                      &finding->manifest, checksum));
     finding->differ = strcmp(checksum, finding->checksum) != 0;
 }
 
@@ -167,7 +170,7 @@ static void each_file(struct recovery *recovery, const char *folder,
     (void)server_disk_each(path, visit, recovery);
 }
 
-/* --- mending ------------------------------------------------------------------------------------------------------ */
+/* --- mending ---------------------------------------------------------------------------------- */
 
 static void say(const struct finding *finding, enum server_store_outcome outcome, const char *what)
 {
@@ -175,15 +178,19 @@ static void say(const struct finding *finding, enum server_store_outcome outcome
     if (!server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) return;
     server_log_text(&line, "key", finding->key);
     server_log_text(&line, "message", what);
-    if (outcome) server_log_text(&line, "failure", "it could not be written; it is tried again at the next start");
+    if (outcome)
+        server_log_text(&line, "failure",
+                        "it could not be written; it is tried again at the next start");
     server_log_end(&line);
 }
 
-/* A row that can't be mended leaves a database that doesn't know who has which bytes: so none are thrown away. */
+/* A row that can't be mended leaves a database that doesn't know who has which bytes: so none are
+ * thrown away. */
 static void mend_row(struct server_store_local *local, const struct finding *finding)
 {
     enum server_store_outcome outcome =
-        local->database ? server_database_put(local->database, finding->manifest) : SERVER_STORE_READ_ONLY;
+        local->database ? server_database_put(local->database, finding->manifest)
+                        : SERVER_STORE_READ_ONLY;
     local->lacks_rows |= outcome != SERVER_STORE_DONE;
     say(finding, outcome, "its row in the database was written again from its manifest");
     if (outcome == SERVER_STORE_READ_ONLY)
@@ -204,20 +211,23 @@ static void mend_manifest(struct recovery *recovery, const struct finding *findi
     struct server_store_local *local = recovery->local;
     if (finding->has_manifest) put_manifest_aside(recovery, finding);
     enum server_store_outcome outcome = server_files_write_manifest(&local->files, finding->row);
-    say(finding, outcome, "its manifest was missing or damaged, and was written again from its row in the database");
-    if (outcome == SERVER_STORE_READ_ONLY) server_local_forbid(local, "a manifest could not be made durable");
+    say(finding, outcome,
+        "its manifest was missing or damaged, and was written again from its row in the database");
+    if (outcome == SERVER_STORE_READ_ONLY)
+        server_local_forbid(local, "a manifest could not be made durable");
 }
 
 static void give_up(struct recovery *recovery, const struct finding *finding)
 {
     struct server_store_local *local = recovery->local;
     if (finding->has_manifest) put_manifest_aside(recovery, finding);
-    if (finding->has_row && local->database) (void)server_database_remove(local->database, finding->key);
+    if (finding->has_row && local->database)
+        (void)server_database_remove(local->database, finding->key);
     recovery->lost_some = true;
-    server_log_message(
-        SERVER_LOG_ERROR, "store_lost",
-        "the surface '%s' is lost: its manifest and its row in the database are damaged; its bytes are kept",
-        finding->key);
+    server_log_message(SERVER_LOG_ERROR, "store_lost",
+                       "the surface '%s' is lost: its manifest and its row in the database are "
+                       "damaged; its bytes are kept",
+                       finding->key);
 }
 
 /* Mends what the table above tells; the record that counts, or NULL. */
@@ -237,19 +247,20 @@ static struct server_record *settle(struct recovery *recovery, const struct find
 static bool settle_all(struct recovery *recovery)
 {
     struct server_store_local *local = recovery->local;
-    if (recovery->count) qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_key);
+    if (recovery->count)
+        qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_key);
     local->found = calloc(recovery->count + 1, sizeof *local->found);
     if (!local->found) return false;
     for (uint32_t i = 0; i < recovery->count; i++) {
         struct server_record *record = settle(recovery, &recovery->findings[i]);
         if (!record) continue;
-        local->found[local->found_count++] =
-            (struct server_stored){.record = server_record_retain(record), .uses = recovery->findings[i].uses};
+        local->found[local->found_count++] = (struct server_stored){
+            .record = server_record_retain(record), .uses = recovery->findings[i].uses};
     }
     return true;
 }
 
-/* --- what nothing refers to --------------------------------------------------------------------------------------- */
+/* --- what nothing refers to ------------------------------------------------------------------- */
 
 static void on_temporary(void *user, const char *path, const char *file)
 {
@@ -267,7 +278,8 @@ static bool find_used_objects(struct recovery *recovery)
 {
     const struct server_store_local *local = recovery->local;
     struct server_object object;
-    recovery->used = malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *recovery->used);
+    recovery->used =
+        malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *recovery->used);
     if (!recovery->used) return false;
     for (uint32_t i = 0; i < local->found_count; i++)
         for (int part = 0; part < SERVER_PARTS; part++)
@@ -302,7 +314,7 @@ static void collect(struct recovery *recovery)
         server_local_forbid(recovery->local, "the ballast could not be made durable");
 }
 
-/* --- the whole ---------------------------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static bool recover(struct recovery *recovery, char *error, size_t error_size)
 {
@@ -311,7 +323,8 @@ static bool recover(struct recovery *recovery, char *error, size_t error_size)
     open_database(recovery);
     each_file(recovery, "manifests", on_manifest);
     if (recovery->is_newer) {
-        snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one", files->folder);
+        snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one",
+                 files->folder);
         return false;
     }
     if (recovery->no_memory || !settle_all(recovery)) return false; /* the caller has said why */

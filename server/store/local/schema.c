@@ -8,15 +8,19 @@ const char *const server_store_schema[] = {
     "CREATE TABLE surfaces (name TEXT PRIMARY KEY, sha256 TEXT NOT NULL, record TEXT NOT NULL,"
     "  uses INTEGER NOT NULL DEFAULT 0, used INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;"
     "CREATE INDEX surfaces_by_sha256 ON surfaces (sha256);",
-    /* kinds and attachments: what was a name is a key (key.h), what was a hash is an object's id (record.h) */
-    "ALTER TABLE surfaces RENAME COLUMN name TO key; ALTER TABLE surfaces RENAME COLUMN sha256 TO file;"
-    "ALTER TABLE surfaces ADD COLUMN attachment TEXT; CREATE INDEX surfaces_by_attachment ON surfaces (attachment);",
+    /* kinds and attachments: what was a name is a key (key.h), what was a hash is an object's id
+       (record.h) */
+    "ALTER TABLE surfaces RENAME COLUMN name TO key; ALTER TABLE surfaces RENAME COLUMN sha256 TO "
+    "file;"
+    "ALTER TABLE surfaces ADD COLUMN attachment TEXT; CREATE INDEX surfaces_by_attachment ON "
+    "surfaces (attachment);",
 };
 const int server_store_schema_version = sizeof server_store_schema / sizeof *server_store_schema;
 
 enum server_store_outcome server_store_outcome_of(int code)
 {
-    if (code == SQLITE_IOERR_SHMSIZE) return SERVER_STORE_FULL; /* the only I/O error that is just want of room */
+    /* the only I/O error that is just want of room */
+    if (code == SQLITE_IOERR_SHMSIZE) return SERVER_STORE_FULL;
     switch (code & 0xff) {
     case SQLITE_OK:
     case SQLITE_ROW:
@@ -72,7 +76,8 @@ static enum server_store_outcome run(sqlite3 *database, const char *sql)
     return server_store_outcome_of(sqlite3_exec(database, sql, NULL, NULL, NULL));
 }
 
-static enum server_store_outcome run_steps(sqlite3 *database, const char *const *steps, int from, int to)
+static enum server_store_outcome run_steps(sqlite3 *database, const char *const *steps, int from,
+                                           int to)
 {
     char mark[64];
     enum server_store_outcome outcome = run(database, "BEGIN IMMEDIATE");
@@ -84,8 +89,8 @@ static enum server_store_outcome run_steps(sqlite3 *database, const char *const 
     return outcome;
 }
 
-enum server_store_outcome server_store_migrate(sqlite3 *database, const char *const *steps, int version,
-                                               const char *copy_path)
+enum server_store_outcome server_store_migrate(sqlite3 *database, const char *const *steps,
+                                               int version, const char *copy_path)
 {
     int from = 0;
     enum server_store_outcome outcome = server_store_version(database, &from);

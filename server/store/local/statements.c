@@ -20,7 +20,7 @@ struct sql_local {
     const char *const *steps;
 };
 
-/* --- values ------------------------------------------------------------------------------------------------------- */
+/* --- values ----------------------------------------------------------------------------------- */
 
 static int bind(sqlite3_stmt *statement, int number, const struct server_sql_value *value)
 {
@@ -31,9 +31,11 @@ static int bind(sqlite3_stmt *statement, int number, const struct server_sql_val
     case SERVER_SQL_INTEGER:
         return sqlite3_bind_int64(statement, index, value->integer);
     case SERVER_SQL_TEXT:
-        return sqlite3_bind_text64(statement, index, value->bytes, value->size, SQLITE_STATIC, SQLITE_UTF8);
+        return sqlite3_bind_text64(statement, index, value->bytes, value->size, SQLITE_STATIC,
+                                   SQLITE_UTF8);
     case SERVER_SQL_BYTES:
-        return sqlite3_bind_blob64(statement, index, value->size ? value->bytes : "", value->size, SQLITE_STATIC);
+        return sqlite3_bind_blob64(statement, index, value->size ? value->bytes : "", value->size,
+                                   SQLITE_STATIC);
     case SERVER_SQL_NULL:
         break;
     }
@@ -55,7 +57,7 @@ static struct server_sql_value read_value(sqlite3_stmt *statement, int column)
     }
 }
 
-/* --- statements --------------------------------------------------------------------------------------------------- */
+/* --- statements ------------------------------------------------------------------------------- */
 
 struct visitor {
     server_sql_visit *visit; /* NULL: rows are not wanted */
@@ -68,13 +70,14 @@ static int step_through(sqlite3_stmt *statement, struct visitor visitor)
     struct server_sql_value row[SERVER_SQL_VALUES];
     int code, columns = sqlite3_column_count(statement);
     while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
-        for (int i = 0; i < columns && i < SERVER_SQL_VALUES; i++) row[i] = read_value(statement, i);
+        for (int i = 0; i < columns && i < SERVER_SQL_VALUES; i++)
+            row[i] = read_value(statement, i);
         if (visitor.visit && !visitor.visit(visitor.user, row)) visitor.visit = NULL;
     }
     return code;
 }
 
-/* --- the file ------------------------------------------------------------------------------------------------------ */
+/* --- the file --------------------------------------------------------------------------------- */
 
 static int on_check(void *user, int columns, char **values, char **names)
 {
@@ -92,7 +95,8 @@ static int set_up(sqlite3 *connection, const char *const *steps)
                             "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
                             "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL",
                             NULL, NULL, NULL);
-    if (!code) code = sqlite3_exec(connection, "PRAGMA integrity_check(1)", on_check, &is_sound, NULL);
+    if (!code)
+        code = sqlite3_exec(connection, "PRAGMA integrity_check(1)", on_check, &is_sound, NULL);
     if (!code && !is_sound) return SQLITE_CORRUPT;
     for (; !code && *steps; steps++) code = sqlite3_exec(connection, *steps, NULL, NULL, NULL);
     return code;
@@ -123,7 +127,8 @@ static int replace(struct sql_local *own)
     disconnect(own);
     server_disk_set_aside(own->path, server_disk_database_parts, suffix);
     server_log_message(SERVER_LOG_ERROR, "batches_damaged",
-                       "the database of batches is damaged: it was renamed to %s%s, and there is a new one; batches of "
+                       "the database of batches is damaged: it was renamed to %s%s, and there is a "
+                       "new one; batches of "
                        "before are lost, send them again",
                        own->path, suffix);
     return connect_to(own);
@@ -135,10 +140,10 @@ static int open_or_replace(struct sql_local *own)
     return is_damage(code) ? replace(own) : code;
 }
 
-/* --- statements ---------------------------------------------------------------------------------------------------- */
+/* --- statements ------------------------------------------------------------------------------- */
 
-static int run_once(struct sql_local *own, const char *text, const struct server_sql_value *values, int count,
-                    struct visitor visitor)
+static int run_once(struct sql_local *own, const char *text, const struct server_sql_value *values,
+                    int count, struct visitor visitor)
 {
     sqlite3_stmt *statement = NULL;
     int code = sqlite3_prepare_v2(own->connection, text, -1, &statement, NULL);
@@ -150,8 +155,8 @@ static int run_once(struct sql_local *own, const char *text, const struct server
 
 /* A statement that meets damage is not run again: rows may have been shown. */
 static enum server_store_outcome run(struct server_store_sql *sql, const char *text,
-                                     const struct server_sql_value *values, int count, server_sql_visit *visit,
-                                     void *user)
+                                     const struct server_sql_value *values, int count,
+                                     server_sql_visit *visit, void *user)
 {
     struct sql_local *own = (struct sql_local *)sql;
     pthread_mutex_lock(&own->lock);
@@ -163,7 +168,7 @@ static enum server_store_outcome run(struct server_store_sql *sql, const char *t
     return outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_READ_ONLY : outcome;
 }
 
-/* --- open and close ----------------------------------------------------------------------------------------------- */
+/* --- open and close --------------------------------------------------------------------------- */
 
 static void close_sql(struct server_store_sql *sql)
 {
@@ -173,8 +178,8 @@ static void close_sql(struct server_store_sql *sql)
     free(own);
 }
 
-struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps, char *error,
-                                                     size_t error_size)
+struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
+                                                     char *error, size_t error_size)
 {
     struct sql_local *own = calloc(1, sizeof *own);
     snprintf(error, error_size, "out of memory");

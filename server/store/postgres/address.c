@@ -10,13 +10,17 @@
 #define PATH          4096
 
 /* Calls with what the address says of a keyword, or else with what the environment does. */
-static bool each_value(const char *url, void (*visit)(void *user, const char *keyword, const char *value), void *user)
+static bool each_value(const char *url,
+                       void (*visit)(void *user, const char *keyword, const char *value),
+                       void *user)
 {
-    PQconninfoOption *given = PQconninfoParse(url, NULL), *standard = given ? PQconndefaults() : NULL;
+    PQconninfoOption *given = PQconninfoParse(url, NULL),
+                     *standard = given ? PQconndefaults() : NULL;
     bool is_read = given && standard;
     for (int i = 0; is_read && given[i].keyword; i++) {
         const char *value =
-            given[i].val ? given[i].val : standard[i].val; /* both are in the order of libpq's own list */
+            /* both are in the order of libpq's own list */
+            given[i].val ? given[i].val : standard[i].val;
         if (value && *value) visit(user, given[i].keyword, value);
     }
     PQconninfoFree(given);
@@ -24,7 +28,7 @@ static bool each_value(const char *url, void (*visit)(void *user, const char *ke
     return is_read;
 }
 
-/* --- ports -------------------------------------------------------------------------------------------------------- */
+/* --- ports ------------------------------------------------------------------------------------ */
 
 struct ports {
     char list[256]; /* "5432,5433": one for each host, or for all */
@@ -36,18 +40,20 @@ static void on_port(void *user, const char *keyword, const char *value)
     if (strcmp(keyword, "port") == 0) snprintf(ports->list, sizeof ports->list, "%s", value);
 }
 
-bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port), void *user)
+bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
+                               void *user)
 {
     struct ports ports = {""};
     char *rest = NULL;
     bool goes_on = each_value(url, on_port, &ports);
     if (goes_on && !ports.list[0]) return visit(user, STANDARD_PORT);
-    for (char *port = strtok_r(ports.list, ",", &rest); goes_on && port; port = strtok_r(NULL, ",", &rest))
+    for (char *port = strtok_r(ports.list, ",", &rest); goes_on && port;
+         port = strtok_r(NULL, ",", &rest))
         goes_on = visit(user, (uint16_t)strtoul(port, NULL, 10));
     return goes_on;
 }
 
-/* --- files -------------------------------------------------------------------------------------------------------- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 struct files {
     void (*visit)(void *user, const char *file);
@@ -57,14 +63,16 @@ struct files {
 
 static void on_file(void *user, const char *keyword, const char *value)
 {
-    static const char *const keywords[] = {"passfile", "sslcert", "sslkey", "sslrootcert", "sslcrl", "sslcrldir"};
+    static const char *const keywords[] = {"passfile",    "sslcert", "sslkey",
+                                           "sslrootcert", "sslcrl",  "sslcrldir"};
     struct files *files = user;
     for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
         if (strcmp(keyword, keywords[i]) == 0) files->visit(files->user, value);
     files->names_passwords |= strcmp(keyword, "passfile") == 0;
 }
 
-bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file), void *user)
+bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file),
+                               void *user)
 {
     struct files files = {.visit = visit, .user = user};
     const char *home = getenv("HOME");

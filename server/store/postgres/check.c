@@ -30,16 +30,17 @@ static bool on_row(void *user, const struct server_sql_value *row)
     snprintf(check->last, sizeof check->last, "%s", row[0].bytes);
     check->rows++;
     check->surfaces++;
-    if (server_record_read_named(row[0].bytes, row[1].bytes, row[1].size, &check->page[check->count]) ==
-        SERVER_RECORD_READ)
+    if (server_record_read_named(row[0].bytes, row[1].bytes, row[1].size,
+                                 &check->page[check->count]) == SERVER_RECORD_READ)
         check->count++;
     else
         fault(check, "its row is damaged, or of a later version", row[0].bytes);
     return true;
 }
 
-static enum server_store_outcome check_object(struct server_postgres_connection *connection, struct check *check,
-                                              const char *key, const struct server_object *object)
+static enum server_store_outcome check_object(struct server_postgres_connection *connection,
+                                              struct check *check, const char *key,
+                                              const struct server_object *object)
 {
     void *bytes = malloc(object->size ? object->size : 1);
     if (!bytes) return SERVER_STORE_NO_MEMORY;
@@ -48,19 +49,23 @@ static enum server_store_outcome check_object(struct server_postgres_connection 
     check->objects++;
     check->bytes += object->size;
     if (outcome == SERVER_STORE_ABSENT) fault(check, "its bytes are missing", key);
-    if (outcome == SERVER_STORE_DAMAGED) fault(check, "its bytes are damaged: their SHA-256 is another one", key);
-    return outcome == SERVER_STORE_ABSENT || outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_DONE : outcome;
+    if (outcome == SERVER_STORE_DAMAGED)
+        fault(check, "its bytes are damaged: their SHA-256 is another one", key);
+    return outcome == SERVER_STORE_ABSENT || outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_DONE
+                                                                             : outcome;
 }
 
-static enum server_store_outcome check_page(struct server_postgres_connection *connection, struct check *check)
+static enum server_store_outcome check_page(struct server_postgres_connection *connection,
+                                            struct check *check)
 {
     const struct server_sql_value last = server_sql_text(check->last);
     struct server_object object;
     check->rows = check->count = 0;
-    enum server_store_outcome outcome = server_postgres_run(
-        connection,
-        "SELECT key, record FROM surfaces WHERE key > $1 AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT, &last,
-        1, on_row, check);
+    enum server_store_outcome outcome =
+        server_postgres_run(connection,
+                            "SELECT key, record FROM surfaces WHERE key > $1 AND record IS NOT "
+                            "NULL ORDER BY key LIMIT " PAGE_TEXT,
+                            &last, 1, on_row, check);
     for (uint32_t i = 0; i < check->count; i++) {
         for (int part = 0; !outcome && part < SERVER_PARTS; part++)
             if (server_record_object(check->page[i], part, &object))
@@ -76,17 +81,19 @@ static bool on_unused(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome check_all(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome check_all(struct server_postgres_connection *connection,
+                                           void *user)
 {
     struct check *check = user;
     enum server_store_outcome outcome;
     do outcome = check_page(connection, check);
     while (!outcome && check->rows == PAGE);
     if (outcome) return outcome;
-    return server_postgres_run(connection,
-                               "SELECT count(*) FROM objects WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                               " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
-                               NULL, 0, on_unused, check);
+    return server_postgres_run(
+        connection,
+        "SELECT count(*) FROM objects WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+        " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+        NULL, 0, on_unused, check);
 }
 
 bool server_store_check_postgres(const char *url, FILE *out)
@@ -94,14 +101,19 @@ bool server_store_check_postgres(const char *url, FILE *out)
     struct check check = {.out = out};
     struct server_postgres *postgres = server_postgres_create(url);
     enum server_store_outcome outcome =
-        postgres ? server_postgres_read(postgres, PATIENCE_NS, check_all, &check) : SERVER_STORE_NO_MEMORY;
+        postgres ? server_postgres_read(postgres, PATIENCE_NS, check_all, &check)
+                 : SERVER_STORE_NO_MEMORY;
     server_postgres_destroy(postgres);
-    if (outcome) fprintf(out, "the check ended early: the database does not answer, refuses, or memory is short\n");
+    if (outcome)
+        fprintf(
+            out,
+            "the check ended early: the database does not answer, refuses, or memory is short\n");
     if (check.unused)
         fprintf(out,
-                "note: %lld objects that no surface has: of uploads under way, or cut short; those go after a day\n",
+                "note: %lld objects that no surface has: of uploads under way, or cut short; those "
+                "go after a day\n",
                 (long long)check.unused);
-    fprintf(out, "%u surfaces, %u objects (%llu bytes) verified: %u faults\n", check.surfaces, check.objects,
-            check.bytes, check.faults);
+    fprintf(out, "%u surfaces, %u objects (%llu bytes) verified: %u faults\n", check.surfaces,
+            check.objects, check.bytes, check.faults);
     return !outcome && !check.faults;
 }

@@ -18,24 +18,29 @@
 #define OID_INTEGER 20
 #define OID_TEXT    25
 
-/* What every session has: names are found in our schema; a commit is durable before it is told; and a node that is cut off while
- * it changes something keeps the others waiting for no longer than that. */
+/* What every session has: names are found in our schema; a commit is durable before it is told; and
+ * a node that is cut off while it changes something keeps the others waiting for no longer than
+ * that. */
 static const char settings[] =
     "SET search_path = geodesicd; SET client_min_messages = warning; SET lock_timeout = 5000;"
-    " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10; SET tcp_keepalives_interval = 5;"
+    " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10; SET "
+    "tcp_keepalives_interval = 5;"
     " SET tcp_keepalives_count = 3; SET bytea_output = hex;"
-    " SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') IN ('off', "
+    " SELECT set_config('synchronous_commit', 'on', false) WHERE "
+    "current_setting('synchronous_commit') IN ('off', "
     "'local')";
 
-/* --- errors ------------------------------------------------------------------------------------------------------- */
+/* --- errors ----------------------------------------------------------------------------------- */
 
 /* The first line of what libpq says. */
 static void note_error(struct server_postgres_connection *connection, const char *message)
 {
-    snprintf(connection->error, sizeof connection->error, "%.*s", (int)strcspn(message, "\n"), message);
+    snprintf(connection->error, sizeof connection->error, "%.*s", (int)strcspn(message, "\n"),
+             message);
 }
 
-static enum server_store_outcome lose(struct server_postgres_connection *connection, const char *why)
+static enum server_store_outcome lose(struct server_postgres_connection *connection,
+                                      const char *why)
 {
     if (!connection->is_lost) note_error(connection, why ? why : PQerrorMessage(connection->link));
     connection->is_lost = true;
@@ -55,21 +60,24 @@ static bool is_of(const char *state, const char *class_or_code)
 }
 
 /* What an error is to us, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
-static enum server_store_outcome judge(struct server_postgres_connection *connection, const PGresult *result)
+static enum server_store_outcome judge(struct server_postgres_connection *connection,
+                                       const PGresult *result)
 {
     const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
     note_error(connection, PQresultErrorMessage(result));
-    if (!state && strstr(connection->error, "out of memory")) return SERVER_STORE_NO_MEMORY; /* of this process */
+    /* of this process */
+    if (!state && strstr(connection->error, "out of memory")) return SERVER_STORE_NO_MEMORY;
     if (!state || PQstatus(connection->link) == CONNECTION_BAD) return abandon(connection);
     if (is_of(state, "08") || is_of(state, "57P") || is_of(state, "25006") || is_of(state, "25P0"))
         return abandon(connection); /* it ends, starts, or follows another */
-    if (is_of(state, "40") || is_of(state, "23503") || is_of(state, "55P03")) return SERVER_STORE_STALE;
+    if (is_of(state, "40") || is_of(state, "23503") || is_of(state, "55P03"))
+        return SERVER_STORE_STALE;
     if (is_of(state, "53100")) return SERVER_STORE_FULL;
     if (is_of(state, "53") || is_of(state, "57014")) return abandon(connection);
     return SERVER_STORE_REFUSED;
 }
 
-/* --- waiting ------------------------------------------------------------------------------------------------------ */
+/* --- waiting ---------------------------------------------------------------------------------- */
 
 /* Until the socket is ready for one of the events; false: it was not in time. */
 static bool wait_for(PGconn *link, short events, uint64_t until_ns)
@@ -103,7 +111,7 @@ static bool next_result(PGconn *link, uint64_t until_ns, PGresult **out)
     return true;
 }
 
-/* --- statements --------------------------------------------------------------------------------------------------- */
+/* --- statements ------------------------------------------------------------------------------- */
 
 struct parameters {
     Oid types[SERVER_SQL_VALUES];
@@ -112,18 +120,21 @@ struct parameters {
     uint64_t integers[SERVER_SQL_VALUES]; /* in the byte order of networks */
 };
 
-static void set_parameters(struct parameters *parameters, const struct server_sql_value *values, int count)
+static void set_parameters(struct parameters *parameters, const struct server_sql_value *values,
+                           int count)
 {
     for (int i = 0; i < count; i++) {
         const struct server_sql_value *value = &values[i];
         bool is_integer = value->type == SERVER_SQL_INTEGER;
         parameters->integers[i] = htobe64((uint64_t)value->integer);
-        parameters->types[i] = is_integer ? OID_INTEGER : value->type == SERVER_SQL_BYTES ? OID_BYTES : OID_TEXT;
+        parameters->types[i] = is_integer                        ? OID_INTEGER
+                               : value->type == SERVER_SQL_BYTES ? OID_BYTES
+                                                                 : OID_TEXT;
         parameters->formats[i] = 1;
         parameters->sizes[i] = is_integer ? (int)sizeof(uint64_t) : (int)value->size;
         parameters->values[i] = value->type == SERVER_SQL_NULL ? NULL
-                                : is_integer                   ? (const char *)&parameters->integers[i]
-                                                               : value->bytes;
+                                : is_integer ? (const char *)&parameters->integers[i]
+                                             : value->bytes;
     }
 }
 
@@ -152,20 +163,23 @@ static void show_rows(const PGresult *result, server_sql_visit *visit, void *use
     int columns = PQnfields(result) < SERVER_SQL_VALUES ? PQnfields(result) : SERVER_SQL_VALUES;
     bool goes_on = visit != NULL;
     for (int i = 0; goes_on && i < PQntuples(result); i++) {
-        for (int column = 0; column < columns; column++) row[column] = read_value(result, i, column);
+        for (int column = 0; column < columns; column++)
+            row[column] = read_value(result, i, column);
         goes_on = visit(user, row);
     }
 }
 
 /* Shows the rows of all results. */
-static enum server_store_outcome receive(struct server_postgres_connection *connection, uint64_t until_ns,
-                                         server_sql_visit *visit, void *user)
+static enum server_store_outcome receive(struct server_postgres_connection *connection,
+                                         uint64_t until_ns, server_sql_visit *visit, void *user)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     PGresult *result;
     for (;;) {
         if (!next_result(connection->link, until_ns, &result))
-            return lose(connection, PQstatus(connection->link) == CONNECTION_BAD ? NULL : "it did not answer in time");
+            return lose(connection, PQstatus(connection->link) == CONNECTION_BAD
+                                        ? NULL
+                                        : "it did not answer in time");
         if (!result) break;
         ExecStatusType status = PQresultStatus(result);
         if (status == PGRES_TUPLES_OK)
@@ -178,17 +192,19 @@ static enum server_store_outcome receive(struct server_postgres_connection *conn
     return outcome;
 }
 
-enum server_store_outcome server_postgres_run(struct server_postgres_connection *connection, const char *text,
-                                              const struct server_sql_value *values, int count, server_sql_visit *visit,
-                                              void *user)
+enum server_store_outcome server_postgres_run(struct server_postgres_connection *connection,
+                                              const char *text,
+                                              const struct server_sql_value *values, int count,
+                                              server_sql_visit *visit, void *user)
 {
     struct parameters parameters;
     uint64_t until_ns = gd_now_ns() + connection->longest_ns;
     if (connection->is_lost) return SERVER_STORE_UNAVAILABLE;
     set_parameters(&parameters, values, count);
-    int is_sent = count ? PQsendQueryParams(connection->link, text, count, parameters.types, parameters.values,
-                                            parameters.sizes, parameters.formats, 1)
-                        : PQsendQueryParams(connection->link, text, 0, NULL, NULL, NULL, NULL, 1);
+    int is_sent =
+        count ? PQsendQueryParams(connection->link, text, count, parameters.types,
+                                  parameters.values, parameters.sizes, parameters.formats, 1)
+              : PQsendQueryParams(connection->link, text, 0, NULL, NULL, NULL, NULL, 1);
     if (!is_sent) {
         bool lacks_memory = strstr(PQerrorMessage(connection->link), "memory") != NULL;
         (void)lose(connection, NULL);
@@ -217,7 +233,7 @@ bool server_postgres_await(struct server_postgres_connection *connection, uint64
     return true;
 }
 
-/* --- connecting --------------------------------------------------------------------------------------------------- */
+/* --- connecting ------------------------------------------------------------------------------- */
 
 static PGconn *begin_connecting(const char *url)
 {
@@ -231,7 +247,8 @@ static PGconn *begin_connecting(const char *url)
                                         "target_session_attrs",
                                         "dbname",
                                         NULL};
-    const char *const values[] = {"disable", "geodesicd", "8000", "10", "5", "3", "read-write", url, NULL};
+    const char *const values[] = {"disable", "geodesicd",  "8000", "10", "5",
+                                  "3",       "read-write", url,    NULL};
     return PQconnectStartParams(names, values, 1);
 }
 
@@ -240,7 +257,8 @@ static bool end_connecting(PGconn *link, uint64_t until_ns)
     PostgresPollingStatusType next = PGRES_POLLING_WRITING;
     while (next != PGRES_POLLING_OK) {
         if (PQstatus(link) == CONNECTION_BAD || next == PGRES_POLLING_FAILED) return false;
-        if (!wait_for(link, next == PGRES_POLLING_READING ? POLLIN : POLLOUT, until_ns)) return false;
+        if (!wait_for(link, next == PGRES_POLLING_READING ? POLLIN : POLLOUT, until_ns))
+            return false;
         next = PQconnectPoll(link);
     }
     return PQsetnonblocking(link, 1) == 0;
@@ -259,7 +277,8 @@ static void ignore_notice(void *user, const PGresult *result)
     (void)user, (void)result;
 }
 
-enum server_store_outcome server_postgres_connect(const char *url, struct server_postgres_connection **out,
+enum server_store_outcome server_postgres_connect(const char *url,
+                                                  struct server_postgres_connection **out,
                                                   char error[SERVER_POSTGRES_ERROR])
 {
     struct server_postgres_connection *connection = calloc(1, sizeof *connection);
@@ -275,7 +294,8 @@ enum server_store_outcome server_postgres_connect(const char *url, struct server
     enum server_store_outcome outcome =
         end_connecting(connection->link, gd_now_ns() + CONNECT_NS)
             ? set_up(connection)
-            : lose(connection, *PQerrorMessage(connection->link) ? NULL : "it did not answer in time");
+            : lose(connection,
+                   *PQerrorMessage(connection->link) ? NULL : "it did not answer in time");
     if (!outcome) {
         *out = connection;
         return SERVER_STORE_DONE;

@@ -1,4 +1,5 @@
-/* Connection: one to PostgreSQL, that never waits without a bound; the inside of postgres.h. Used by one thread at a time. */
+/* Connection: one to PostgreSQL, that never waits without a bound; the inside of postgres.h. Used
+ * by one thread at a time. */
 #ifndef SERVER_STORE_POSTGRES_CONNECTION_H
 #define SERVER_STORE_POSTGRES_CONNECTION_H
 
@@ -14,8 +15,10 @@ struct server_postgres_connection {
     char error[SERVER_POSTGRES_ERROR];
 };
 
-/* Connects within a time, and says what every session is to have. UNAVAILABLE or NO_MEMORY with a line in `error`. */
-enum server_store_outcome server_postgres_connect(const char *url, struct server_postgres_connection **out,
+/* Connects within a time, and says what every session is to have. UNAVAILABLE or NO_MEMORY with a
+ * line in `error`. */
+enum server_store_outcome server_postgres_connect(const char *url,
+                                                  struct server_postgres_connection **out,
                                                   char error[SERVER_POSTGRES_ERROR]);
 void server_postgres_disconnect(struct server_postgres_connection *connection);
 

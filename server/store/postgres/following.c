@@ -11,23 +11,27 @@
 #define FOLLOW_NS UINT64_C(1000000000)
 #define SWEEP_NS  UINT64_C(3600000000000)
 
-/* --- showing ------------------------------------------------------------------------------------------------------ */
+/* --- showing ---------------------------------------------------------------------------------- */
 
 /* What a row says; NULL with `*lacks_memory`, or when it can't be read, which is logged. */
-static struct server_record *read_record(const char *key, const struct server_sql_value *text, bool *lacks_memory)
+static struct server_record *read_record(const char *key, const struct server_sql_value *text,
+                                         bool *lacks_memory)
 {
     struct server_record *record = NULL;
-    enum server_record_reading reading = server_record_read_named(key, text->bytes, text->size, &record);
+    enum server_record_reading reading =
+        server_record_read_named(key, text->bytes, text->size, &record);
     *lacks_memory = reading == SERVER_RECORD_NO_MEMORY;
     if (reading == SERVER_RECORD_DAMAGED || reading == SERVER_RECORD_NEWER)
         server_log_message(SERVER_LOG_ERROR, "surface_unavailable", "the row of '%s' %s", key,
-                           reading == SERVER_RECORD_NEWER ? "was written by a later version of this program"
-                                                          : "is damaged: upload it again");
+                           reading == SERVER_RECORD_NEWER
+                               ? "was written by a later version of this program"
+                               : "is damaged: upload it again");
     return reading == SERVER_RECORD_READ ? record : NULL;
 }
 
 struct page {
-    bool (*visit_change)(void *user, const struct server_store_change *change); /* NULL: it is all that is stored */
+    /* NULL: it is all that is stored */
+    bool (*visit_change)(void *user, const struct server_store_change *change);
     bool (*visit_stored)(void *user, const struct server_stored *stored);
     void *user;
     uint64_t seen;              /* versions up to this are shown */
@@ -40,7 +44,8 @@ static bool on_change(void *user, const struct server_sql_value *row)
 {
     struct page *page = user;
     struct server_record *record = NULL;
-    if (row[2].type == SERVER_SQL_BYTES) record = read_record(row[0].bytes, &row[2], &page->lacks_memory);
+    if (row[2].type == SERVER_SQL_BYTES)
+        record = read_record(row[0].bytes, &row[2], &page->lacks_memory);
     if (page->lacks_memory) return false;
     const struct server_store_change shown = {row[0].bytes, record, (uint64_t)row[1].integer};
     page->is_over = !page->visit_change(page->user, &shown);
@@ -72,13 +77,17 @@ static bool on_clock(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome read_clock(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome read_clock(struct server_postgres_connection *connection,
+                                            void *user)
 {
-    return server_postgres_run(connection, "SELECT version, forgotten FROM clock", NULL, 0, on_clock, user);
+    return server_postgres_run(connection, "SELECT version, forgotten FROM clock", NULL, 0,
+                               on_clock, user);
 }
 
-/* Visits change by change: a page that is shown again, since the connection was lost, begins where the one before ended. */
-static enum server_store_outcome show_changes(struct server_postgres_connection *connection, void *user)
+/* Visits change by change: a page that is shown again, since the connection was lost, begins where
+ * the one before ended. */
+static enum server_store_outcome show_changes(struct server_postgres_connection *connection,
+                                              void *user)
 {
     struct page *page = user;
     int64_t clock[2] = {0};
@@ -99,11 +108,13 @@ static enum server_store_outcome show_changes(struct server_postgres_connection 
 
 enum server_store_outcome
 server_store_postgres_follow(struct server_store *store,
-                             bool (*visit)(void *user, const struct server_store_change *change), void *user)
+                             bool (*visit)(void *user, const struct server_store_change *change),
+                             void *user)
 {
     struct server_store_postgres *own = server_store_postgres_of(store);
     struct page page = {.visit_change = visit, .user = user, .seen = own->seen};
-    enum server_store_outcome outcome = server_postgres_read(own->postgres, FOLLOW_NS, show_changes, &page);
+    enum server_store_outcome outcome =
+        server_postgres_read(own->postgres, FOLLOW_NS, show_changes, &page);
     own->seen = page.seen;
     if (page.lacks_memory || page.is_over) return SERVER_STORE_NO_MEMORY;
     return !outcome && page.is_forgotten ? SERVER_STORE_STALE : outcome;
@@ -116,31 +127,35 @@ static enum server_store_outcome show_all(struct server_postgres_connection *con
     do {
         const struct server_sql_value last = server_sql_text(page->last);
         page->rows = 0;
-        outcome = server_postgres_run(connection,
-                                      "SELECT key, version, record FROM surfaces WHERE key > $1 AND record IS NOT NULL"
-                                      " ORDER BY key LIMIT " PAGE_TEXT,
-                                      &last, 1, on_stored, page);
+        outcome = server_postgres_run(
+            connection,
+            "SELECT key, version, record FROM surfaces WHERE key > $1 AND record IS NOT NULL"
+            " ORDER BY key LIMIT " PAGE_TEXT,
+            &last, 1, on_stored, page);
     } while (!outcome && page->rows == PAGE && !page->is_over && !page->lacks_memory);
     return outcome;
 }
 
 /* What changes while all is shown is shown again by the next follow. */
-enum server_store_outcome server_store_postgres_each(struct server_store *store,
-                                                     bool (*visit)(void *user, const struct server_stored *stored),
-                                                     void *user)
+enum server_store_outcome
+server_store_postgres_each(struct server_store *store,
+                           bool (*visit)(void *user, const struct server_stored *stored),
+                           void *user)
 {
     struct server_store_postgres *own = server_store_postgres_of(store);
     struct page page = {.visit_stored = visit, .user = user};
     int64_t clock[2] = {0};
     enum server_store_outcome outcome =
         server_postgres_read(own->postgres, SERVER_STORE_POSTGRES_LOAD_NS, read_clock, clock);
-    if (!outcome) outcome = server_postgres_read(own->postgres, SERVER_STORE_POSTGRES_LOAD_NS, show_all, &page);
+    if (!outcome)
+        outcome =
+            server_postgres_read(own->postgres, SERVER_STORE_POSTGRES_LOAD_NS, show_all, &page);
     if (page.lacks_memory || page.is_over) return SERVER_STORE_NO_MEMORY;
     if (!outcome) own->seen = (uint64_t)clock[0];
     return outcome;
 }
 
-/* --- waiting ------------------------------------------------------------------------------------------------------ */
+/* --- waiting ---------------------------------------------------------------------------------- */
 
 static void tell_turn(struct server_store_postgres *own, bool is_away, const char *error)
 {
@@ -160,7 +175,9 @@ static bool listen_anew(struct server_store_postgres *own)
         tell_turn(own, server_postgres_is_away(own->postgres), error);
         return false;
     }
-    if (server_postgres_run(own->listener, "LISTEN " SERVER_STORE_POSTGRES_CHANNEL, NULL, 0, NULL, NULL)) return false;
+    if (server_postgres_run(own->listener, "LISTEN " SERVER_STORE_POSTGRES_CHANNEL, NULL, 0, NULL,
+                            NULL))
+        return false;
     server_postgres_has_answered(own->postgres);
     tell_turn(own, false, error);
     return true;
@@ -168,16 +185,19 @@ static bool listen_anew(struct server_store_postgres *own)
 
 void server_store_postgres_rest(uint64_t ns)
 {
-    const struct timespec pause = {.tv_sec = (time_t)(ns / 1000000000), .tv_nsec = (long)(ns % 1000000000)};
+    const struct timespec pause = {.tv_sec = (time_t)(ns / 1000000000),
+                                   .tv_nsec = (long)(ns % 1000000000)};
     nanosleep(&pause, NULL);
 }
 
-/* Objects whose upload was cut short before it had a surface go after a day; nobody can give them to one while the clock is held. */
-static enum server_store_outcome drop_forsaken(struct server_postgres_connection *connection, void *user)
+/* Objects whose upload was cut short before it had a surface go after a day; nobody can give them
+ * to one while the clock is held. */
+static enum server_store_outcome drop_forsaken(struct server_postgres_connection *connection,
+                                               void *user)
 {
     (void)user;
-    enum server_store_outcome outcome =
-        server_postgres_run(connection, "SELECT version FROM clock FOR UPDATE", NULL, 0, NULL, NULL);
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, "SELECT version FROM clock FOR UPDATE", NULL, 0, NULL, NULL);
     if (outcome) return outcome;
     return server_postgres_run(connection,
                                "DELETE FROM objects WHERE created < now() - interval '1 day'"
@@ -200,7 +220,9 @@ void server_store_postgres_await(struct server_store *store, uint64_t ns)
     struct server_store_postgres *own = server_store_postgres_of(store);
     sweep(own);
     bool listens = own->listener || listen_anew(own);
-    if (listens && !server_postgres_is_away(own->postgres) && server_postgres_await(own->listener, ns)) return;
+    if (listens && !server_postgres_is_away(own->postgres) &&
+        server_postgres_await(own->listener, ns))
+        return;
     if (own->listener) server_postgres_give(own->postgres, own->listener);
     own->listener = NULL;
     server_store_postgres_rest(ns);

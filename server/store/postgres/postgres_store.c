@@ -1,4 +1,5 @@
-/* See store.h: the store in a PostgreSQL database, which many daemons share. Its tables: store_postgres_schema.h. */
+/* See store.h: the store in a PostgreSQL database, which many daemons share. Its tables:
+ * store_postgres_schema.h. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,34 +10,40 @@
 
 #define REMEMBERED "100000"              /* changes for which what was removed is remembered */
 #define START_NS   UINT64_C(10000000000) /* to reach the database at the start */
-#define AWAY       "the database does not answer: what is in memory is served, changes are refused until it is back"
+#define AWAY                                                                                       \
+    "the database does not answer: what is in memory is served, changes are refused until it is "  \
+    "back"
 
-/* --- objects ------------------------------------------------------------------------------------------------------ */
+/* --- objects ---------------------------------------------------------------------------------- */
 
 struct staging {
     const struct server_record *record;
     const struct server_content *content;
 };
 
-static enum server_store_outcome write_objects(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome write_objects(struct server_postgres_connection *connection,
+                                               void *user)
 {
     const struct staging *staging = user;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
         if (server_record_object(staging->record, part, &object))
-            outcome = server_postgres_write_object(connection, &object, staging->content->parts[part]);
+            outcome =
+                server_postgres_write_object(connection, &object, staging->content->parts[part]);
     return outcome;
 }
 
-static enum server_store_outcome stage(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome stage(struct server_store *store,
+                                       const struct server_record *record,
                                        const struct server_content *content)
 {
     struct staging staging = {record, content};
-    return server_postgres_transact(server_store_postgres_of(store)->postgres, write_objects, &staging);
+    return server_postgres_transact(server_store_postgres_of(store)->postgres, write_objects,
+                                    &staging);
 }
 
-/* --- changes ------------------------------------------------------------------------------------------------------ */
+/* --- changes ---------------------------------------------------------------------------------- */
 
 struct changing {
     const struct server_record *record;
@@ -65,23 +72,28 @@ static bool on_version(void *user, const struct server_sql_value *row)
 }
 
 /* From now on until the end of the transaction nobody else changes anything. */
-static enum server_store_outcome advance_clock(struct server_postgres_connection *connection, struct changing *changing)
+static enum server_store_outcome advance_clock(struct server_postgres_connection *connection,
+                                               struct changing *changing)
 {
-    return server_postgres_run(connection, "UPDATE clock SET version = version + 1 RETURNING version", NULL, 0,
+    return server_postgres_run(connection,
+                               "UPDATE clock SET version = version + 1 RETURNING version", NULL, 0,
                                on_version, changing);
 }
 
 /* PRECONDITION: the key has something else than is known. */
-static enum server_store_outcome find_current(struct server_postgres_connection *connection, struct changing *changing)
+static enum server_store_outcome find_current(struct server_postgres_connection *connection,
+                                              struct changing *changing)
 {
     const struct server_sql_value key = server_sql_text(changing->record->key);
     memset(changing->objects, 0, sizeof changing->objects);
     changing->found = 0;
     enum server_store_outcome outcome = server_postgres_run(
-        connection, "SELECT version, file, attachment FROM surfaces WHERE key = $1 AND record IS NOT NULL", &key, 1,
-        on_current, changing);
+        connection,
+        "SELECT version, file, attachment FROM surfaces WHERE key = $1 AND record IS NOT NULL",
+        &key, 1, on_current, changing);
     if (outcome) return outcome;
-    return (uint64_t)changing->found == changing->before ? SERVER_STORE_DONE : SERVER_STORE_PRECONDITION;
+    return (uint64_t)changing->found == changing->before ? SERVER_STORE_DONE
+                                                         : SERVER_STORE_PRECONDITION;
 }
 
 /* PRECONDITION: an object is gone that was there when it was staged. */
@@ -99,11 +111,12 @@ static enum server_store_outcome write_row(struct server_postgres_connection *co
         changing->text ? server_sql_bytes(changing->text, changing->size)
                        : (struct server_sql_value){.type = SERVER_SQL_NULL}};
     static const char *const texts[] = {
-        "UPDATE surfaces SET version = $2, file = $3, attachment = $4, record = NULL WHERE key = $1",
+        "UPDATE surfaces SET version = $2, file = $3, attachment = $4, record = NULL WHERE key = "
+        "$1",
         "INSERT INTO surfaces (key, version, file, attachment, record) VALUES ($1, $2, $3, $4, $5)"
         " ON CONFLICT (key) DO UPDATE SET version = $2, file = $3, attachment = $4, record = $5"};
-    enum server_store_outcome outcome =
-        server_postgres_run(connection, texts[changing->text != NULL], values, changing->text ? 5 : 4, NULL, NULL);
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, texts[changing->text != NULL], values, changing->text ? 5 : 4, NULL, NULL);
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_PRECONDITION : outcome;
 }
 
@@ -112,18 +125,22 @@ static enum server_store_outcome drop_objects(struct server_postgres_connection 
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (changing->objects[part][0]) outcome = server_postgres_drop_object(connection, changing->objects[part]);
+        if (changing->objects[part][0])
+            outcome = server_postgres_drop_object(connection, changing->objects[part]);
     return outcome;
 }
 
 /* What was removed long ago is forgotten. */
-static enum server_store_outcome forget(struct server_postgres_connection *connection, const struct changing *changing)
+static enum server_store_outcome forget(struct server_postgres_connection *connection,
+                                        const struct changing *changing)
 {
     const struct server_sql_value version = server_sql_integer((int64_t)changing->version);
     return server_postgres_run(
         connection,
-        "WITH gone AS (DELETE FROM surfaces WHERE record IS NULL AND version < $1 - " REMEMBERED " RETURNING version)"
-        " UPDATE clock SET forgotten = greatest(forgotten, coalesce((SELECT max(version) FROM gone), 0))",
+        "WITH gone AS (DELETE FROM surfaces WHERE record IS NULL AND version < $1 - " REMEMBERED
+        " RETURNING version)"
+        " UPDATE clock SET forgotten = greatest(forgotten, coalesce((SELECT max(version) FROM "
+        "gone), 0))",
         &version, 1, NULL, NULL);
 }
 
@@ -136,11 +153,13 @@ static enum server_store_outcome change(struct server_postgres_connection *conne
     if (!outcome) outcome = drop_objects(connection, changing);
     if (!outcome && !changing->text) outcome = forget(connection, changing);
     if (!outcome)
-        outcome = server_postgres_run(connection, "NOTIFY " SERVER_STORE_POSTGRES_CHANNEL, NULL, 0, NULL, NULL);
+        outcome = server_postgres_run(connection, "NOTIFY " SERVER_STORE_POSTGRES_CHANNEL, NULL, 0,
+                                      NULL, NULL);
     return outcome;
 }
 
-static enum server_store_outcome make_change(struct server_store *store, struct changing *changing, uint64_t *version)
+static enum server_store_outcome make_change(struct server_store *store, struct changing *changing,
+                                             uint64_t *version)
 {
     changing->before = *version;
     enum server_store_outcome outcome =
@@ -162,15 +181,16 @@ static enum server_store_outcome put(struct server_store *store, const struct se
     return outcome;
 }
 
-static enum server_store_outcome remove_record(struct server_store *store, const struct server_record *record,
-                                               uint64_t *version)
+static enum server_store_outcome
+remove_record(struct server_store *store, const struct server_record *record, uint64_t *version)
 {
     struct changing changing = {.record = record};
     return make_change(store, &changing, version);
 }
 
 /* All was seen to when it was staged. */
-static enum server_store_outcome keep(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome keep(struct server_store *store,
+                                      const struct server_record *record,
                                       const struct server_content *content)
 {
     (void)store, (void)record, (void)content;
@@ -182,7 +202,7 @@ static void tidy(struct server_store *store)
     (void)store;
 }
 
-/* --- reading ------------------------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 struct fetching {
     struct server_object object;
@@ -191,21 +211,24 @@ struct fetching {
     size_t size;     /* of that chunk */
 };
 
-static enum server_store_outcome read_object(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome read_object(struct server_postgres_connection *connection,
+                                             void *user)
 {
     const struct fetching *fetching = user;
     return server_postgres_read_object(connection, &fetching->object, fetching->bytes);
 }
 
-static enum server_store_outcome fetch(struct server_store *store, const struct server_record *record,
-                                       enum server_part part, void **bytes)
+static enum server_store_outcome fetch(struct server_store *store,
+                                       const struct server_record *record, enum server_part part,
+                                       void **bytes)
 {
     struct fetching fetching;
     if (!server_record_object(record, part, &fetching.object)) return SERVER_STORE_ABSENT;
     fetching.bytes = malloc(fetching.object.size ? fetching.object.size : 1);
     if (!fetching.bytes) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = server_postgres_read(server_store_postgres_of(store)->postgres,
-                                                             SERVER_STORE_POSTGRES_LOAD_NS, read_object, &fetching);
+    enum server_store_outcome outcome =
+        server_postgres_read(server_store_postgres_of(store)->postgres,
+                             SERVER_STORE_POSTGRES_LOAD_NS, read_object, &fetching);
     if (outcome)
         free(fetching.bytes);
     else
@@ -213,21 +236,24 @@ static enum server_store_outcome fetch(struct server_store *store, const struct 
     return outcome;
 }
 
-static enum server_store_outcome check_chunk(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome check_chunk(struct server_postgres_connection *connection,
+                                             void *user)
 {
     struct fetching *fetching = user;
-    return server_postgres_check_chunk(connection, &fetching->object, fetching->number, &fetching->size);
+    return server_postgres_check_chunk(connection, &fetching->object, fetching->number,
+                                       &fetching->size);
 }
 
 /* The bytes stay where they are: the database compares. */
-static enum server_store_verdict verify(struct server_store *store, const struct server_record *record,
-                                        enum server_part part, bool (*pace)(void *user, size_t bytes), void *user)
+static enum server_store_verdict verify(struct server_store *store,
+                                        const struct server_record *record, enum server_part part,
+                                        bool (*pace)(void *user, size_t bytes), void *user)
 {
     struct fetching fetching = {.bytes = NULL};
     if (!server_record_object(record, part, &fetching.object)) return SERVER_VERDICT_MISSING;
     for (; fetching.number < server_postgres_chunks(&fetching.object); fetching.number++) {
-        switch (server_postgres_read(server_store_postgres_of(store)->postgres, SERVER_STORE_POSTGRES_LOAD_NS,
-                                     check_chunk, &fetching)) {
+        switch (server_postgres_read(server_store_postgres_of(store)->postgres,
+                                     SERVER_STORE_POSTGRES_LOAD_NS, check_chunk, &fetching)) {
         case SERVER_STORE_DONE:
             break;
         case SERVER_STORE_ABSENT:
@@ -244,9 +270,10 @@ static enum server_store_verdict verify(struct server_store *store, const struct
     return SERVER_VERDICT_SOUND;
 }
 
-/* --- the rest ----------------------------------------------------------------------------------------------------- */
+/* --- the rest --------------------------------------------------------------------------------- */
 
-/* What a node has used most says little about the others: nothing is loaded before it is asked for. */
+/* What a node has used most says little about the others: nothing is loaded before it is asked for.
+ */
 static void note_uses(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count)
 {
@@ -267,12 +294,14 @@ static void close_store(struct server_store *store)
 }
 
 /* Until it answers, for a while; a refusal is final. */
-static enum server_store_outcome reach(struct server_postgres *postgres, char error[SERVER_POSTGRES_ERROR])
+static enum server_store_outcome reach(struct server_postgres *postgres,
+                                       char error[SERVER_POSTGRES_ERROR])
 {
     struct server_postgres_connection *connection;
     uint64_t until_ns = gd_now_ns() + START_NS;
     enum server_store_outcome outcome;
-    while ((outcome = server_postgres_take(postgres, true, &connection, error)) == SERVER_STORE_UNAVAILABLE &&
+    while ((outcome = server_postgres_take(postgres, true, &connection, error)) ==
+               SERVER_STORE_UNAVAILABLE &&
            gd_now_ns() < until_ns)
         server_store_postgres_rest(200000000);
     if (!outcome) server_postgres_give(postgres, connection);
@@ -295,10 +324,12 @@ static bool prepare(struct server_postgres *postgres, char *error, size_t error_
     case SERVER_STORE_DONE:
         return true;
     case SERVER_STORE_PRECONDITION:
-        snprintf(error, error_size, "a later version of this program made the tables of --store; start that one");
+        snprintf(error, error_size,
+                 "a later version of this program made the tables of --store; start that one");
         return false;
     default:
-        snprintf(error, error_size, "the tables of --store can't be made; the lines before say why");
+        snprintf(error, error_size,
+                 "the tables of --store can't be made; the lines before say why");
         return false;
     }
 }

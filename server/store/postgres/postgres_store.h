@@ -1,12 +1,14 @@
-/* PostgreSQL store: its inside, which changing, reading (store_postgres.c) and following (store_postgres_following.c) share. See store.h. */
+/* PostgreSQL store: its inside, which changing, reading (store_postgres.c) and following
+ * (store_postgres_following.c) share. See store.h. */
 #ifndef SERVER_STORE_POSTGRES_POSTGRES_STORE_H
 #define SERVER_STORE_POSTGRES_POSTGRES_STORE_H
 
 #include "server/store/postgres/transactions.h"
 #include "server/store/store.h"
 
-#define SERVER_STORE_POSTGRES_CHANNEL "geodesicd"          /* is notified of each change */
-#define SERVER_STORE_POSTGRES_LOAD_NS UINT64_C(8000000000) /* to read what a surface, or a start, needs */
+#define SERVER_STORE_POSTGRES_CHANNEL "geodesicd" /* is notified of each change */
+/* to read what a surface, or a start, needs */
+#define SERVER_STORE_POSTGRES_LOAD_NS UINT64_C(8000000000)
 
 struct server_store_postgres {
     struct server_store store; /* first */
@@ -23,12 +25,14 @@ static inline struct server_store_postgres *server_store_postgres_of(struct serv
 }
 
 /* The store's `each`, `follow` and `await` (store.h). */
-enum server_store_outcome server_store_postgres_each(struct server_store *store,
-                                                     bool (*visit)(void *user, const struct server_stored *stored),
-                                                     void *user);
+enum server_store_outcome
+server_store_postgres_each(struct server_store *store,
+                           bool (*visit)(void *user, const struct server_stored *stored),
+                           void *user);
 enum server_store_outcome
 server_store_postgres_follow(struct server_store *store,
-                             bool (*visit)(void *user, const struct server_store_change *change), void *user);
+                             bool (*visit)(void *user, const struct server_store_change *change),
+                             void *user);
 void server_store_postgres_await(struct server_store *store, uint64_t ns);
 
 /* Does nothing for a while, that the database may come back. */

@@ -1,7 +1,8 @@
 /* See store_postgres_schema.h. */
 #include "server/store/postgres/schema.h"
 
-#define MIGRATING "7307990571216692580" /* the advisory lock of who migrates: "geodesicd" in a way */
+/* the advisory lock of who migrates: "geodesicd" in a way */
+#define MIGRATING "7307990571216692580"
 
 /* Never changed, only added to. A statement each. */
 static const char *const steps[] = {
@@ -10,21 +11,28 @@ static const char *const steps[] = {
     "INSERT INTO clock (version, forgotten) VALUES (0, 0)",
     "CREATE TABLE objects (id text COLLATE \"C\" PRIMARY KEY, size bigint NOT NULL,"
     " created timestamptz NOT NULL DEFAULT now())",
-    "CREATE TABLE chunks (object text COLLATE \"C\" NOT NULL REFERENCES objects ON DELETE CASCADE, number bigint NOT "
+    "CREATE TABLE chunks (object text COLLATE \"C\" NOT NULL REFERENCES objects ON DELETE CASCADE, "
+    "number bigint NOT "
     "NULL,"
     " digest text NOT NULL, bytes bytea NOT NULL, PRIMARY KEY (object, number))",
-    "ALTER TABLE chunks ALTER COLUMN bytes SET STORAGE EXTERNAL", /* doubles don't compress: don't try */
+    /* doubles don't compress: don't try */
+    "ALTER TABLE chunks ALTER COLUMN bytes SET STORAGE EXTERNAL",
     "CREATE TABLE surfaces (key text COLLATE \"C\" PRIMARY KEY, version bigint NOT NULL,"
-    " file text COLLATE \"C\" REFERENCES objects, attachment text COLLATE \"C\" REFERENCES objects, record bytea)",
+    " file text COLLATE \"C\" REFERENCES objects, attachment text COLLATE \"C\" REFERENCES "
+    "objects, record bytea)",
     "CREATE UNIQUE INDEX surfaces_by_version ON surfaces (version)",
     "CREATE INDEX surfaces_by_file ON surfaces (file) WHERE file IS NOT NULL",
     "CREATE INDEX surfaces_by_attachment ON surfaces (attachment) WHERE attachment IS NOT NULL",
     "CREATE INDEX surfaces_gone ON surfaces (version) WHERE record IS NULL",
     /* as batch_queue.c has them for SQLite */
-    "CREATE TABLE batches (id text COLLATE \"C\" PRIMARY KEY, tenant text NOT NULL, document bytea NOT NULL,"
-    " etag text NOT NULL, items bigint NOT NULL, created bigint NOT NULL, cancelled bigint NOT NULL DEFAULT 0)",
-    "CREATE TABLE items (batch text COLLATE \"C\" NOT NULL, item bigint NOT NULL, lease bigint NOT NULL DEFAULT 0,"
-    " node text NOT NULL DEFAULT '', attempts bigint NOT NULL DEFAULT 0, status bigint NOT NULL DEFAULT 0,"
+    "CREATE TABLE batches (id text COLLATE \"C\" PRIMARY KEY, tenant text NOT NULL, document bytea "
+    "NOT NULL,"
+    " etag text NOT NULL, items bigint NOT NULL, created bigint NOT NULL, cancelled bigint NOT "
+    "NULL DEFAULT 0)",
+    "CREATE TABLE items (batch text COLLATE \"C\" NOT NULL, item bigint NOT NULL, lease bigint NOT "
+    "NULL DEFAULT 0,"
+    " node text NOT NULL DEFAULT '', attempts bigint NOT NULL DEFAULT 0, status bigint NOT NULL "
+    "DEFAULT 0,"
     " answer bytea, PRIMARY KEY (batch, item))",
     "CREATE INDEX items_waiting ON items (batch, item) WHERE status = 0",
 };
@@ -37,7 +45,8 @@ static bool on_number(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome run(struct server_postgres_connection *connection, const char *text)
+static enum server_store_outcome run(struct server_postgres_connection *connection,
+                                     const char *text)
 {
     return server_postgres_run(connection, text, NULL, 0, NULL, NULL);
 }
@@ -46,9 +55,9 @@ static enum server_store_outcome run(struct server_postgres_connection *connecti
 static enum server_store_outcome make_schema(struct server_postgres_connection *connection)
 {
     int64_t is_there = 0;
-    enum server_store_outcome outcome =
-        server_postgres_run(connection, "SELECT (to_regclass('geodesicd.migrations') IS NOT NULL)::int::bigint", NULL,
-                            0, on_number, &is_there);
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, "SELECT (to_regclass('geodesicd.migrations') IS NOT NULL)::int::bigint", NULL,
+        0, on_number, &is_there);
     if (outcome || is_there) return outcome;
     outcome = run(connection, "CREATE SCHEMA IF NOT EXISTS geodesicd");
     if (outcome) return outcome;
@@ -56,25 +65,30 @@ static enum server_store_outcome make_schema(struct server_postgres_connection *
                            " applied timestamptz NOT NULL DEFAULT now())");
 }
 
-static enum server_store_outcome make_step(struct server_postgres_connection *connection, int64_t step)
+static enum server_store_outcome make_step(struct server_postgres_connection *connection,
+                                           int64_t step)
 {
     const struct server_sql_value number = server_sql_integer(step + 1);
     enum server_store_outcome outcome = run(connection, steps[step]);
     if (outcome) return outcome;
-    return server_postgres_run(connection, "INSERT INTO migrations (version) VALUES ($1)", &number, 1, NULL, NULL);
+    return server_postgres_run(connection, "INSERT INTO migrations (version) VALUES ($1)", &number,
+                               1, NULL, NULL);
 }
 
 static enum server_store_outcome migrate(struct server_postgres_connection *connection, void *user)
 {
     (void)user;
     int64_t version = 0;
-    enum server_store_outcome outcome = run(connection, "SELECT pg_advisory_xact_lock(" MIGRATING ")");
+    enum server_store_outcome outcome =
+        run(connection, "SELECT pg_advisory_xact_lock(" MIGRATING ")");
     if (!outcome) outcome = make_schema(connection);
     if (!outcome)
-        outcome = server_postgres_run(connection, "SELECT coalesce(max(version), 0) FROM migrations", NULL, 0,
-                                      on_number, &version);
+        outcome =
+            server_postgres_run(connection, "SELECT coalesce(max(version), 0) FROM migrations",
+                                NULL, 0, on_number, &version);
     if (!outcome && version > STEPS) return SERVER_STORE_PRECONDITION;
-    for (int64_t step = version; !outcome && step < STEPS; step++) outcome = make_step(connection, step);
+    for (int64_t step = version; !outcome && step < STEPS; step++)
+        outcome = make_step(connection, step);
     return outcome;
 }
 

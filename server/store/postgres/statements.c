@@ -19,19 +19,21 @@ struct statement {
     void *user;
 };
 
-static enum server_store_outcome run_statement(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome run_statement(struct server_postgres_connection *connection,
+                                               void *user)
 {
     const struct statement *statement = user;
-    return server_postgres_run(connection, statement->text, statement->values, statement->count, statement->visit,
-                               statement->user);
+    return server_postgres_run(connection, statement->text, statement->values, statement->count,
+                               statement->visit, statement->user);
 }
 
 static enum server_store_outcome run(struct server_store_sql *sql, const char *text,
-                                     const struct server_sql_value *values, int count, server_sql_visit *visit,
-                                     void *user)
+                                     const struct server_sql_value *values, int count,
+                                     server_sql_visit *visit, void *user)
 {
     struct statement statement = {text, values, count, visit, user};
-    return server_postgres_read(((struct sql_postgres *)sql)->postgres, PATIENCE_NS, run_statement, &statement);
+    return server_postgres_read(((struct sql_postgres *)sql)->postgres, PATIENCE_NS, run_statement,
+                                &statement);
 }
 
 static void close_sql(struct server_store_sql *sql)
@@ -44,8 +46,10 @@ struct server_store_sql *server_store_sql_postgres_open(const char *url)
 {
     struct sql_postgres *own = calloc(1, sizeof *own);
     if (!own) return NULL;
-    own->sql = (struct server_store_sql){
-        .run = run, .is_shared = true, .skip_locked = " FOR UPDATE OF i SKIP LOCKED", .close = close_sql};
+    own->sql = (struct server_store_sql){.run = run,
+                                         .is_shared = true,
+                                         .skip_locked = " FOR UPDATE OF i SKIP LOCKED",
+                                         .close = close_sql};
     own->postgres = server_postgres_create(url);
     if (own->postgres) return &own->sql;
     free(own);

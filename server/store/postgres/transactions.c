@@ -14,10 +14,11 @@
 #define MOST        5                    /* connections, with the one that listens */
 #define TAKE_NS     UINT64_C(5000000000) /* for one of them to come free */
 #define PATIENCE_NS UINT64_C(3000000000) /* for a transaction to begin anew */
-#define LONGEST_NS  UINT64_C(8000000000) /* of its statements: longer than the server waits for a lock */
-#define PAUSE_NS    UINT64_C(5000000)    /* the first; each is twice as long as the one before, */
-#define PAUSE_MOST  UINT64_C(200000000)  /* up to this */
-#define SECOND_NS   UINT64_C(1000000000)
+/* of its statements: longer than the server waits for a lock */
+#define LONGEST_NS UINT64_C(8000000000)
+#define PAUSE_NS   UINT64_C(5000000)   /* the first; each is twice as long as the one before, */
+#define PAUSE_MOST UINT64_C(200000000) /* up to this */
+#define SECOND_NS  UINT64_C(1000000000)
 
 struct server_postgres {
     pthread_mutex_t lock;
@@ -66,13 +67,15 @@ void server_postgres_has_answered(struct server_postgres *postgres)
     atomic_store(&postgres->is_away, false);
 }
 
-/* --- connections -------------------------------------------------------------------------------------------------- */
+/* --- connections ------------------------------------------------------------------------------ */
 
-/* An idle connection, or leave to make one: then `*out` is NULL. False: all are in use for too long. */
+/* An idle connection, or leave to make one: then `*out` is NULL. False: all are in use for too
+ * long. */
 static bool reserve(struct server_postgres *postgres, struct server_postgres_connection **out)
 {
     uint64_t until_ns = gd_now_ns() + TAKE_NS;
-    const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS), .tv_nsec = (long)(until_ns % SECOND_NS)};
+    const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
+                                   .tv_nsec = (long)(until_ns % SECOND_NS)};
     pthread_mutex_lock(&postgres->lock);
     bool has_time = true;
     while (has_time && !postgres->idle && postgres->count >= MOST)
@@ -116,20 +119,22 @@ enum server_store_outcome server_postgres_take(struct server_postgres *postgres,
     return outcome;
 }
 
-void server_postgres_give(struct server_postgres *postgres, struct server_postgres_connection *connection)
+void server_postgres_give(struct server_postgres *postgres,
+                          struct server_postgres_connection *connection)
 {
     bool is_lost = connection->is_lost;
     if (is_lost) server_postgres_disconnect(connection);
     leave(postgres, is_lost ? NULL : connection);
 }
 
-/* --- one attempt -------------------------------------------------------------------------------------------------- */
+/* --- one attempt ------------------------------------------------------------------------------ */
 
 struct attempt {
     server_postgres_body *body;
     void *user;
     uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
-    char number[32]; /* of the transaction, once it is asked to commit; empty: it has not come to that */
+    /* of the transaction, once it is asked to commit; empty: it has not come to that */
+    char number[32];
 };
 
 static bool on_number(void *user, const struct server_sql_value *row)
@@ -139,12 +144,14 @@ static bool on_number(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome commit(struct server_postgres_connection *connection, struct attempt *attempt)
+static enum server_store_outcome commit(struct server_postgres_connection *connection,
+                                        struct attempt *attempt)
 {
-    enum server_store_outcome outcome =
-        server_postgres_run(connection, "SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt);
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, "SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt);
     if (!outcome) outcome = server_postgres_run(connection, "COMMIT", NULL, 0, NULL, NULL);
-    if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0'; /* what became of it is known */
+    /* what became of it is known */
+    if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0';
     return outcome;
 }
 
@@ -152,19 +159,22 @@ static enum server_store_outcome attempt_transaction(struct server_postgres_conn
                                                      struct attempt *attempt)
 {
     attempt->number[0] = '\0';
-    enum server_store_outcome outcome = server_postgres_run(connection, "BEGIN", NULL, 0, NULL, NULL);
+    enum server_store_outcome outcome =
+        server_postgres_run(connection, "BEGIN", NULL, 0, NULL, NULL);
     if (!outcome) outcome = attempt->body(connection, attempt->user);
     if (!outcome) return commit(connection, attempt);
-    if (outcome != SERVER_STORE_UNAVAILABLE) (void)server_postgres_run(connection, "ROLLBACK", NULL, 0, NULL, NULL);
+    if (outcome != SERVER_STORE_UNAVAILABLE)
+        (void)server_postgres_run(connection, "ROLLBACK", NULL, 0, NULL, NULL);
     return outcome;
 }
 
-static enum server_store_outcome attempt_reading(struct server_postgres_connection *connection, struct attempt *attempt)
+static enum server_store_outcome attempt_reading(struct server_postgres_connection *connection,
+                                                 struct attempt *attempt)
 {
     return attempt->body(connection, attempt->user);
 }
 
-/* --- what became of a commit that was not answered ------------------------------------------------------------------ */
+/* --- what became of a commit that was not answered -------------------------------------------- */
 
 static bool on_status(void *user, const struct server_sql_value *row)
 {
@@ -172,21 +182,23 @@ static bool on_status(void *user, const struct server_sql_value *row)
     const char *status = row[0].type == SERVER_SQL_TEXT ? row[0].bytes : "";
     *outcome = strcmp(status, "committed") == 0 ? SERVER_STORE_DONE
                : strcmp(status, "aborted") == 0 ? SERVER_STORE_STALE
-                                                : SERVER_STORE_UNAVAILABLE; /* it is still under way */
+                                                /* it is still under way */
+                                                : SERVER_STORE_UNAVAILABLE;
     return true;
 }
 
 /* DONE: it is committed; STALE: it is not and never will be; UNAVAILABLE: not known for now. */
-static enum server_store_outcome look(struct server_postgres_connection *connection, const struct attempt *attempt)
+static enum server_store_outcome look(struct server_postgres_connection *connection,
+                                      const struct attempt *attempt)
 {
     const struct server_sql_value number = server_sql_text(attempt->number);
     enum server_store_outcome found = SERVER_STORE_UNAVAILABLE;
-    enum server_store_outcome outcome =
-        server_postgres_run(connection, "SELECT pg_xact_status($1::text::xid8)", &number, 1, on_status, &found);
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, "SELECT pg_xact_status($1::text::xid8)", &number, 1, on_status, &found);
     return outcome ? SERVER_STORE_UNAVAILABLE : found;
 }
 
-/* --- attempts ----------------------------------------------------------------------------------------------------- */
+/* --- attempts --------------------------------------------------------------------------------- */
 
 static bool pause_until(uint64_t until_ns, uint64_t *pause_ns)
 {
@@ -204,12 +216,14 @@ static void tell(enum server_store_outcome outcome, const char *error)
     if (outcome == SERVER_STORE_REFUSED || outcome == SERVER_STORE_FULL)
         server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", error);
     else if (outcome == SERVER_STORE_UNAVAILABLE)
-        server_log_message(SERVER_LOG_WARN, "database_lost", "%s", *error ? error : "others were always quicker");
+        server_log_message(SERVER_LOG_WARN, "database_lost", "%s",
+                           *error ? error : "others were always quicker");
 }
 
-static enum server_store_outcome go_on(struct server_postgres_connection *connection, struct attempt *attempt,
-                                       enum server_store_outcome (*make)(struct server_postgres_connection *connection,
-                                                                         struct attempt *attempt))
+static enum server_store_outcome
+go_on(struct server_postgres_connection *connection, struct attempt *attempt,
+      enum server_store_outcome (*make)(struct server_postgres_connection *connection,
+                                        struct attempt *attempt))
 {
     if (!attempt->number[0]) return make(connection, attempt);
     enum server_store_outcome outcome = look(connection, attempt);
@@ -217,9 +231,10 @@ static enum server_store_outcome go_on(struct server_postgres_connection *connec
     return outcome;
 }
 
-static enum server_store_outcome try_on(struct server_postgres *postgres, struct attempt *attempt,
-                                        enum server_store_outcome (*make)(struct server_postgres_connection *connection,
-                                                                          struct attempt *attempt))
+static enum server_store_outcome
+try_on(struct server_postgres *postgres, struct attempt *attempt,
+       enum server_store_outcome (*make)(struct server_postgres_connection *connection,
+                                         struct attempt *attempt))
 {
     uint64_t until_ns = gd_now_ns() + attempt->patience_ns, pause_ns = PAUSE_NS;
     enum server_store_outcome outcome;
@@ -240,16 +255,19 @@ static enum server_store_outcome try_on(struct server_postgres *postgres, struct
     return outcome;
 }
 
-enum server_store_outcome server_postgres_transact(struct server_postgres *postgres, server_postgres_body *body,
-                                                   void *user)
+enum server_store_outcome server_postgres_transact(struct server_postgres *postgres,
+                                                   server_postgres_body *body, void *user)
 {
-    struct attempt attempt = {.body = body, .user = user, .patience_ns = PATIENCE_NS, .longest_ns = LONGEST_NS};
+    struct attempt attempt = {
+        .body = body, .user = user, .patience_ns = PATIENCE_NS, .longest_ns = LONGEST_NS};
     return try_on(postgres, &attempt, attempt_transaction);
 }
 
-enum server_store_outcome server_postgres_read(struct server_postgres *postgres, uint64_t patience_ns,
-                                               server_postgres_body *body, void *user)
+enum server_store_outcome server_postgres_read(struct server_postgres *postgres,
+                                               uint64_t patience_ns, server_postgres_body *body,
+                                               void *user)
 {
-    struct attempt attempt = {.body = body, .user = user, .patience_ns = patience_ns, .longest_ns = patience_ns};
+    struct attempt attempt = {
+        .body = body, .user = user, .patience_ns = patience_ns, .longest_ns = patience_ns};
     return try_on(postgres, &attempt, attempt_reading);
 }

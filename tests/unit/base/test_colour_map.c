@@ -17,7 +17,8 @@ static double light(struct gd_colour c)
 static void grows_lighter(void **state)
 {
     (void)state;
-    for (int i = 0; i < 256; i++) assert_true(light(gd_colour_map(i / 256.0)) < light(gd_colour_map((i + 1) / 256.0)));
+    for (int i = 0; i < 256; i++)
+        assert_true(light(gd_colour_map(i / 256.0)) < light(gd_colour_map((i + 1) / 256.0)));
 }
 
 /* No component is cut, or steps would not be even. */
@@ -26,7 +27,8 @@ static void stays_within_its_gamut(void **state)
     (void)state;
     for (int i = 0; i <= 256; i++) {
         struct gd_colour c = gd_colour_map(i / 256.0);
-        assert_true(c.red > 0 && c.red < 1 && c.green > 0 && c.green < 1 && c.blue > 0 && c.blue < 1);
+        assert_true(c.red > 0 && c.red < 1 && c.green > 0 && c.green < 1 && c.blue > 0 &&
+                    c.blue < 1);
     }
     assert_true(light(gd_colour_map(-3)) == light(gd_colour_map(0)) &&
                 light(gd_colour_map(3)) == light(gd_colour_map(1)));

@@ -1,4 +1,5 @@
-/* The kernels that find decimals against each other: what each finds is what the plain one finds, digit by digit. */
+/* The kernels that find decimals against each other: what each finds is what the plain one finds,
+ * digit by digit. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@ static void find_kernels(void)
 {
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) kernels[kernel_count++] = gd__decimals_avx2;
-    if (gd__decimals_kernel_here() == gd__decimals_avx512) kernels[kernel_count++] = gd__decimals_avx512;
+    if (gd__decimals_kernel_here() == gd__decimals_avx512)
+        kernels[kernel_count++] = gd__decimals_avx512;
 #endif
     if (!kernel_count) print_message("this machine has no lanes: there is nothing to compare\n");
 }
@@ -29,13 +31,15 @@ static uint64_t next_random(uint64_t *state)
     return *state * UINT64_C(0x2545f4914f6cdd1d);
 }
 
-/* By turns: any bits at all, exponents that lanes take and some to both sides of them, the same with few significant bits, decimals of few digits,
- * those moved by some units in the last place, thousandths of units. */
+/* By turns: any bits at all, exponents that lanes take and some to both sides of them, the same
+ * with few significant bits, decimals of few digits, those moved by some units in the last place,
+ * thousandths of units. */
 static double random_double(uint64_t *state, long turn)
 {
     uint64_t bits = next_random(state), few = ~((UINT64_C(1) << next_random(state) % 53) - 1);
     uint64_t near = (bits & UINT64_C(0x800fffffffffffff)) | (1000 + next_random(state) % 84) << 52;
-    double value = (double)(bits % 100000000) / (double[]){1, 1e2, 1e4, 1e8, 1e12}[next_random(state) % 5];
+    double value =
+        (double)(bits % 100000000) / (double[]){1, 1e2, 1e4, 1e8, 1e12}[next_random(state) % 5];
     if (turn % 6 == 3) return value;
     if (turn % 6 == 4) return value * (1 + (double)(next_random(state) % 9) * 0x1p-52);
     if (turn % 6 == 5) return (double)(bits >> 11) / 1000;
@@ -57,9 +61,9 @@ static uint32_t assert_agreement(gd__decimals_kernel *kernel, const double *valu
         if (left_out >> i & 1) continue;
         if (plain.head[i] != found.head[i] || plain.counting[i] != found.counting[i] ||
             memcmp(plain.digits[i], found.digits[i], sizeof plain.digits[i]) != 0)
-            fail_msg("%a is %c%.16s, point and sign %#jx, not %c%.16s, %#jx", values[i], (char)plain.head[i],
-                     plain.digits[i], (uintmax_t)plain.head[i] >> 8, (char)found.head[i], found.digits[i],
-                     (uintmax_t)found.head[i] >> 8);
+            fail_msg("%a is %c%.16s, point and sign %#jx, not %c%.16s, %#jx", values[i],
+                     (char)plain.head[i], plain.digits[i], (uintmax_t)plain.head[i] >> 8,
+                     (char)found.head[i], found.digits[i], (uintmax_t)found.head[i] >> 8);
     }
     return left_out & ~rare;
 }
@@ -78,7 +82,8 @@ static void lanes_find_what_plain_code_finds(void **state)
     }
 }
 
-/* Which matters to their speed only. Of numbers with all their bits, one in 30 million is as near to a tie as that. */
+/* Which matters to their speed only. Of numbers with all their bits, one in 30 million is as near
+ * to a tie as that. */
 static void lanes_leave_little_out(void **state)
 {
     (void)state;
@@ -88,8 +93,10 @@ static void lanes_leave_little_out(void **state)
     for (unsigned k = 0; k < kernel_count; k++) {
         unsigned left_out = 0;
         for (int run = 0; run < RUNS; run++) {
-            for (int i = 0; i < GD__DECIMALS; i++) values[i] = (double)(int64_t)next_random(&seed) * 0x1p-60;
-            left_out += (unsigned)__builtin_popcount(assert_agreement(kernels[k], values, GD__DECIMALS));
+            for (int i = 0; i < GD__DECIMALS; i++)
+                values[i] = (double)(int64_t)next_random(&seed) * 0x1p-60;
+            left_out +=
+                (unsigned)__builtin_popcount(assert_agreement(kernels[k], values, GD__DECIMALS));
         }
         assert_in_range(left_out, 0, 3);
     }
@@ -104,17 +111,19 @@ static uint32_t left_out_of(gd__decimals_kernel *kernel, double value)
 static void what_others_write_is_left_out(void **state)
 {
     (void)state;
-    static const double values[] = {0,    -0.0,  INFINITY, -INFINITY, NAN, 1e-7, -9.9999999999999974e-7,
-                                    1e17, 1e300, 5e-324};
+    static const double values[] = {
+        0, -0.0, INFINITY, -INFINITY, NAN, 1e-7, -9.9999999999999974e-7, 1e17, 1e300, 5e-324};
     for (size_t i = 0; i < COUNT(values); i++) {
         assert_int_equal(left_out_of(gd__decimals_plain, values[i]), 1);
-        for (unsigned k = 0; k < kernel_count; k++) assert_int_equal(left_out_of(kernels[k], values[i]), 1);
+        for (unsigned k = 0; k < kernel_count; k++)
+            assert_int_equal(left_out_of(kernels[k], values[i]), 1);
     }
     assert_int_equal(left_out_of(gd__decimals_plain, 1e-6), 0);
     assert_int_equal(left_out_of(gd__decimals_plain, 99999999999999984.0), 0);
 }
 
-/* Every power of two that lanes take, whose interval is not what they take it for, half-way cases (2251799813685248.5 is one), and their neighbours. */
+/* Every power of two that lanes take, whose interval is not what they take it for, half-way cases
+ * (2251799813685248.5 is one), and their neighbours. */
 static void lanes_agree_about_rare_numbers(void **state)
 {
     (void)state;

@@ -21,8 +21,10 @@ static void check_parse(const char *text, double expected, size_t length)
 {
     double value = 77;
     const char *end = gd_number_parse(text, text + strlen(text), &value);
-    if (!end || (size_t)(end - text) != length) fail_msg("'%s' should end after %zu bytes", text, length);
-    if (bits_of(value) != bits_of(expected)) fail_msg("'%s' is read as %.17g, not %.17g", text, value, expected);
+    if (!end || (size_t)(end - text) != length)
+        fail_msg("'%s' should end after %zu bytes", text, length);
+    if (bits_of(value) != bits_of(expected))
+        fail_msg("'%s' is read as %.17g, not %.17g", text, value, expected);
 }
 
 static void parses_correctly_rounded(void **state)
@@ -54,7 +56,8 @@ static void parses_correctly_rounded(void **state)
                                         "1e-5",
                                         "0e999999999999999999999",
                                         "0.000e-99999999999"};
-    for (size_t i = 0; i < COUNT(texts); i++) check_parse(texts[i], strtod(texts[i], NULL), strlen(texts[i]));
+    for (size_t i = 0; i < COUNT(texts); i++)
+        check_parse(texts[i], strtod(texts[i], NULL), strlen(texts[i]));
 }
 
 static void parses_what_is_out_of_range(void **state)
@@ -90,9 +93,11 @@ static void stops_where_the_number_ends(void **state)
     check_parse("0x1p3", 0, 1);
     check_parse("+2", 2, 2);
     double value = 77;
-    static const char *const none[] = {"", "+", "-", ".", "e5", "x", "+-1", "-+1", "++1", "--1", " 1", "+inf", "+ 1"};
+    static const char *const none[] = {"",    "+",   "-",   ".",  "e5",   "x",  "+-1",
+                                       "-+1", "++1", "--1", " 1", "+inf", "+ 1"};
     for (size_t i = 0; i < COUNT(none); i++) {
-        if (gd_number_parse(none[i], none[i] + strlen(none[i]), &value)) fail_msg("'%s' is no number", none[i]);
+        if (gd_number_parse(none[i], none[i] + strlen(none[i]), &value))
+            fail_msg("'%s' is no number", none[i]);
     }
     const char *text = "12345";
     assert_ptr_equal(gd_number_parse(text, text + 3, &value), text + 3);
@@ -142,7 +147,8 @@ static void prints_as_people_write(void **state)
         {2251799813685248.5, "2251799813685248.5"},
         {0x1p-1022 - 0x1p-1074, "2.225073858507201e-308"},
     };
-    for (size_t i = 0; i < COUNT(cases); i++) assert_string_equal(printed(cases[i].value), cases[i].text);
+    for (size_t i = 0; i < COUNT(cases); i++)
+        assert_string_equal(printed(cases[i].value), cases[i].text);
 }
 
 /* Digits of a decimal text without sign, point, exponent, leading and trailing zeros. */
@@ -167,8 +173,9 @@ static size_t reference_digits(double value, char *out)
     }
 }
 
-/* Reads back, is as short as the reference, and the same digits. Below a power of two the doubles stand closer than
- * above it: there a decimal may be shorter than the reference, which looks at the nearest decimal of each length only.
+/* Reads back, is as short as the reference, and the same digits. Below a power of two the doubles
+ * stand closer than above it: there a decimal may be shorter than the reference, which looks at the
+ * nearest decimal of each length only.
  */
 static void assert_shortest(double value)
 {
@@ -234,7 +241,8 @@ static void prints_every_power_shortest(void **state)
 static size_t print_each(const double *values, size_t count, char *out)
 {
     char *at = out;
-    for (size_t i = 0; i < count; i++) at += sprintf(at, "%s,", isfinite(values[i]) ? printed(values[i]) : "null");
+    for (size_t i = 0; i < count; i++)
+        at += sprintf(at, "%s,", isfinite(values[i]) ? printed(values[i]) : "null");
     return (size_t)(at - out);
 }
 
@@ -254,7 +262,8 @@ static size_t print_each_triple(const double (*values)[3], size_t count, char *o
 static void assert_written_alike(const double (*values)[3], size_t count)
 {
     static char expected[GD_TRIPLES_SIZE(100)];
-    char *text = malloc(GD_NUMBERS_SIZE(3 * count)), *end = gd_numbers_format(text, *values, 3 * count);
+    char *text = malloc(GD_NUMBERS_SIZE(3 * count)),
+         *end = gd_numbers_format(text, *values, 3 * count);
     assert_int_equal(end - text, print_each(*values, 3 * count, expected));
     assert_memory_equal(text, expected, (size_t)(end - text));
     free(text);
@@ -276,12 +285,13 @@ static void prints_many_as_it_prints_one(void **state)
         size_t count = next_random(&seed) % COUNT(values) + 1;
         for (size_t i = 0; i < 3 * count; i++) {
             bool is_rare = turn % 2 && next_random(&seed) % 16 == 0;
-            values[i / 3][i % 3] =
-                is_rare ? rare[next_random(&seed) % COUNT(rare)] : random_double(&seed, turn + (long)i);
+            values[i / 3][i % 3] = is_rare ? rare[next_random(&seed) % COUNT(rare)]
+                                           : random_double(&seed, turn + (long)i);
         }
         assert_written_alike(values, count);
     }
-    for (size_t i = 0; i < 100; i++) values[i][0] = values[i][1] = values[i][2] = -2.2250738585072014e-308;
+    for (size_t i = 0; i < 100; i++)
+        values[i][0] = values[i][1] = values[i][2] = -2.2250738585072014e-308;
     assert_written_alike(values, 100);
     assert_written_alike(values, 0);
 }

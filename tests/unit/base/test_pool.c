@@ -108,8 +108,9 @@ static void a_small_budget_is_enough_for_little(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(released_blocks_come_first), cmocka_unit_test(the_same_again_is_one_chunk),
-        cmocka_unit_test(of_many_large_chunks_one_is_kept), cmocka_unit_test(a_small_budget_is_enough_for_little)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(released_blocks_come_first),
+                                       cmocka_unit_test(the_same_again_is_one_chunk),
+                                       cmocka_unit_test(of_many_large_chunks_one_is_kept),
+                                       cmocka_unit_test(a_small_budget_is_enough_for_little)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

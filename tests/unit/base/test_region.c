@@ -13,7 +13,7 @@
 #define MEGABYTE ((size_t)1 << 20)
 #define LIMIT    (10 * MEGABYTE)
 
-/* --- the system, as strict as Linux before 6.17 -------------------------------------------------------------------------- */
+/* --- the system, as strict as Linux before 6.17 ----------------------------------------------- */
 
 static int moves;
 
@@ -39,12 +39,13 @@ void *mremap(void *old, size_t old_size, size_t size, int flags, ...)
     void *place = va_arg(rest, void *);
     va_end(rest);
     moves++;
-    if (is_one_mapping(old, old_size)) return (void *)syscall(SYS_mremap, old, old_size, size, flags, place);
+    if (is_one_mapping(old, old_size))
+        return (void *)syscall(SYS_mremap, old, old_size, size, flags, place);
     errno = EFAULT;
     return MAP_FAILED;
 }
 
-/* --- regions ------------------------------------------------------------------------------------------------------------- */
+/* --- regions ---------------------------------------------------------------------------------- */
 
 static bool is_aligned(const void *p)
 {
@@ -115,7 +116,8 @@ static void asks_the_budget(void **state)
     purse.held = 4 * MEGABYTE;
     check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
     size_t step = 24 * 100;
-    while (gd__region_reserve(&region, step) == GD_OK) region.used += step; /* never more than allowed, and all of it */
+    /* never more than allowed, and all of it */
+    while (gd__region_reserve(&region, step) == GD_OK) region.used += step;
     assert_true(region.used + step > 6 * MEGABYTE && region.granted <= 6 * MEGABYTE);
     gd__region_destroy(&region);
 }
@@ -133,7 +135,8 @@ static void opens_again(void **state)
     check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
     assert_ptr_equal(region.base, base);
     assert_int_equal(region.used, 0);
-    assert_int_equal(gd__region_reserve(&region, 2 * MEGABYTE), GD_BUDGET); /* though its pages are there */
+    /* though its pages are there */
+    assert_int_equal(gd__region_reserve(&region, 2 * MEGABYTE), GD_BUDGET);
     check_filled(region.base, grow(&region, MEGABYTE));
     gd__region_destroy(&region);
 }

@@ -1,5 +1,5 @@
-/* Cutting: what the tests of this room share. A cut is made, its pieces are built by the ordinary builder, and what
- * every cut keeps is checked. */
+/* Cutting: what the tests of this room share. A cut is made, its pieces are built by the ordinary
+ * builder, and what every cut keeps is checked. */
 #ifndef TESTS_UNIT_CUT_CUTTING_H
 #define TESTS_UNIT_CUT_CUTTING_H
 
@@ -41,7 +41,8 @@ static inline struct cutting cutting_along(const struct gd_mesh *mesh, const str
 }
 
 /* Through points, joined by shortest paths. */
-static inline struct gd_curve curve_through(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
+static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
+                                            const struct gd_point *points, uint32_t count,
                                             bool closed)
 {
     const struct gd_curve_request request = {
@@ -52,7 +53,8 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh, const st
     return curve;
 }
 
-static inline struct cutting cutting_through(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
+static inline struct cutting cutting_through(const struct gd_mesh *mesh,
+                                             const struct gd_point *points, uint32_t count,
                                              bool closed)
 {
     struct gd_curve curve = curve_through(mesh, points, count, closed);
@@ -85,7 +87,7 @@ static inline struct gd_mesh *sample_mesh(const char *name, const double values[
     return mesh;
 }
 
-/* --- borders ------------------------------------------------------------------------------------------------------ */
+/* --- borders ---------------------------------------------------------------------------------- */
 
 /* A vertex of a piece, the same in all pieces that have it. */
 struct place {
@@ -108,7 +110,8 @@ static inline int by_place(const void *a, const void *b)
     const struct place *p = a, *q = b;
     if (p->parent != q->parent) return p->parent < q->parent ? -1 : 1;
     for (int axis = 0; axis < 3; axis++)
-        if (p->position[axis] != q->position[axis]) return p->position[axis] < q->position[axis] ? -1 : 1;
+        if (p->position[axis] != q->position[axis])
+            return p->position[axis] < q->position[axis] ? -1 : 1;
     return 0;
 }
 
@@ -138,9 +141,11 @@ static inline struct place place_of(const struct gd_cut_piece *piece, uint32_t v
     return place;
 }
 
-static inline void add_border(struct borders *borders, const struct gd_cut_piece *piece, const struct directed *side)
+static inline void add_border(struct borders *borders, const struct gd_cut_piece *piece,
+                              const struct directed *side)
 {
-    struct border border = {place_of(piece, side->low), place_of(piece, side->high), side->is_turned};
+    struct border border = {place_of(piece, side->low), place_of(piece, side->high),
+                            side->is_turned};
     if (by_place(&border.from, &border.to) > 0) {
         struct place from = border.from;
         border.from = border.to;
@@ -196,11 +201,12 @@ static inline uint32_t distinct(struct place *places, uint32_t count)
     return kept;
 }
 
-/* --- what every cut keeps ----------------------------------------------------------------------------------------- */
+/* --- what every cut keeps --------------------------------------------------------------------- */
 
 struct seam {
-    uint32_t edges, vertices; /* pairs of borders; their ends, but for those on the mesh's boundary */
-    double rest;              /* length of the borders that have no twin */
+    /* pairs of borders; their ends, but for those on the mesh's boundary */
+    uint32_t edges, vertices;
+    double rest; /* length of the borders that have no twin */
 };
 
 /* Each border has at most one twin, which runs the other way. */
@@ -213,7 +219,8 @@ static inline struct seam seam_of(const struct gd_cut *cut)
     struct seam seam = {0};
     for (uint32_t i = 0; i < borders.count; i++) {
         struct border *b = &borders.items[i];
-        bool is_pair = i + 1 < borders.count && !by_place(&b[0].from, &b[1].from) && !by_place(&b[0].to, &b[1].to);
+        bool is_pair = i + 1 < borders.count && !by_place(&b[0].from, &b[1].from) &&
+                       !by_place(&b[0].to, &b[1].to);
         if (is_pair) {
             assert_true(b[0].is_turned != b[1].is_turned);
             seam.edges++;
@@ -241,7 +248,8 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
     uint32_t count = piece->polygons.position_count, last = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t parent = piece->vertex_map[i];
-        if (i) assert_true(parent >= last); /* vertices of the parent first, in order; GD_NONE is the largest */
+        /* vertices of the parent first, in order; GD_NONE is the largest */
+        if (i) assert_true(parent >= last);
         last = parent;
         if (parent == GD_NONE) continue;
         struct gd_vec3 there = gd_mesh_position(mesh, (struct gd_vertex){parent});
@@ -255,12 +263,13 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
 }
 
 /* Fails the test unless
- *     the areas of the pieces, and of the meshes that are built of them, sum to the mesh's, to `relative`;
- *     each piece is one component, and no face was turned over;
- *     the maps name the parent's vertices at their positions, and its faces;
- *     each border of a piece lies on the mesh's boundary, or has its twin, the other way round, at a border;
- *     the pieces have the Euler characteristic that cutting along the graph of these twins gives. */
-static inline void check_cutting(const struct gd_mesh *mesh, const struct cutting *cutting, double relative)
+ *     the areas of the pieces, and of the meshes that are built of them, sum to the mesh's, to
+ * `relative`; each piece is one component, and no face was turned over; the maps name the parent's
+ * vertices at their positions, and its faces; each border of a piece lies on the mesh's boundary,
+ * or has its twin, the other way round, at a border; the pieces have the Euler characteristic that
+ * cutting along the graph of these twins gives. */
+static inline void check_cutting(const struct gd_mesh *mesh, const struct cutting *cutting,
+                                 double relative)
 {
     const struct gd_mesh_summary *whole = gd_mesh_summary(mesh);
     double area = 0, built = 0, boundary = 0;
@@ -280,7 +289,8 @@ static inline void check_cutting(const struct gd_mesh *mesh, const struct cuttin
     check_close(built, whole->area, relative);
     struct seam seam = seam_of(&cutting->cut);
     check_close(seam.rest, boundary, relative);
-    assert_int_equal(characteristic, whole->euler_characteristic + (int64_t)seam.edges - (int64_t)seam.vertices);
+    assert_int_equal(characteristic,
+                     whole->euler_characteristic + (int64_t)seam.edges - (int64_t)seam.vertices);
     assert_int_equal(cutting->cut.separates, cutting->cut.piece_count > whole->components);
 }
 

@@ -2,26 +2,33 @@
 
 #include "cutting.h"
 
-/* Kept segments of a face meet in their ends only, pass no node closely, and are no sides; nodes keep their
- * distance. */
+/* Kept segments of a face meet in their ends only, pass no node closely, and are no sides; nodes
+ * keep their distance. */
 static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     double reach = gd__nodes_reach(nodes, face);
     for (uint32_t s = arrangement->of_face[face]; s != GD_NONE; s = arrangement->segments[s].next) {
         const struct gd__segment *segment = &arrangement->segments[s];
-        struct gd__site a = gd__node_site(nodes, face, segment->a), b = gd__node_site(nodes, face, segment->b);
-        struct gd__local p = gd__site_local(nodes->mesh, face, a), q = gd__site_local(nodes->mesh, face, b);
-        assert_int_equal(gd__node_sides(nodes, face, segment->a) & gd__node_sides(nodes, face, segment->b), 0);
+        struct gd__site a = gd__node_site(nodes, face, segment->a),
+                        b = gd__node_site(nodes, face, segment->b);
+        struct gd__local p = gd__site_local(nodes->mesh, face, a),
+                         q = gd__site_local(nodes->mesh, face, b);
+        assert_int_equal(
+            gd__node_sides(nodes, face, segment->a) & gd__node_sides(nodes, face, segment->b), 0);
         for (uint32_t o = segment->next; o != GD_NONE; o = arrangement->segments[o].next)
-            assert_false(gd__sites_cross(a, b, gd__node_site(nodes, face, arrangement->segments[o].a),
+            assert_false(gd__sites_cross(a, b,
+                                         gd__node_site(nodes, face, arrangement->segments[o].a),
                                          gd__node_site(nodes, face, arrangement->segments[o].b)));
         struct gd__node_walk walk = {0};
         uint32_t node;
         while ((node = gd__nodes_walk(nodes, face, &walk)) != GD_NONE) {
-            struct gd__local r = gd__site_local(nodes->mesh, face, gd__node_site(nodes, face, node));
-            double along = (r.x - p.x) * (q.x - p.x) + (r.y - p.y) * (q.y - p.y), length = hypot(q.x - p.x, q.y - p.y);
-            if (node == segment->a || node == segment->b || along <= 0 || along >= length * length) continue;
+            struct gd__local r =
+                gd__site_local(nodes->mesh, face, gd__node_site(nodes, face, node));
+            double along = (r.x - p.x) * (q.x - p.x) + (r.y - p.y) * (q.y - p.y),
+                   length = hypot(q.x - p.x, q.y - p.y);
+            if (node == segment->a || node == segment->b || along <= 0 || along >= length * length)
+                continue;
             double across = fabs((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)) / length;
             assert_true(across > reach / 2 * (1 - 1e-6));
         }
@@ -35,8 +42,8 @@ static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
     }
 }
 
-/* Closed polylines with many corners in few places, moved by tiny amounts: crossings, touches and overlaps of every
- * kind. */
+/* Closed polylines with many corners in few places, moved by tiny amounts: crossings, touches and
+ * overlaps of every kind. */
 static void crowds(void **state)
 {
     (void)state;
@@ -49,7 +56,8 @@ static void crowds(void **state)
         for (int i = 0; i < 24; i++) {
             double x = rng_below(&rng, 5) / 4.0 + jitter * rng_between(&rng, -1, 1),
                    y = rng_below(&rng, 5) / 4.0 + jitter * rng_between(&rng, -1, 1);
-            check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, -1, &points[i], NULL, NULL), NULL);
+            check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, -1, &points[i], NULL, NULL),
+                     NULL);
         }
         struct gd_curve curve = curve_through(mesh, points, 24, true);
         struct gd__purse purse = {0};
@@ -70,10 +78,13 @@ static void sides_are_runs(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){1, 1, 1, 1});
-    struct gd_point points[] = {vertex_of(mesh, 0), point_at(mesh, 0.25, 0.25, 0), point_at(mesh, 0.75, 0.75, 0)};
+    struct gd_point points[] = {vertex_of(mesh, 0), point_at(mesh, 0.25, 0.25, 0),
+                                point_at(mesh, 0.75, 0.75, 0)};
     struct gd__purse purse = {0};
     struct gd__arrangement arrangement;
-    check_ok(gd__arrange(mesh, &(struct gd_curve){points, 3, true}, 1e-6, &purse, &arrangement, NULL), NULL);
+    check_ok(
+        gd__arrange(mesh, &(struct gd_curve){points, 3, true}, 1e-6, &purse, &arrangement, NULL),
+        NULL);
     assert_int_equal(arrangement.run_count, 3);
     assert_int_equal(arrangement.nodes.count, 2);
     for (uint32_t face = 0; face < 2; face++) {

@@ -8,7 +8,7 @@
 #include "tests/support/shared.h"
 #include "tests/support/watch.h"
 
-/* --- closed forms ------------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 static void a_straight_cut_of_a_square(void **state)
 {
@@ -33,8 +33,8 @@ static void the_waist_of_a_box(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("box", (double[SAMPLE_PARAMETERS]){1, 1, 2, 2});
-    const struct gd_point points[] = {point_at(mesh, 0, 0, 0.7), point_at(mesh, 1, 0, 0.7), point_at(mesh, 1, 1, 0.7),
-                                      point_at(mesh, 0, 1, 0.7)};
+    const struct gd_point points[] = {point_at(mesh, 0, 0, 0.7), point_at(mesh, 1, 0, 0.7),
+                                      point_at(mesh, 1, 1, 0.7), point_at(mesh, 0, 1, 0.7)};
     struct cutting cutting = cutting_through(mesh, points, 4, true);
     check_cutting(mesh, &cutting, 1e-12);
     assert_int_equal(cutting.cut.piece_count, 2);
@@ -66,7 +66,7 @@ static void a_hole_in_one_face(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- what does not separate --------------------------------------------------------------------------------------- */
+/* --- what does not separate ------------------------------------------------------------------- */
 
 static void round_a_handle(void **state)
 {
@@ -74,14 +74,17 @@ static void round_a_handle(void **state)
     struct gd_mesh *mesh = sample_mesh("torus", (double[SAMPLE_PARAMETERS]){24, 12, 1, 0.4});
     struct gd_point round_tube[4], round_axis[6];
     for (int i = 0; i < 4; i++)
-        check_ok(gd_locate_nearest(mesh, (struct gd_vec3){1 + 0.4 * cos(1.5 * i), 0.05, 0.4 * sin(1.5 * i)}, -1,
-                                   &round_tube[i], NULL, NULL),
+        check_ok(gd_locate_nearest(
+                     mesh, (struct gd_vec3){1 + 0.4 * cos(1.5 * i), 0.05, 0.4 * sin(1.5 * i)}, -1,
+                     &round_tube[i], NULL, NULL),
                  NULL);
     for (int i = 0; i < 6; i++)
-        check_ok(gd_locate_nearest(mesh, (struct gd_vec3){1.4 * cos(1.05 * i), 1.4 * sin(1.05 * i), 0.03}, -1,
-                                   &round_axis[i], NULL, NULL),
+        check_ok(gd_locate_nearest(mesh,
+                                   (struct gd_vec3){1.4 * cos(1.05 * i), 1.4 * sin(1.05 * i), 0.03},
+                                   -1, &round_axis[i], NULL, NULL),
                  NULL);
-    struct cutting tube = cutting_through(mesh, round_tube, 4, true), axis = cutting_through(mesh, round_axis, 6, true);
+    struct cutting tube = cutting_through(mesh, round_tube, 4, true),
+                   axis = cutting_through(mesh, round_axis, 6, true);
     struct cutting *both[] = {&tube, &axis};
     for (int i = 0; i < 2; i++) {
         check_cutting(mesh, both[i], 1e-12);
@@ -101,7 +104,9 @@ static void along_a_tube(void **state)
     struct gd_mesh *mesh = sample_mesh("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 12, 3});
     struct gd_point ends[2];
     for (int i = 0; i < 2; i++)
-        check_ok(gd_locate_nearest(mesh, (struct gd_vec3){0.9, 0.2, i * 2.0}, -1, &ends[i], NULL, NULL), NULL);
+        check_ok(
+            gd_locate_nearest(mesh, (struct gd_vec3){0.9, 0.2, i * 2.0}, -1, &ends[i], NULL, NULL),
+            NULL);
     struct cutting cutting = cutting_through(mesh, ends, 2, false);
     check_cutting(mesh, &cutting, 1e-12);
     assert_false(cutting.cut.separates);
@@ -111,7 +116,7 @@ static void along_a_tube(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- through vertices, along edges, at boundaries ----------------------------------------------------------------- */
+/* --- through vertices, along edges, at boundaries --------------------------------------------- */
 
 static void along_edges(void **state)
 {
@@ -134,8 +139,8 @@ static void along_edges(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Polygons on a flat grid whose corners and sides meet vertices, edges and the boundary in every way: areas by the
- * shoelace formula. */
+/* Polygons on a flat grid whose corners and sides meet vertices, edges and the boundary in every
+ * way: areas by the shoelace formula. */
 static void polygons_on_a_grid(void **state)
 {
     (void)state;
@@ -144,14 +149,22 @@ static void polygons_on_a_grid(void **state)
         uint32_t count, pieces;
         double areas[2]; /* of the pieces but the outermost */
     } polygons[] = {
-        {{{0.25, 0.25}, {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}}, 4, 2, {0.25}}, /* vertices and edges */
-        {{{0.25, 0.25}, {0.75, 0.5}, {0.5, 0.75}}, 3, 2, {0.09375}},              /* vertices, through faces */
-        {{{0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}}, 4, 2, {0.64}},         /* through faces */
-        {{{0.5, 0}, {0.75, 0.5}, {0.25, 0.5}}, 3, 2, {0.125}},                    /* touches a boundary vertex */
-        {{{0.6, 0}, {0.75, 0.5}, {0.25, 0.5}}, 3, 2, {0.125}},                    /* touches a boundary edge */
-        {{{0.2, 0}, {0.6, 0}, {0.4, 0.3}}, 3, 2, {0.06}},                         /* runs along the boundary */
-        {{{0.2, 0.2}, {0.8, 0.8}, {0.8, 0.2}, {0.2, 0.8}}, 4, 3, {0.09, 0.09}},   /* a figure of eight */
-        {{{0.2, 0.21}, {0.83, 0.8}, {0.83, 0.21}, {0.2, 0.8}}, 4, 3, {0.092925, 0.092925}}, /* through faces */
+        /* vertices and edges */
+        {{{0.25, 0.25}, {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}}, 4, 2, {0.25}},
+        /* vertices, through faces */
+        {{{0.25, 0.25}, {0.75, 0.5}, {0.5, 0.75}}, 3, 2, {0.09375}},
+        /* through faces */
+        {{{0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}}, 4, 2, {0.64}},
+        /* touches a boundary vertex */
+        {{{0.5, 0}, {0.75, 0.5}, {0.25, 0.5}}, 3, 2, {0.125}},
+        /* touches a boundary edge */
+        {{{0.6, 0}, {0.75, 0.5}, {0.25, 0.5}}, 3, 2, {0.125}},
+        /* runs along the boundary */
+        {{{0.2, 0}, {0.6, 0}, {0.4, 0.3}}, 3, 2, {0.06}},
+        /* a figure of eight */
+        {{{0.2, 0.2}, {0.8, 0.8}, {0.8, 0.2}, {0.2, 0.8}}, 4, 3, {0.09, 0.09}},
+        /* through faces */
+        {{{0.2, 0.21}, {0.83, 0.8}, {0.83, 0.21}, {0.2, 0.8}}, 4, 3, {0.092925, 0.092925}},
     };
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){4, 4, 1, 1});
     for (size_t i = 0; i < COUNT(polygons); i++) {
@@ -177,8 +190,8 @@ static void moved_to_a_vertex(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){4, 4, 1000, 1000});
-    const struct gd_point points[] = {point_at(mesh, 250 + 2e-4, 250, 0), point_at(mesh, 600, 300, 0),
-                                      point_at(mesh, 400, 700, 0)};
+    const struct gd_point points[] = {point_at(mesh, 250 + 2e-4, 250, 0),
+                                      point_at(mesh, 600, 300, 0), point_at(mesh, 400, 700, 0)};
     struct cutting cutting = cutting_through(mesh, points, 3, true);
     check_cutting(mesh, &cutting, 1e-12);
     check_close(cutting.cut.largest_shift, 2e-4, 1e-6);
@@ -187,7 +200,7 @@ static void moved_to_a_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- many --------------------------------------------------------------------------------------------------------- */
+/* --- many ------------------------------------------------------------------------------------- */
 
 /* A random point of the component, or of any when that is GD_NONE. */
 static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t component, struct rng *rng)
@@ -205,15 +218,18 @@ static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t compone
 }
 
 /* Distances inside a piece are not shorter than in the whole. */
-static void check_distances(const struct gd_mesh *mesh, const struct cutting *cutting, struct rng *rng)
+static void check_distances(const struct gd_mesh *mesh, const struct cutting *cutting,
+                            struct rng *rng)
 {
     uint32_t p = rng_below(rng, cutting->cut.piece_count);
     const struct gd_cut_piece *piece = &cutting->cut.pieces[p];
-    uint32_t a = rng_below(rng, piece->polygons.position_count), b = rng_below(rng, piece->polygons.position_count);
+    uint32_t a = rng_below(rng, piece->polygons.position_count),
+             b = rng_below(rng, piece->polygons.position_count);
     if (piece->vertex_map[a] == GD_NONE || piece->vertex_map[b] == GD_NONE) return;
-    double inside =
-        law_distance(cutting->pieces[p], vertex_of(cutting->pieces[p], a), vertex_of(cutting->pieces[p], b));
-    double whole = law_distance(mesh, vertex_of(mesh, piece->vertex_map[a]), vertex_of(mesh, piece->vertex_map[b]));
+    double inside = law_distance(cutting->pieces[p], vertex_of(cutting->pieces[p], a),
+                                 vertex_of(cutting->pieces[p], b));
+    double whole = law_distance(mesh, vertex_of(mesh, piece->vertex_map[a]),
+                                vertex_of(mesh, piece->vertex_map[b]));
     assert_true(isfinite(inside));
     assert_true(inside >= whole * (1 - 1e-9));
 }
@@ -222,9 +238,10 @@ struct tally {
     uint32_t cuts, separating, empty, flat;
 };
 
-/* Cuts along closed curves of 2 to 6 random points of one component. Some enclose nothing, or meet a face that is
- * nearly flat. */
-static struct tally cut_at_random(const struct gd_mesh *mesh, uint32_t curves, uint64_t seed, double relative)
+/* Cuts along closed curves of 2 to 6 random points of one component. Some enclose nothing, or meet
+ * a face that is nearly flat. */
+static struct tally cut_at_random(const struct gd_mesh *mesh, uint32_t curves, uint64_t seed,
+                                  double relative)
 {
     struct rng rng = {seed};
     struct tally tally = {0};
@@ -232,7 +249,8 @@ static struct tally cut_at_random(const struct gd_mesh *mesh, uint32_t curves, u
         struct gd_point points[6];
         uint32_t count = 2 + rng_below(&rng, 5);
         points[0] = random_point(mesh, GD_NONE, &rng);
-        for (uint32_t k = 1; k < count; k++) points[k] = random_point(mesh, gd_point_component(mesh, &points[0]), &rng);
+        for (uint32_t k = 1; k < count; k++)
+            points[k] = random_point(mesh, gd_point_component(mesh, &points[0]), &rng);
         struct gd_curve curve = curve_through(mesh, points, count, true);
         const struct gd_cut_request request = {.curve = &curve, .select_only = true};
         struct gd_cut selection;
@@ -263,9 +281,10 @@ static void random_curves_on_samples(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"icosphere", {3, 1}},   {"torus", {20, 10, 1, 0.4}}, {"terrain", {14, 0.8, 3}},
-                    {"genus2", {5, 0.2}},    {"saddle", {1, 0.7, 8, 4}},  {"cylinder", {1, 2, 9, 3}},
-                    {"tetrahedron", {1, 1}}, {"box", {1, 2, 3, 2}}};
+    } surfaces[] = {{"icosphere", {3, 1}},      {"torus", {20, 10, 1, 0.4}},
+                    {"terrain", {14, 0.8, 3}},  {"genus2", {5, 0.2}},
+                    {"saddle", {1, 0.7, 8, 4}}, {"cylinder", {1, 2, 9, 3}},
+                    {"tetrahedron", {1, 1}},    {"box", {1, 2, 3, 2}}};
     for (size_t i = 0; i < COUNT(surfaces); i++) {
         struct gd_mesh *mesh = sample_mesh(surfaces[i].name, surfaces[i].values);
         struct tally tally = cut_at_random(mesh, 12, i, 1e-12);
@@ -275,8 +294,8 @@ static void random_curves_on_samples(void **state)
     }
 }
 
-/* Slivers, saddles and boundaries at every scale, and far from the origin, where positions of new vertices are
- * rounded more. */
+/* Slivers, saddles and boundaries at every scale, and far from the origin, where positions of new
+ * vertices are rounded more. */
 static void random_curves_on_tangles(void **state)
 {
     (void)state;
@@ -297,8 +316,8 @@ static void random_curves_on_tangles(void **state)
     assert_true(cuts > 100 && flat == 0);
 }
 
-/* Flatter than a hundred thousandth most of a face's area is too near to its border for curves through it: some are
- * refused, by a sentence. */
+/* Flatter than a hundred thousandth most of a face's area is too near to its border for curves
+ * through it: some are refused, by a sentence. */
 static void random_curves_on_slivers(void **state)
 {
     (void)state;
@@ -321,7 +340,7 @@ static void random_curves_on_slivers(void **state)
     }
 }
 
-/* --- refusals ----------------------------------------------------------------------------------------------------- */
+/* --- refusals --------------------------------------------------------------------------------- */
 
 static void expect_refusal(const struct gd_mesh *mesh, struct gd_curve curve, const char *part)
 {
@@ -363,7 +382,8 @@ static void spurs_are_left_off(void **state)
     const double corners[][2] = {{0.2, 0.2}, {0.7, 0.2}, {0.9, 0.1}, {0.7, 0.2},
                                  {0.6, 0.7}, {0.2, 0.2}, {0.7, 0.2}, {0.6, 0.7}};
     struct gd_point points[COUNT(corners)];
-    for (size_t i = 0; i < COUNT(corners); i++) points[i] = point_at(mesh, corners[i][0], corners[i][1], 0);
+    for (size_t i = 0; i < COUNT(corners); i++)
+        points[i] = point_at(mesh, corners[i][0], corners[i][1], 0);
     struct cutting cutting = cutting_through(mesh, points, COUNT(corners), true);
     check_cutting(mesh, &cutting, 1e-12);
     assert_int_equal(cutting.cut.piece_count, 2);
@@ -377,7 +397,8 @@ static void budgets_and_cancels(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("icosphere", (double[SAMPLE_PARAMETERS]){3, 1});
-    const struct gd_point points[] = {vertex_of(mesh, 0), vertex_of(mesh, 200), vertex_of(mesh, 400)};
+    const struct gd_point points[] = {vertex_of(mesh, 0), vertex_of(mesh, 200),
+                                      vertex_of(mesh, 400)};
     struct gd_curve curve = curve_through(mesh, points, 3, true);
     const struct gd_cut_request request = {.curve = &curve};
     bool is_done = false;
@@ -386,7 +407,8 @@ static void budgets_and_cancels(void **state)
         struct gd_cut cut;
         enum gd_status status = gd_cut_along(mesh, &request, &control, &cut, NULL);
         is_done = status == GD_OK;
-        assert_true(is_done ? cut.bytes < budget && budget < 1000 * gd_mesh_summary(mesh)->faces : status == GD_BUDGET);
+        assert_true(is_done ? cut.bytes < budget && budget < 1000 * gd_mesh_summary(mesh)->faces
+                            : status == GD_BUDGET);
         if (is_done) gd_cut_free(&cut);
     }
     is_done = false;
@@ -403,14 +425,15 @@ static void budgets_and_cancels(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- meshes that no one here made --------------------------------------------------------------------------------- */
+/* --- meshes that no one here made ------------------------------------------------------------- */
 
 /* GD_CUT_CURVES: how many curves, instead of the 100 that are cut here. */
 static void random_curves_on_shared_meshes(void **state)
 {
     (void)state;
-    static const char *const names[] = {"teapot", "cow",   "beetle",         "suzanne", "spot",
-                                        "homer",  "beast", "stanford-bunny", "fandisk", "rocker-arm"};
+    static const char *const names[] = {"teapot",  "cow",       "beetle", "suzanne",
+                                        "spot",    "homer",     "beast",  "stanford-bunny",
+                                        "fandisk", "rocker-arm"};
     const char *curves = getenv("GD_CUT_CURVES");
     uint32_t each = (curves ? (uint32_t)strtoul(curves, NULL, 10) : 100) / COUNT(names);
     struct tally all = {0};
@@ -423,8 +446,8 @@ static void random_curves_on_shared_meshes(void **state)
         assert_int_equal(tally.flat, 0);
         gd_mesh_release(mesh);
     }
-    print_message("# %u cuts, %u of which separate; %u curves that enclose nothing\n", all.cuts, all.separating,
-                  all.empty);
+    print_message("# %u cuts, %u of which separate; %u curves that enclose nothing\n", all.cuts,
+                  all.separating, all.empty);
 }
 
 int main(void)

@@ -13,10 +13,11 @@ static struct gd_mesh *grid(uint32_t cells)
     return sample_mesh("grid", (double[SAMPLE_PARAMETERS]){cells, cells, 1, 1});
 }
 
-static enum gd_status cut_inside(const struct gd_mesh *mesh, const struct gd_curve *curve, struct gd_point inside,
-                                 bool select_only, struct gd_cut *out)
+static enum gd_status cut_inside(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                 struct gd_point inside, bool select_only, struct gd_cut *out)
 {
-    const struct gd_cut_request request = {.curve = curve, .inside = &inside, .select_only = select_only};
+    const struct gd_cut_request request = {
+        .curve = curve, .inside = &inside, .select_only = select_only};
     return gd_cut_along(mesh, &request, NULL, out, NULL);
 }
 
@@ -50,13 +51,15 @@ static void a_point_on_the_curve_is_on_no_side(void **state)
     struct gd_curve curve = square_in_a_grid(mesh);
     for (uint32_t i = 0; i < curve.count; i++) {
         struct gd_cut cut;
-        assert_int_equal(cut_inside(mesh, &curve, curve.points[i], true, &cut), GD_INVALID_ARGUMENT);
+        assert_int_equal(cut_inside(mesh, &curve, curve.points[i], true, &cut),
+                         GD_INVALID_ARGUMENT);
     }
     gd_curve_free(&curve);
     gd_mesh_release(mesh);
 }
 
-/* Each face once, in the piece that has most of it: on this grid that is told by where its middle lies. */
+/* Each face once, in the piece that has most of it: on this grid that is told by where its middle
+ * lies. */
 static void faces_of_a_selection(void **state)
 {
     (void)state;
@@ -66,7 +69,8 @@ static void faces_of_a_selection(void **state)
     struct gd_cut cut;
     check_ok(gd_cut_along(mesh, &request, NULL, &cut, NULL), NULL);
     assert_int_equal(cut.piece_count, 2);
-    assert_int_equal(cut.pieces[0].face_count + cut.pieces[1].face_count, gd_mesh_summary(mesh)->faces);
+    assert_int_equal(cut.pieces[0].face_count + cut.pieces[1].face_count,
+                     gd_mesh_summary(mesh)->faces);
     check_close(cut.pieces[0].area, 0.75, 1e-12);
     check_close(cut.pieces[1].area, 0.25, 1e-12);
     for (uint32_t p = 0; p < 2; p++) {
@@ -86,8 +90,8 @@ static void faces_of_a_selection(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Of the square's two triangles the upper one has 0.255 of its 0.5 at the left of x = 0.3, and 0.248 at the left of
- * 0.29. */
+/* Of the square's two triangles the upper one has 0.255 of its 0.5 at the left of x = 0.3, and
+ * 0.248 at the left of 0.29. */
 static void a_crossed_face_goes_with_most_of_it(void **state)
 {
     (void)state;
@@ -97,7 +101,8 @@ static void a_crossed_face_goes_with_most_of_it(void **state)
     } cuts[] = {{0.3, 1, 1}, {0.29, 0, 2}, {0.71, 2, 0}};
     struct gd_mesh *mesh = grid(1);
     for (size_t i = 0; i < COUNT(cuts); i++) {
-        const struct gd_point ends[] = {point_at(mesh, cuts[i].x, 0, 0), point_at(mesh, cuts[i].x, 1, 0)};
+        const struct gd_point ends[] = {point_at(mesh, cuts[i].x, 0, 0),
+                                        point_at(mesh, cuts[i].x, 1, 0)};
         struct gd_curve curve = curve_through(mesh, ends, 2, false);
         for (int right = 0; right < 2; right++) {
             struct gd_cut cut;
@@ -117,7 +122,8 @@ static void other_components_stay(void **state)
     (void)state;
     struct gd_polygons two, one;
     check_ok(sample_find("icosphere")->generate((double[SAMPLE_PARAMETERS]){1, 1}, &one), NULL);
-    two = (struct gd_polygons){.position_count = 2 * one.position_count, .polygon_count = 2 * one.polygon_count};
+    two = (struct gd_polygons){.position_count = 2 * one.position_count,
+                               .polygon_count = 2 * one.polygon_count};
     two.positions = calloc(two.position_count, sizeof *two.positions);
     two.corners = calloc(3 * (size_t)two.polygon_count, sizeof *two.corners);
     for (uint32_t i = 0; i < two.position_count; i++) {
@@ -125,8 +131,8 @@ static void other_components_stay(void **state)
         two.positions[i][0] += i < one.position_count ? 0 : 5;
     }
     for (uint32_t i = 0; i < 3 * two.polygon_count; i++)
-        two.corners[i] =
-            one.corners[i % (3 * one.polygon_count)] + (i < 3 * one.polygon_count ? 0 : one.position_count);
+        two.corners[i] = one.corners[i % (3 * one.polygon_count)] +
+                         (i < 3 * one.polygon_count ? 0 : one.position_count);
     struct gd_mesh *mesh = test_mesh(&two);
     const struct gd_point points[] = {vertex_of(mesh, 0), vertex_of(mesh, 5), vertex_of(mesh, 9)};
     struct cutting cutting = cutting_through(mesh, points, 3, true);
@@ -134,8 +140,10 @@ static void other_components_stay(void **state)
     assert_int_equal(cutting.cut.piece_count, 3);
     const struct gd_cut_piece *other = &cutting.cut.pieces[2];
     assert_int_equal(other->face_count, one.polygon_count);
-    for (uint32_t i = 0; i < one.position_count; i++) assert_int_equal(other->vertex_map[i], one.position_count + i);
-    assert_memory_equal(other->polygons.corners, one.corners, 3 * one.polygon_count * sizeof *one.corners);
+    for (uint32_t i = 0; i < one.position_count; i++)
+        assert_int_equal(other->vertex_map[i], one.position_count + i);
+    assert_memory_equal(other->polygons.corners, one.corners,
+                        3 * one.polygon_count * sizeof *one.corners);
     cutting_free(&cutting);
     gd_mesh_release(mesh);
     gd_polygons_free(&one);
@@ -145,8 +153,10 @@ static void other_components_stay(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_piece_that_holds_a_point), cmocka_unit_test(a_point_on_the_curve_is_on_no_side),
-        cmocka_unit_test(faces_of_a_selection),         cmocka_unit_test(a_crossed_face_goes_with_most_of_it),
+        cmocka_unit_test(the_piece_that_holds_a_point),
+        cmocka_unit_test(a_point_on_the_curve_is_on_no_side),
+        cmocka_unit_test(faces_of_a_selection),
+        cmocka_unit_test(a_crossed_face_goes_with_most_of_it),
         cmocka_unit_test(other_components_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

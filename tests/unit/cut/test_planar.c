@@ -3,13 +3,15 @@
 #include "tests/support/test.h"
 
 /* A right triangle, whose places are its sites. */
-static void begin(struct gd__planar *planar, struct gd__purse *purse, const struct gd__site *sites, uint32_t count)
+static void begin(struct gd__planar *planar, struct gd__purse *purse, const struct gd__site *sites,
+                  uint32_t count)
 {
     *planar = (struct gd__planar){.purse = purse};
     check_ok(gd__planar_begin(planar, count), NULL);
     for (uint32_t i = 0; i < count; i++) {
         planar->sites[i] = sites[i];
-        planar->places[i] = (struct gd__local){gd__from_lattice(sites[i].u), gd__from_lattice(sites[i].v)};
+        planar->places[i] =
+            (struct gd__local){gd__from_lattice(sites[i].u), gd__from_lattice(sites[i].v)};
     }
 }
 
@@ -17,7 +19,9 @@ static bool has_side(const struct gd__planar *planar, uint32_t a, uint32_t b)
 {
     for (uint32_t t = 0; t < planar->triangle_count; t++)
         for (uint32_t k = 0; k < 3; k++)
-            if (planar->triangles[t].corner[k] == a && planar->triangles[t].corner[(k + 1) % 3] == b) return true;
+            if (planar->triangles[t].corner[k] == a &&
+                planar->triangles[t].corner[(k + 1) % 3] == b)
+                return true;
     return false;
 }
 
@@ -27,8 +31,9 @@ static void check_tiling(const struct gd__planar *planar)
     __int128 area = 0;
     for (uint32_t t = 0; t < planar->triangle_count; t++) {
         const struct gd__planar_triangle *triangle = &planar->triangles[t];
-        __int128 part = gd__site_area(planar->sites[triangle->corner[0]], planar->sites[triangle->corner[1]],
-                                      planar->sites[triangle->corner[2]]);
+        __int128 part =
+            gd__site_area(planar->sites[triangle->corner[0]], planar->sites[triangle->corner[1]],
+                          planar->sites[triangle->corner[2]]);
         assert_true(part > 0);
         area += part;
         for (uint32_t k = 0; k < 3; k++) {
@@ -45,7 +50,8 @@ static void check_tiling(const struct gd__planar *planar)
 
 #define L GD__LATTICE
 
-/* Points on a circle, all diagonals as likely: a chord across most of them is brought in by flips. */
+/* Points on a circle, all diagonals as likely: a chord across most of them is brought in by flips.
+ */
 static void a_segment_across(void **state)
 {
     (void)state;
@@ -71,7 +77,8 @@ static void a_segment_across(void **state)
     gd__planar_free(&planar);
 }
 
-/* Random sites, some on the sides, and segments between them that cross none before: each comes in, all stay. */
+/* Random sites, some on the sides, and segments between them that cross none before: each comes in,
+ * all stay. */
 static void random_segments(void **state)
 {
     (void)state;
@@ -95,7 +102,8 @@ static void random_segments(void **state)
             uint32_t a = rng_below(&rng, 43), b = rng_below(&rng, 43);
             bool is_free = a != b;
             for (uint32_t s = 0; s < count; s++)
-                is_free &= !gd__sites_cross(sites[a], sites[b], sites[segments[s][0]], sites[segments[s][1]]);
+                is_free &= !gd__sites_cross(sites[a], sites[b], sites[segments[s][0]],
+                                            sites[segments[s][1]]);
             for (uint32_t s = 0; s < 43; s++)
                 is_free &= s == a || s == b || gd__site_turn(sites[a], sites[b], sites[s]) != 0;
             if (!is_free) continue;
@@ -145,7 +153,8 @@ static void sites_that_can_not_be(void **state)
     struct gd__planar planar;
     const struct gd__site twice[] = {{0, 0}, {L, 0}, {0, L}, {L / 4, L / 4}, {L / 4, L / 4}};
     const struct gd__site outside[] = {{0, 0}, {L, 0}, {0, L}, {L / 2, L / 2 + 1}};
-    const struct gd__site line[] = {{0, 0}, {L, 0}, {0, L}, {L / 8, L / 8}, {L / 4, L / 4}, {3 * L / 8, 3 * L / 8}};
+    const struct gd__site line[] = {{0, 0},         {L, 0},         {0, L},
+                                    {L / 8, L / 8}, {L / 4, L / 4}, {3 * L / 8, 3 * L / 8}};
     begin(&planar, &purse, twice, 5);
     assert_int_equal(gd__planar_triangulate(&planar), GD_RUNAWAY);
     gd__planar_free(&planar);

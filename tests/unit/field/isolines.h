@@ -19,15 +19,18 @@ static inline double total_length(const struct gd_isoline *isoline)
     return length;
 }
 
-static inline struct gd_vec3 arc_place(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc, double angle)
+static inline struct gd_vec3 arc_place(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc,
+                                       double angle)
 {
     struct gd_vec3 x, y;
     gd_isoline_arc_axes(mesh, arc, &x, &y);
-    return gd_vec3_along(gd_vec3_along(arc->centre, arc->radius * cos(angle), x), arc->radius * sin(angle), y);
+    return gd_vec3_along(gd_vec3_along(arc->centre, arc->radius * cos(angle), x),
+                         arc->radius * sin(angle), y);
 }
 
 /* Relative difference of a point's distance and the level. */
-static inline double misfit(const struct gd_field *field, const struct gd_point *point, double level)
+static inline double misfit(const struct gd_field *field, const struct gd_point *point,
+                            double level)
 {
     double distance;
     check_ok(gd_field_distance(field, point, &distance), NULL);
@@ -35,11 +38,13 @@ static inline double misfit(const struct gd_field *field, const struct gd_point 
 }
 
 /* The point of a face halfway between two places of it. */
-static inline struct gd_point halfway(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 a, struct gd_vec3 b)
+static inline struct gd_point halfway(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 a,
+                                      struct gd_vec3 b)
 {
     struct gd_vertex corners[3];
     gd_mesh_corners(mesh, (struct gd_face){face}, corners);
-    struct gd_vec3 o = gd_mesh_position(mesh, corners[0]), e = gd_vec3_sub(gd_mesh_position(mesh, corners[1]), o),
+    struct gd_vec3 o = gd_mesh_position(mesh, corners[0]),
+                   e = gd_vec3_sub(gd_mesh_position(mesh, corners[1]), o),
                    f = gd_vec3_sub(gd_mesh_position(mesh, corners[2]), o), n = gd_vec3_cross(e, f),
                    p = gd_vec3_scale(gd_vec3_add(gd_vec3_sub(a, o), gd_vec3_sub(b, o)), 0.5);
     double v = gd_vec3_dot(gd_vec3_cross(p, f), n) / gd_vec3_dot(n, n),
@@ -49,13 +54,16 @@ static inline struct gd_point halfway(const struct gd_mesh *mesh, uint32_t face,
     return test_point(mesh, (struct test_place){face, {1 - v - w, v, w}});
 }
 
-/* Points have the level's distance, and so have those that lie on the arcs between; arcs begin and end in them. Returns the worst misfit. */
-static inline double check_line(const struct gd_field *field, const struct gd_isoline_line *line, double level)
+/* Points have the level's distance, and so have those that lie on the arcs between; arcs begin and
+ * end in them. Returns the worst misfit. */
+static inline double check_line(const struct gd_field *field, const struct gd_isoline_line *line,
+                                double level)
 {
     const struct gd_mesh *mesh = gd_field_mesh(field);
     double worst = 0, length = 0;
     assert_int_equal(line->point_count, line->arc_count + !line->closed);
-    for (uint32_t i = 0; i < line->point_count; i++) worst = fmax(worst, misfit(field, &line->points[i], level));
+    for (uint32_t i = 0; i < line->point_count; i++)
+        worst = fmax(worst, misfit(field, &line->points[i], level));
     for (uint32_t i = 0; i < line->arc_count; i++) {
         const struct gd_isoline_arc *arc = &line->arcs[i];
         uint32_t next = i + 1 < line->point_count ? i + 1 : 0;
@@ -68,7 +76,8 @@ static inline double check_line(const struct gd_field *field, const struct gd_is
             assert_true(gd_vec3_distance(arc_place(mesh, arc, arc->to), stop) < promise * scale);
             continue;
         }
-        assert_true(fabs(gd_vec3_distance(start, stop) - fabs(arc->to)) < promise * (scale + arc->to));
+        assert_true(fabs(gd_vec3_distance(start, stop) - fabs(arc->to)) <
+                    promise * (scale + arc->to));
         struct gd_point middle = halfway(mesh, arc->face.index, start, stop);
         worst = fmax(worst, misfit(field, &middle, level));
     }
@@ -79,7 +88,8 @@ static inline double check_line(const struct gd_field *field, const struct gd_is
     assert_int_equal(path.count, gd_isoline_flat_points(line, 1e-3 * level));
     assert_true(path.length <= line->length * (1 + promise));
     assert_true(gd_point_equal(&path.points[0], &line->points[0]));
-    for (uint32_t i = 0; i < path.count; i++) worst = fmax(worst, misfit(field, &path.points[i], level));
+    for (uint32_t i = 0; i < path.count; i++)
+        worst = fmax(worst, misfit(field, &path.points[i], level));
     gd_path_free(&path);
     return worst;
 }

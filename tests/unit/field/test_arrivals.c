@@ -1,4 +1,5 @@
-/* Where shortest paths jump: the cut locus, found by bisection of the gradient's jumps, and by symmetry. */
+/* Where shortest paths jump: the cut locus, found by bisection of the gradient's jumps, and by
+ * symmetry. */
 #include "field/arrivals.h"
 
 #include <math.h>
@@ -32,9 +33,9 @@ static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_poi
 {
     struct gd_seed seed = {.point = *from};
     struct gd_field *field = NULL;
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     return field;
 }
 
@@ -45,7 +46,8 @@ static bool is_cut(const struct gd_field *field, const struct gd_point *point)
     return cut;
 }
 
-static bool is_cut_by_search(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to)
+static bool is_cut_by_search(const struct gd_mesh *mesh, const struct gd_point *from,
+                             const struct gd_point *to)
 {
     struct gd_pair_answer answer = {0};
     check_ok(gd_pair_solve(mesh, from, to, GD_PAIR_PATH_AND_CUT, NULL, NULL, &answer, NULL), NULL);
@@ -53,9 +55,10 @@ static bool is_cut_by_search(const struct gd_mesh *mesh, const struct gd_point *
     return answer.is_cut;
 }
 
-/* --- jumps --------------------------------------------------------------------------------------------------------------- */
+/* --- jumps ------------------------------------------------------------------------------------ */
 
-static struct gd_point in_face(const struct gd_mesh *mesh, uint32_t face, const double *a, const double *b, double t)
+static struct gd_point in_face(const struct gd_mesh *mesh, uint32_t face, const double *a,
+                               const double *b, double t)
 {
     struct gd_point point;
     double weight[3];
@@ -73,15 +76,17 @@ static struct gd_vec3 gradient_at(const struct gd_field *field, const struct gd_
 
 static void random_weights(struct rng *rng, double weight[3])
 {
-    double a = rng_between(rng, 0.05, 1), b = rng_between(rng, 0.05, 1), c = rng_between(rng, 0.05, 1);
+    double a = rng_between(rng, 0.05, 1), b = rng_between(rng, 0.05, 1),
+           c = rng_between(rng, 0.05, 1);
     weight[0] = a / (a + b + c);
     weight[1] = b / (a + b + c);
     weight[2] = 1 - weight[0] - weight[1];
 }
 
-/* The gradient along a segment in a face turns steadily but where it jumps: there, and only there, the point is cut. How wide the jump is; 0: there is none. */
-static double check_segment(const struct gd_field *field, const struct gd_mesh *mesh, const struct gd_point *from,
-                            uint32_t face, struct rng *rng)
+/* The gradient along a segment in a face turns steadily but where it jumps: there, and only there,
+ * the point is cut. How wide the jump is; 0: there is none. */
+static double check_segment(const struct gd_field *field, const struct gd_mesh *mesh,
+                            const struct gd_point *from, uint32_t face, struct rng *rng)
 {
     double a[3], b[3], low = 0, high = 1;
     random_weights(rng, a);
@@ -111,7 +116,10 @@ static void jumps_are_told(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } cases[] = {{"torus", {36, 24, 1, 0.4}}, {"box", {5, 4, 3, 4}}, {"tangle", {600}}, {"terrain", {24, 0.5, 5}}};
+    } cases[] = {{"torus", {36, 24, 1, 0.4}},
+                 {"box", {5, 4, 3, 4}},
+                 {"tangle", {600}},
+                 {"terrain", {24, 0.5, 5}}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         struct surface surface = surface_of(cases[c].name, cases[c].values);
         struct rng rng = {c + 1};
@@ -125,7 +133,8 @@ static void jumps_are_told(void **state)
             jumps += jump > 0;
             widest = fmax(widest, jump);
         }
-        print_message("# %s: %u jumps of the gradient told, the widest %.2f\n", cases[c].name, jumps, widest);
+        print_message("# %s: %u jumps of the gradient told, the widest %.2f\n", cases[c].name,
+                      jumps, widest);
         assert_true(jumps > 5);
         gd_field_release(field);
         surface_free(&surface);
@@ -139,16 +148,22 @@ static void elsewhere_there_is_one_way(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } cases[] = {{"torus", {36, 24, 1, 0.4}}, {"grid", {8, 6, 4, 3}}, {"tangle", {600}}, {"terrain", {24, 0.5, 5}}};
+    } cases[] = {{"torus", {36, 24, 1, 0.4}},
+                 {"grid", {8, 6, 4, 3}},
+                 {"tangle", {600}},
+                 {"terrain", {24, 0.5, 5}}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         struct surface surface = surface_of(cases[c].name, cases[c].values);
         struct rng rng = {c + 20};
         for (int s = 0; s < 8; s++) {
-            struct gd_point from = test_point(surface.mesh, test_random_place(&surface.polygons, &rng));
+            struct gd_point from =
+                test_point(surface.mesh, test_random_place(&surface.polygons, &rng));
             struct gd_field *field = field_of(surface.mesh, &from);
             for (int i = 0; i < 1000; i++) {
-                struct gd_point point = test_point(surface.mesh, test_random_place(&surface.polygons, &rng));
-                if (point.kind == GD_POINT_FACE && is_cut(field, &point)) fail_msg("%s: cut by chance", cases[c].name);
+                struct gd_point point =
+                    test_point(surface.mesh, test_random_place(&surface.polygons, &rng));
+                if (point.kind == GD_POINT_FACE && is_cut(field, &point))
+                    fail_msg("%s: cut by chance", cases[c].name);
             }
             assert_false(is_cut(field, &from));
             gd_field_release(field);
@@ -166,14 +181,15 @@ static void next_to_a_vertex(void **state)
     struct gd_point from = test_point(grid.mesh, test_random_place(&grid.polygons, &rng));
     struct gd_field *field = field_of(grid.mesh, &from);
     for (uint32_t face = 0; face < gd_mesh_summary(grid.mesh)->faces; face++) {
-        struct gd_point point = in_face(grid.mesh, face, (double[3]){1 - 2e-9, 1e-9, 1e-9}, (double[3]){0}, 0);
+        struct gd_point point =
+            in_face(grid.mesh, face, (double[3]){1 - 2e-9, 1e-9, 1e-9}, (double[3]){0}, 0);
         if (point.kind == GD_POINT_FACE) assert_false(is_cut(field, &point));
     }
     gd_field_release(field);
     surface_free(&grid);
 }
 
-/* --- symmetry ------------------------------------------------------------------------------------------------------------ */
+/* --- symmetry --------------------------------------------------------------------------------- */
 
 /* On an icosphere the way to the antipode is as long all round; on the way there it is one. */
 static void antipodes(void **state)
@@ -187,7 +203,8 @@ static void antipodes(void **state)
     struct gd_vec3 pole = gd_point_position(sphere.mesh, &from);
     for (uint32_t v = 0; v < count; v++) {
         check_ok(gd_point_at_vertex(sphere.mesh, (struct gd_vertex){v}, &to, NULL), NULL);
-        bool is_antipode = gd_vec3_distance(gd_point_position(sphere.mesh, &to), gd_vec3_scale(pole, -1)) < 1e-9;
+        bool is_antipode =
+            gd_vec3_distance(gd_point_position(sphere.mesh, &to), gd_vec3_scale(pole, -1)) < 1e-9;
         if (!is_antipode) continue;
         assert_true(is_cut(field, &to) && is_cut_by_search(sphere.mesh, &from, &to));
         told++;
@@ -197,7 +214,8 @@ static void antipodes(void **state)
     surface_free(&sphere);
 }
 
-/* Two faces of a prism without ends: behind it the middle line is cut, on vertices and edges too. */
+/* Two faces of a prism without ends: behind it the middle line is cut, on vertices and edges too.
+ */
 static void behind_a_prism(void **state)
 {
     (void)state;
@@ -222,8 +240,9 @@ static void behind_a_prism(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(jumps_are_told), cmocka_unit_test(elsewhere_there_is_one_way),
-                                       cmocka_unit_test(next_to_a_vertex), cmocka_unit_test(antipodes),
-                                       cmocka_unit_test(behind_a_prism)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(jumps_are_told), cmocka_unit_test(elsewhere_there_is_one_way),
+        cmocka_unit_test(next_to_a_vertex), cmocka_unit_test(antipodes),
+        cmocka_unit_test(behind_a_prism)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

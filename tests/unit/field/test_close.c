@@ -1,5 +1,5 @@
-/* Distances between points of a plane that are close to each other and to a vertex or an edge: Euclid's, to
- * more digits than places in a face have. */
+/* Distances between points of a plane that are close to each other and to a vertex or an edge:
+ * Euclid's, to more digits than places in a face have. */
 #include <math.h>
 
 #include "gd/field.h"
@@ -9,7 +9,8 @@
 
 enum { ROUNDS = 400 };
 
-/* Six triangles round the origin, which is vertex 0, with corners at the powers of a turn by 60 degrees. */
+/* Six triangles round the origin, which is vertex 0, with corners at the powers of a turn by 60
+ * degrees. */
 static struct gd_mesh *open_hexagon(double (*corner)[2])
 {
     double positions[7][3] = {{0, 0, 0}};
@@ -21,7 +22,8 @@ static struct gd_mesh *open_hexagon(double (*corner)[2])
         corners[3 * i + 1] = i + 1;
         corners[3 * i + 2] = 1 + (i + 1) % 6;
     }
-    struct gd_polygons polygons = {.positions = positions, .position_count = 7, .corners = corners, .polygon_count = 6};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 7, .corners = corners, .polygon_count = 6};
     return test_mesh(&polygons);
 }
 
@@ -31,11 +33,14 @@ struct place {
 };
 
 /* In sector i, by the weights of its two outer corners. */
-static struct place place_at(const struct gd_mesh *mesh, double (*corner)[2], uint32_t i, double a, double b)
+static struct place place_at(const struct gd_mesh *mesh, double (*corner)[2], uint32_t i, double a,
+                             double b)
 {
     struct place place;
     uint32_t next = (i + 1) % 6;
-    check_ok(gd_point_in_face(mesh, (struct gd_face){i}, (double[3]){1 - a - b, a, b}, &place.point, NULL), NULL);
+    check_ok(gd_point_in_face(mesh, (struct gd_face){i}, (double[3]){1 - a - b, a, b}, &place.point,
+                              NULL),
+             NULL);
     place.x = a * corner[i][0] + b * corner[next][0];
     place.y = a * corner[i][1] + b * corner[next][1];
     return place;
@@ -65,7 +70,8 @@ static void round_a_vertex(void **state)
         for (int k = 0; k < 2; k++)
             place[k] = place_at(mesh, corner, rng_below(&rng, 6), near * rng_between(&rng, 0.1, 1),
                                 near * rng_between(&rng, 0.1, 1));
-        if (hypot(place[0].x - place[1].x, place[0].y - place[1].y) > 1e-3 * near) check(mesh, &place[0], &place[1]);
+        if (hypot(place[0].x - place[1].x, place[0].y - place[1].y) > 1e-3 * near)
+            check(mesh, &place[0], &place[1]);
     }
     gd_mesh_release(mesh);
 }
@@ -80,7 +86,8 @@ static void across_an_edge(void **state)
     for (int round = 0; round < ROUNDS; round++) {
         double near = pow(10, -4 - round % 9), a = near * rng_between(&rng, 0.1, 1),
                b = near * rng_between(&rng, 0.1, 1);
-        struct place from = place_at(mesh, corner, 0, a, 0.375), to = place_at(mesh, corner, 1, 0.375, b);
+        struct place from = place_at(mesh, corner, 0, a, 0.375),
+                     to = place_at(mesh, corner, 1, 0.375, b);
         double x = a * corner[0][0] - b * corner[2][0], y = a * corner[0][1] - b * corner[2][1];
         from.x = x, from.y = y, to.x = to.y = 0; /* by differences of weights, as they are exact */
         check(mesh, &from, &to);
@@ -95,7 +102,8 @@ static void along_an_edge_and_to_its_vertex(void **state)
     struct gd_mesh *mesh = open_hexagon(corner);
     for (int digits = 4; digits < 14; digits++) {
         struct place from = place_at(mesh, corner, 2, pow(10, -digits), 0),
-                     to = place_at(mesh, corner, 2, 3 * pow(10, -digits), 0), centre = {.point = test_vertex(mesh, 0)};
+                     to = place_at(mesh, corner, 2, 3 * pow(10, -digits), 0),
+                     centre = {.point = test_vertex(mesh, 0)};
         check(mesh, &from, &to);
         check(mesh, &from, &centre);
         check(mesh, &centre, &to);
@@ -105,7 +113,8 @@ static void along_an_edge_and_to_its_vertex(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(round_a_vertex), cmocka_unit_test(across_an_edge),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(round_a_vertex),
+                                       cmocka_unit_test(across_an_edge),
                                        cmocka_unit_test(along_an_edge_and_to_its_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,11 +27,13 @@ static struct gd_mesh *terrain(struct gd_polygons *polygons)
 }
 
 /* Some points of each kind, in no order. */
-static struct gd_point *random_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons, struct rng *rng,
+static struct gd_point *random_points(const struct gd_mesh *mesh,
+                                      const struct gd_polygons *polygons, struct rng *rng,
                                       uint32_t count)
 {
     struct gd_point *points = malloc(sizeof *points * (count + 1));
-    for (uint32_t i = 0; i < count; i++) points[i] = test_point(mesh, test_random_place(polygons, rng));
+    for (uint32_t i = 0; i < count; i++)
+        points[i] = test_point(mesh, test_random_place(polygons, rng));
     return points;
 }
 
@@ -68,18 +70,22 @@ static void a_batch_gives_what_single_questions_do(void **state)
     struct gd_mesh *mesh = terrain(&polygons);
     struct rng rng = {1};
     struct gd_point *points = random_points(mesh, &polygons, &rng, POINTS);
-    struct gd_seed seeds[3] = {{.point = points[0]}, {.point = points[1], .offset = 0.1}, {.point = points[2]}};
-    struct gd_field *whole = field_of(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 3});
+    struct gd_seed seeds[3] = {
+        {.point = points[0]}, {.point = points[1], .offset = 0.1}, {.point = points[2]}};
+    struct gd_field *whole =
+        field_of(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 3});
     struct gd_field *partial =
         field_of(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 1, .radius = 0.4});
     const uint32_t counts[] = {0, 1, 2, 15, 16, 17, 64, 1023, POINTS};
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) check_batch(whole, points, counts[i]);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        check_batch(whole, points, counts[i]);
     check_batch(partial, points, POINTS);
     double *out = malloc(sizeof *out * POINTS);
     uint32_t beyond = 0;
     check_ok(gd_field_distances(partial, points, POINTS, NULL, out), NULL);
     for (uint32_t i = 0; i < POINTS; i++) beyond += isnan(out[i]);
-    print_message("# batches: %u of %u points beyond a partial field's reach\n", beyond, (unsigned)POINTS);
+    print_message("# batches: %u of %u points beyond a partial field's reach\n", beyond,
+                  (unsigned)POINTS);
     assert_true(beyond > POINTS / 10 && beyond < POINTS - POINTS / 10);
     free(out);
     gd_field_release(whole);
@@ -94,11 +100,14 @@ static void another_component_is_infinitely_far(void **state)
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
-    struct gd_polygons polygons = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {.point = test_point(mesh, (struct test_place){0, {0.25, 0.25, 0.5}})};
-    struct gd_field *field = field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
-    struct gd_point points[4] = {seed.point, test_point(mesh, (struct test_place){1, {0.25, 0.25, 0.5}}),
+    struct gd_field *field =
+        field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
+    struct gd_point points[4] = {seed.point,
+                                 test_point(mesh, (struct test_place){1, {0.25, 0.25, 0.5}}),
                                  test_point(mesh, (struct test_place){1, {1, 0, 0}}),
                                  test_point(mesh, (struct test_place){1, {0, 0.5, 0.5}})};
     double out[4];
@@ -117,17 +126,22 @@ static double plain_distance(const struct gd_field *field, const struct gd_point
         uint32_t side = mesh->face_side[point->element][k];
         double length = mesh->side[side].length;
         struct gd__local at = gd__face_local(
-            mesh, side, (double[3]){point->weight[k], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]});
+            mesh, side,
+            (double[3]){point->weight[k], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]});
         least = fmin(least, field->distance[mesh->origin[side]] + hypot(at.x, at.y));
-        for (uint32_t next = field->newest[side >> 1]; next != GD_NONE; next = gd__field_chunk(field, next)->previous) {
+        for (uint32_t next = field->newest[side >> 1]; next != GD_NONE;
+             next = gd__field_chunk(field, next)->previous) {
             const struct gd__chunk *chunk = gd__field_chunk(field, next);
             for (uint32_t i = 0; i < chunk->count; i++) {
-                struct gd__window w = gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
-                if (w.source == GD_NONE || w.tags != (side & 1 ? GD__WINDOW_FAR_SIDE : 0u)) continue;
+                struct gd__window w =
+                    gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
+                if (w.source == GD_NONE || w.tags != (side & 1 ? GD__WINDOW_FAR_SIDE : 0u))
+                    continue;
                 if (side & 1) w = gd__window_mirrored(&w, length);
-                double t = w.x + (at.x - w.x) * w.y / (at.y + w.y), bend = fmin(fmax(t, w.b0), w.b1);
-                least =
-                    fmin(least, gd__field_sigma(field, w.source) + hypot(bend - w.x, w.y) + hypot(at.x - bend, at.y));
+                double t = w.x + (at.x - w.x) * w.y / (at.y + w.y),
+                       bend = fmin(fmax(t, w.b0), w.b1);
+                least = fmin(least, gd__field_sigma(field, w.source) + hypot(bend - w.x, w.y) +
+                                        hypot(at.x - bend, at.y));
             }
         }
     }
@@ -147,7 +161,8 @@ static double legs_sum(const struct gd_field *field, const struct gd_point *poin
     double sum = 0;
     for (uint32_t i = 0; i < POINTS; i++) {
         struct gd__leg leg = gd__field_leg(field, &points[i]);
-        sum += (leg.kind + leg.from + leg.side + leg.source + leg.parameter + leg.x + leg.y) * (1 + i);
+        sum +=
+            (leg.kind + leg.from + leg.side + leg.source + leg.parameter + leg.x + leg.y) * (1 + i);
     }
     return sum;
 }
@@ -162,7 +177,8 @@ static void kernels_agree(void **state)
     struct rng rng = {2};
     struct gd_point *points = random_points(mesh, &polygons, &rng, POINTS);
     struct gd_seed seeds[2] = {{.point = points[0]}, {.point = points[1], .offset = 0.05}};
-    struct gd_field *field = field_of(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 2});
+    struct gd_field *field =
+        field_of(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 2});
     double *out[3], legs = 0, worst = 0;
     for (int k = 0; k < 3; k++) {
         out[k] = malloc(sizeof **out * POINTS);
@@ -188,7 +204,8 @@ static void kernels_agree(void **state)
 }
 
 /* Appends a chunk with one wedge of another and gaps beside it. */
-static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous, const struct gd__chunk *chunk, uint32_t i)
+static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
+                            const struct gd__chunk *chunk, uint32_t i)
 {
     struct gd__wedges from = gd__chunk_wedges(chunk);
     bool before = gd__wedge_start(from.start[i]) > 0, behind = i + 1 < chunk->count;
@@ -207,7 +224,8 @@ static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous, const 
     return at + (uint32_t)((sizeof *part + GD__WEDGE_BYTES * (size_t)part->count) / GD__CHUNK_UNIT);
 }
 
-/* Chains of many chunks: every wedge put into a chunk of its own, the answers stay, and so do the legs. */
+/* Chains of many chunks: every wedge put into a chunk of its own, the answers stay, and so do the
+ * legs. */
 static void long_chains_give_the_same(void **state)
 {
     (void)state;
@@ -216,13 +234,15 @@ static void long_chains_give_the_same(void **state)
     struct rng rng = {3};
     struct gd_point *points = random_points(mesh, &polygons, &rng, POINTS);
     struct gd_seed seed = {.point = points[0]};
-    struct gd_field *field = field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
+    struct gd_field *field =
+        field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
     uint32_t at = 0, longest = 0, *newest = malloc(sizeof *newest * mesh->edge_count);
     char *wedges = malloc(5 * field->wedge_bytes);
     for (uint32_t e = 0; e < mesh->edge_count; e++) {
         uint32_t length = 0;
         newest[e] = GD_NONE;
-        for (uint32_t next = field->newest[e]; next != GD_NONE; next = gd__field_chunk(field, next)->previous) {
+        for (uint32_t next = field->newest[e]; next != GD_NONE;
+             next = gd__field_chunk(field, next)->previous) {
             const struct gd__chunk *chunk = gd__field_chunk(field, next);
             for (uint32_t i = 0; i < chunk->count; i++) {
                 if (gd__wedge_source(gd__chunk_wedges(chunk).start[i]) == GD_NONE) continue;
@@ -273,10 +293,12 @@ static void what_stops_a_batch_leaves_the_output_alone(void **state)
     struct rng rng = {4};
     struct gd_point *points = random_points(mesh, &polygons, &rng, POINTS);
     struct gd_seed seed = {.point = points[0]};
-    struct gd_field *field = field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
+    struct gd_field *field =
+        field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
     double *out = malloc(sizeof *out * POINTS), *untouched = malloc(sizeof *out * POINTS);
     for (uint32_t i = 0; i < POINTS; i++) out[i] = untouched[i] = -1;
-    struct gd_control budget = {.budget_bytes = 1000}, late = {.deadline_ns = 1}, cancel = {.progress = test_cancel},
+    struct gd_control budget = {.budget_bytes = 1000}, late = {.deadline_ns = 1},
+                      cancel = {.progress = test_cancel},
                       enough = {.budget_bytes = 16 * (size_t)POINTS + 1000};
     assert_int_equal(gd_field_distances(field, points, POINTS, &budget, out), GD_BUDGET);
     assert_int_equal(gd_field_distances(field, points, POINTS, &late, out), GD_DEADLINE);

@@ -1,4 +1,5 @@
-/* Seeds by the faces that they lie in: each face knows all of its own, in their order, however many there are. */
+/* Seeds by the faces that they lie in: each face knows all of its own, in their order, however many
+ * there are. */
 #include "tests/support/test.h"
 
 #include <stdlib.h>
@@ -43,7 +44,8 @@ static bool lies_in(const struct gd__seed *seed, uint32_t face)
 {
     struct gd__home home;
     const struct gd_point *point = &seed->point;
-    if (!seed->is_segment) return point->kind != GD_POINT_VERTEX && gd__face_contains(mesh, face, point);
+    if (!seed->is_segment)
+        return point->kind != GD_POINT_VERTEX && gd__face_contains(mesh, face, point);
     assert_true(gd__segment_home(mesh, &seed->point, &seed->end, &home));
     if (home.face != GD_NONE) return home.face == face;
     return mesh->side_face[2 * home.edge] == face || mesh->side_face[2 * home.edge + 1] == face;
@@ -51,7 +53,8 @@ static bool lies_in(const struct gd__seed *seed, uint32_t face)
 
 static void check_face(uint32_t face)
 {
-    const struct gd__face_seed *f = gd__field_seeds_in(&field, face), *end = field.face_seeds + field.face_seed_count;
+    const struct gd__face_seed *f = gd__field_seeds_in(&field, face),
+                               *end = field.face_seeds + field.face_seed_count;
     for (uint32_t i = 0; i < field.seed_count; i++) {
         if (!lies_in(&field.seeds[i], face)) continue;
         assert_true(f < end);
@@ -88,26 +91,30 @@ static void each_face_knows_its_seeds(void **state)
     }
 }
 
-/* A surface of so many faces that it takes four digits; points inside of them is all that is asked. */
+/* A surface of so many faces that it takes four digits; points inside of them is all that is asked.
+ */
 static void faces_of_four_digits(void **state)
 {
     (void)state;
     enum { COUNT = 5000 };
     struct gd_mesh huge = {.face_count = UINT32_C(1) << 31};
     struct rng rng = {6};
-    field = (struct gd_field){.mesh = &huge, .seed_count = COUNT, .seeds = calloc(COUNT, sizeof *field.seeds)};
+    field = (struct gd_field){
+        .mesh = &huge, .seed_count = COUNT, .seeds = calloc(COUNT, sizeof *field.seeds)};
     assert_non_null(field.seeds);
     for (uint32_t i = 0; i < COUNT; i++) {
         uint32_t near = i ? field.seeds[rng_below(&rng, i)].point.element : 0;
         field.seeds[i].point = (struct gd_point){
-            .kind = GD_POINT_FACE, .element = rng_below(&rng, 2) ? near : rng_below(&rng, huge.face_count)};
+            .kind = GD_POINT_FACE,
+            .element = rng_below(&rng, 2) ? near : rng_below(&rng, huge.face_count)};
     }
     check_ok(gd__field_index_seeds(&field), NULL);
     assert_int_equal(field.face_seed_count, COUNT);
     for (uint32_t i = 0; i < COUNT; i++) {
         const struct gd__face_seed *at = &field.face_seeds[i];
         assert_int_equal(at->face, field.seeds[at->seed].point.element);
-        assert_true(!i || at[-1].face < at->face || (at[-1].face == at->face && at[-1].seed < at->seed));
+        assert_true(!i || at[-1].face < at->face ||
+                    (at[-1].face == at->face && at[-1].seed < at->seed));
     }
     free(field.face_seeds);
     free(field.seeds);

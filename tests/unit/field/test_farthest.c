@@ -22,7 +22,8 @@ static struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, 
 }
 
 /* The farthest point, whose distance is the one that the field gives there. */
-static struct gd_vec3 farthest(const struct gd_field *field, struct gd_point *point, double *distance)
+static struct gd_vec3 farthest(const struct gd_field *field, struct gd_point *point,
+                               double *distance)
 {
     double again;
     check_ok(gd_field_farthest(field, NULL, point, distance), NULL);
@@ -31,13 +32,15 @@ static struct gd_vec3 farthest(const struct gd_field *field, struct gd_point *po
     return gd_point_position(gd_field_mesh(field), point);
 }
 
-/* From the middle of a face of a cube the farthest point is the middle of the face opposite, as far over each of the four others. */
+/* From the middle of a face of a cube the farthest point is the middle of the face opposite, as far
+ * over each of the four others. */
 static void of_a_cube(void **state)
 {
     (void)state;
     for (uint32_t cells = 1; cells <= 4; cells++) {
         struct gd_polygons polygons;
-        check_ok(sample_box((double[3]){1, 1, 1}, (uint32_t[3]){cells, cells, cells}, &polygons), NULL);
+        check_ok(sample_box((double[3]){1, 1, 1}, (uint32_t[3]){cells, cells, cells}, &polygons),
+                 NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct gd_seed seed = {.point = point_at(mesh, 0.5, 0.5, 1)};
         struct gd_field *field = test_field(mesh, &seed, 1, 0);
@@ -52,14 +55,15 @@ static void of_a_cube(void **state)
     }
 }
 
-/* Kotani's ant: on a box of 1 x 1 x 2 the farthest point from a corner is not the corner opposite, but a quarter of the far square's diagonal
- * away from it. */
+/* Kotani's ant: on a box of 1 x 1 x 2 the farthest point from a corner is not the corner opposite,
+ * but a quarter of the far square's diagonal away from it. */
 static void of_the_box_1_1_2(void **state)
 {
     (void)state;
     for (uint32_t cells = 1; cells <= 3; cells++) {
         struct gd_polygons polygons;
-        check_ok(sample_box((double[3]){1, 1, 2}, (uint32_t[3]){cells, cells, cells}, &polygons), NULL);
+        check_ok(sample_box((double[3]){1, 1, 2}, (uint32_t[3]){cells, cells, cells}, &polygons),
+                 NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct gd_seed seed = {.point = point_at(mesh, 0, 0, 0)};
         struct gd_field *field = test_field(mesh, &seed, 1, 0);
@@ -102,7 +106,8 @@ static void of_a_square(void **state)
 
     const double corner[4][2] = {{0, 0}, {1, 0.05}, {0.9, 1}, {0, 1}};
     for (int i = 0; i < 4; i++)
-        seeds[i] = (struct gd_seed){.point = point_at(mesh, corner[i][0], corner[i][1], 0), .offset = 0.01 * i};
+        seeds[i] = (struct gd_seed){.point = point_at(mesh, corner[i][0], corner[i][1], 0),
+                                    .offset = 0.01 * i};
     field = test_field(mesh, seeds, 4, 0);
     at = farthest(field, &point, &distance);
     assert_int_equal(point.kind, GD_POINT_FACE);
@@ -118,9 +123,10 @@ static void of_a_square(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* --- segments ------------------------------------------------------------------------------------------------------------ */
+/* --- segments --------------------------------------------------------------------------------- */
 
-/* The field of all boundaries of a mesh, as curves; each begins by `more` later than the one before. */
+/* The field of all boundaries of a mesh, as curves; each begins by `more` later than the one
+ * before. */
 static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double more)
 {
     struct gd_seed *seeds = NULL;
@@ -140,7 +146,8 @@ static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double m
     return field;
 }
 
-/* From the boundary of a rectangle a ridge is farthest, of a triangle the centre of its incircle. */
+/* From the boundary of a rectangle a ridge is farthest, of a triangle the centre of its incircle.
+ */
 static void of_a_boundary(void **state)
 {
     (void)state;
@@ -164,7 +171,8 @@ static void of_a_boundary(void **state)
     }
     double positions[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}};
     uint32_t corners[3] = {0, 1, 2};
-    struct gd_polygons one = {.positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
+    struct gd_polygons one = {
+        .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&one);
     struct gd_field *field = field_of_boundaries(mesh, 0);
     struct gd_vec3 at = farthest(field, &point, &distance);
@@ -182,7 +190,9 @@ static void of_a_mantle(void **state)
     for (uint32_t sides = 3; sides <= 12; sides++) {
         double height = rng_between(&rng, 1, 3), more = rng_between(&rng, 0, 0.5);
         struct gd_polygons polygons;
-        check_ok(sample_cylinder(rng_between(&rng, 0.3, 1), height, sides, 1 + sides % 4, &polygons), NULL);
+        check_ok(
+            sample_cylinder(rng_between(&rng, 0.3, 1), height, sides, 1 + sides % 4, &polygons),
+            NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct gd_field *field = field_of_boundaries(mesh, more);
         struct gd_point point;
@@ -196,9 +206,10 @@ static void of_a_mantle(void **state)
     }
 }
 
-/* Appends seeds of the straight way from a to b along the lines of an 8 x 8 grid of cells x cells; returns how many there are then. */
-static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct gd_vec3 b, uint32_t cells,
-                           struct gd_seed *seeds, uint32_t count)
+/* Appends seeds of the straight way from a to b along the lines of an 8 x 8 grid of cells x cells;
+ * returns how many there are then. */
+static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct gd_vec3 b,
+                           uint32_t cells, struct gd_seed *seeds, uint32_t count)
 {
     struct gd_vec3 step = gd_vec3_scale(gd_vec3_sub(b, a), 1.0 / cells);
     seeds[count++] = (struct gd_seed){.point = point_at(mesh, a.x, a.y, 0)};
@@ -212,8 +223,8 @@ static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct 
     return count;
 }
 
-static void check_place(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double distance,
-                        struct gd_vec3 expected)
+static void check_place(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
+                        double distance, struct gd_vec3 expected)
 {
     struct gd_field *field = test_field(mesh, seeds, count, 0);
     struct gd_point point;
@@ -237,12 +248,13 @@ static struct gd_vec3 turned(double x, double y, int quarters)
 
 static void check_borders(const struct gd_mesh *mesh, uint32_t cells, int quarters)
 {
-    struct gd_vec3 corner[4] = {turned(0, 0, quarters), turned(8, 0, quarters), turned(8, 8, quarters),
-                                turned(0, 8, quarters)},
+    struct gd_vec3 corner[4] = {turned(0, 0, quarters), turned(8, 0, quarters),
+                                turned(8, 8, quarters), turned(0, 8, quarters)},
                    beside = turned(8, 6, quarters);
     struct gd_seed seeds[64];
     uint32_t count = put_border(mesh, corner[0], corner[1], cells, seeds, 0);
-    for (int i = 2; i < 4; i++) seeds[count++] = (struct gd_seed){.point = point_at(mesh, corner[i].x, corner[i].y, 0)};
+    for (int i = 2; i < 4; i++)
+        seeds[count++] = (struct gd_seed){.point = point_at(mesh, corner[i].x, corner[i].y, 0)};
     check_place(mesh, seeds, count, 5, turned(4, 5, quarters)); /* r = y, r^2 = 16 + (8 - y)^2 */
     count = put_border(mesh, corner[3], corner[0], cells, seeds, count);
     double r = 8 * (2 - M_SQRT2); /* x = y = sqrt(2) (8 - x) */
@@ -252,7 +264,8 @@ static void check_borders(const struct gd_mesh *mesh, uint32_t cells, int quarte
     check_place(mesh, seeds, count, 6.25, turned(6.25, 0, quarters)); /* x^2 = (8 - x)^2 + 36 */
 }
 
-/* Between two points and a segment, a point and two segments, and on the boundary between one of each; in a face and across many. */
+/* Between two points and a segment, a point and two segments, and on the boundary between one of
+ * each; in a face and across many. */
 static void between_points_and_segments(void **state)
 {
     (void)state;
@@ -266,7 +279,7 @@ static void between_points_and_segments(void **state)
     }
 }
 
-/* --- the pillow: a unit square covered twice ------------------------------------------------------------------------------ */
+/* --- the pillow: a unit square covered twice -------------------------------------------------- */
 
 static double over_pillow(const double p[3], const double q[3])
 {
@@ -291,8 +304,8 @@ static double greatest_over_pillow(const double seed[2][3])
             double bx = x, by = y;
             for (int i = -steps; i <= steps; i++) {
                 for (int k = -steps; k <= steps; k++) {
-                    double p[3] = {fmin(fmax(x + reach * i / steps, 0), 1), fmin(fmax(y + reach * k / steps, 0), 1),
-                                   side};
+                    double p[3] = {fmin(fmax(x + reach * i / steps, 0), 1),
+                                   fmin(fmax(y + reach * k / steps, 0), 1), side};
                     double d = fmin(over_pillow(seed[0], p), over_pillow(seed[1], p));
                     if (d <= top) continue;
                     top = d;
@@ -335,7 +348,8 @@ static void of_a_pillow(void **state)
         struct gd_seed seeds[2] = {0};
         double chart[2][3];
         for (int i = 0; i < 2; i++) {
-            struct test_place place = {.face = rng_below(&rng, shape.mesh.polygon_count), .weight = {0.3, 0.25, 0.45}};
+            struct test_place place = {.face = rng_below(&rng, shape.mesh.polygon_count),
+                                       .weight = {0.3, 0.25, 0.45}};
             seeds[i].point = test_point(mesh, place);
             in_chart(&shape, &place, chart[i]);
         }
@@ -353,11 +367,12 @@ static void of_a_pillow(void **state)
     assert_true(inside > 0);
 }
 
-/* --- any surface --------------------------------------------------------------------------------------------------------- */
+/* --- any surface ------------------------------------------------------------------------------ */
 
-/* No point of any face is farther than the farthest one, and none close to it, of whose kind one more is counted. */
-static void check_farthest(const struct gd_field *field, const struct gd_polygons *polygons, struct rng *rng,
-                           uint32_t kinds[3])
+/* No point of any face is farther than the farthest one, and none close to it, of whose kind one
+ * more is counted. */
+static void check_farthest(const struct gd_field *field, const struct gd_polygons *polygons,
+                           struct rng *rng, uint32_t kinds[3])
 {
     const struct gd_mesh *mesh = gd_field_mesh(field);
     struct gd_point point;
@@ -371,10 +386,11 @@ static void check_farthest(const struct gd_field *field, const struct gd_polygon
         if (k % 2) { /* beside the farthest one, in one of its faces */
             double near = pow(10, -1 - rng_between(rng, 0, 6));
             place = (struct test_place){.face = d.face.index};
-            double toward[3] = {rng_between(rng, 0, 1), rng_between(rng, 0, 1), rng_between(rng, 0, 1)};
+            double toward[3] = {rng_between(rng, 0, 1), rng_between(rng, 0, 1),
+                                rng_between(rng, 0, 1)};
             for (int i = 0; i < 3; i++)
-                place.weight[i] =
-                    (1 - near) * d.barycentric[i] + near * toward[i] / (toward[0] + toward[1] + toward[2]);
+                place.weight[i] = (1 - near) * d.barycentric[i] +
+                                  near * toward[i] / (toward[0] + toward[1] + toward[2]);
         }
         double other;
         struct gd_point q = test_point(mesh, place);
@@ -401,13 +417,15 @@ static void of_any_surface(void **state)
         uint32_t kinds[3] = {0};
         for (int round = 0; round < 8; round++) {
             struct gd_seed seeds[3] = {0};
-            for (int i = 0; i < 3; i++) seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
+            for (int i = 0; i < 3; i++)
+                seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
             struct gd_field *field = test_field(mesh, seeds, round % 2 ? 3 : 1, 0);
             check_farthest(field, &polygons, &rng, kinds);
             gd_field_release(field);
         }
-        print_message("# %s: farthest points %u vertices, %u on edges, %u in faces\n", surfaces[s].name,
-                      kinds[GD_POINT_VERTEX], kinds[GD_POINT_EDGE], kinds[GD_POINT_FACE]);
+        print_message("# %s: farthest points %u vertices, %u on edges, %u in faces\n",
+                      surfaces[s].name, kinds[GD_POINT_VERTEX], kinds[GD_POINT_EDGE],
+                      kinds[GD_POINT_FACE]);
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
     }
@@ -433,8 +451,8 @@ static void of_boundaries_of_any_surface(void **state)
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
     }
-    print_message("# farthest from boundaries: %u vertices, %u on edges, %u in faces\n", kinds[GD_POINT_VERTEX],
-                  kinds[GD_POINT_EDGE], kinds[GD_POINT_FACE]);
+    print_message("# farthest from boundaries: %u vertices, %u on edges, %u in faces\n",
+                  kinds[GD_POINT_VERTEX], kinds[GD_POINT_EDGE], kinds[GD_POINT_FACE]);
     assert_true(kinds[GD_POINT_FACE] > 0);
 }
 
@@ -443,11 +461,13 @@ static void what_is_left_out_and_refused(void **state)
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {50, 0, 0}, {60, 0, 0}, {50, 10, 0}};
     uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
-    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_polygons two = {
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&two);
     struct gd_seed seeds[2] = {{.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},
                                {.point = test_point(mesh, (struct test_place){0, {0, 1, 0}})}};
-    struct gd_field *field = test_field(mesh, seeds, 1, 0), *partial = test_field(mesh, seeds, 1, 0.5),
+    struct gd_field *field = test_field(mesh, seeds, 1, 0),
+                    *partial = test_field(mesh, seeds, 1, 0.5),
                     *pair = test_field(mesh, seeds, 2, 0);
     struct gd_point point = {.element = 7};
     double distance = 7;
@@ -473,14 +493,16 @@ static void of_partial_fields(void **state)
         struct gd_polygons polygons;
         check_ok(sample_tangle(60, 200 + n, &polygons), NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
-        struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
-                                   {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.2}};
+        struct gd_seed seeds[2] = {
+            {.point = test_point(mesh, test_random_place(&polygons, &rng))},
+            {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.2}};
         struct gd_field *whole = test_field(mesh, seeds, 2, 0), *part, *view;
         struct gd_point point, again = {0};
         double distance, same;
         farthest(whole, &point, &distance);
         for (int k = 0; k < 5; k++) {
-            double radius = distance * (0.01 + 0.99 * k) + (k == 4 ? gd_mesh_summary(mesh)->edge_length.max : 0);
+            double radius = distance * (0.01 + 0.99 * k) +
+                            (k == 4 ? gd_mesh_summary(mesh)->edge_length.max : 0);
             part = test_field(mesh, seeds, 2, radius);
             enum gd_status status = gd_field_farthest(part, NULL, &again, &same);
             check_ok(gd_field_within(whole, radius, &view), NULL);
@@ -507,8 +529,10 @@ static void of_late_seeds(void **state)
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {50, 0, 0}, {60, 0, 0}, {50, 10, 0}};
     uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
-    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
-    static const struct test_place late[] = {{1, {1, 0, 0}}, {1, {0.5, 0.5, 0}}, {1, {0.2, 0.3, 0.5}}};
+    struct gd_polygons two = {
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    static const struct test_place late[] = {
+        {1, {1, 0, 0}}, {1, {0.5, 0.5, 0}}, {1, {0.2, 0.3, 0.5}}};
     struct gd_mesh *mesh = test_mesh(&two);
     for (size_t i = 0; i < sizeof late / sizeof *late; i++) {
         struct gd_seed seeds[2] = {{.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},

@@ -8,20 +8,23 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-/* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on e2. */
+/* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on e2.
+ */
 static void example_1(void **state)
 {
     (void)state;
     double positions[8][3] = {{0.5, 0.5, 1.5}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1},
                               {1, 1, 0},       {1, 0, 0}, {0, 0, 0}, {0.5, 0.5, -0.5}};
     uint32_t corners[24] = {0, 1, 2, 1, 6, 2, 2, 6, 5, 0, 2, 3, 2, 4, 3, 2, 5, 4, 5, 6, 7, 4, 5, 7};
-    struct gd_mesh *mesh = test_mesh(
-        &(struct gd_polygons){.positions = positions, .position_count = 8, .polygon_count = 8, .corners = corners});
+    struct gd_mesh *mesh = test_mesh(&(struct gd_polygons){
+        .positions = positions, .position_count = 8, .polygon_count = 8, .corners = corners});
     struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 0));
     struct gd_wedge *wedges;
     uint32_t count, direct = 0;
-    /* e3: every wedge of v0 is w1, whose source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5: 1 down the cube, the pyramid's slant beyond */
-    check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){6}, &wedges, &count), NULL);
+    /* e3: every wedge of v0 is w1, whose source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5: 1 down
+     * the cube, the pyramid's slant beyond */
+    check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){6}, &wedges, &count),
+             NULL);
     double slant = sqrt(0.5), height = 1 + slant;
     for (uint32_t i = 0; i < count; i++) {
         if (!wedges[i].at_vertex || wedges[i].source != 0) continue;
@@ -31,8 +34,10 @@ static void example_1(void **state)
     }
     assert_int_equal(direct, 1);
     free(wedges);
-    /* e2: where w3 and w4 tie, one of them is kept: the wedges of v0 do not overlap and there is one */
-    check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){7}, &wedges, &count), NULL);
+    /* e2: where w3 and w4 tie, one of them is kept: the wedges of v0 do not overlap and there is
+     * one */
+    check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){7}, &wedges, &count),
+             NULL);
     direct = 0;
     for (uint32_t i = 0; i < count; i++) direct += wedges[i].at_vertex && wedges[i].source == 0;
     assert_int_equal(direct, 1);
@@ -41,7 +46,7 @@ static void example_1(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- chunks -------------------------------------------------------------------------------------------------------------- */
+/* --- chunks ----------------------------------------------------------------------------------- */
 
 /* What was counted over all chunks of a field. */
 struct chunks {
@@ -49,7 +54,8 @@ struct chunks {
     uint32_t longest; /* chain */
 };
 
-/* A chunk is of one side, begins at the edge's end and goes on in order; its sources exist; a gap has nothing but its start. */
+/* A chunk is of one side, begins at the edge's end and goes on in order; its sources exist; a gap
+ * has nothing but its start. */
 static void check_chunk(const struct gd_field *field, uint32_t at, struct chunks *sum)
 {
     const struct gd__chunk *chunk = gd__field_chunk(field, at);
@@ -80,7 +86,8 @@ static struct chunks check_chains(const struct gd_field *field)
     struct chunks sum = {.edges = field->mesh->edge_count};
     for (uint32_t e = 0; e < field->mesh->edge_count; e++) {
         uint32_t length = 0;
-        for (uint32_t at = field->newest[e]; at != GD_NONE; at = gd__field_chunk(field, at)->previous, length++)
+        for (uint32_t at = field->newest[e]; at != GD_NONE;
+             at = gd__field_chunk(field, at)->previous, length++)
             check_chunk(field, at, &sum);
         if (length > sum.longest) sum.longest = length;
     }
@@ -93,10 +100,12 @@ static struct chunks check_chains(const struct gd_field *field)
 static double least_stored(const struct gd_field *field, uint32_t edge, double t)
 {
     double least = INFINITY, length = field->mesh->side[2 * edge].length;
-    for (uint32_t at = field->newest[edge]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+    for (uint32_t at = field->newest[edge]; at != GD_NONE;
+         at = gd__field_chunk(field, at)->previous) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         for (uint32_t i = 0; i < chunk->count; i++) {
-            struct gd__window w = gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
+            struct gd__window w =
+                gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
             if (w.source == GD_NONE || t < w.b0 || t > w.b1) continue;
             w.sigma = gd__field_sigma(field, w.source);
             least = fmin(least, gd__window_distance(&w, t));
@@ -105,24 +114,27 @@ static double least_stored(const struct gd_field *field, uint32_t edge, double t
     return least;
 }
 
-/* The merged list of an edge: sorted, disjoint, within it; where two wedges meet both give the same distance; nowhere worse than a chunk. */
-static void check_merged(const struct gd_field *field, uint32_t edge, struct rng *rng, uint64_t *wedges,
-                         uint64_t *joints)
+/* The merged list of an edge: sorted, disjoint, within it; where two wedges meet both give the same
+ * distance; nowhere worse than a chunk. */
+static void check_merged(const struct gd_field *field, uint32_t edge, struct rng *rng,
+                         uint64_t *wedges, uint64_t *joints)
 {
     const struct gd_mesh *mesh = field->mesh;
-    uint32_t a = mesh->index_of_vertex[mesh->origin[2 * edge]], b = mesh->index_of_vertex[mesh->origin[2 * edge + 1]],
-             count;
+    uint32_t a = mesh->index_of_vertex[mesh->origin[2 * edge]],
+             b = mesh->index_of_vertex[mesh->origin[2 * edge + 1]], count;
     double length = mesh->side[2 * edge].length * mesh->unit;
     double ends[2] = {field->distance[mesh->origin[2 * edge + (a > b)]] * mesh->unit,
                       field->distance[mesh->origin[2 * edge + (a < b)]] * mesh->unit};
     struct gd_wedge *list;
-    check_ok(gd_field_wedges(field, (struct gd_vertex){a}, (struct gd_vertex){b}, &list, &count), NULL);
+    check_ok(gd_field_wedges(field, (struct gd_vertex){a}, (struct gd_vertex){b}, &list, &count),
+             NULL);
     for (uint32_t i = 0; i < count; i++) {
         assert_true(list[i].b0 >= 0 && list[i].b0 < list[i].b1 && list[i].b1 <= length);
         if (!i) continue;
         assert_true(list[i].b0 >= list[i - 1].b1);
         if (list[i].b0 > list[i - 1].b1) continue;
-        if (fmin(list[i - 1].b1 - list[i - 1].b0, list[i].b1 - list[i].b0) <= 4 * length * GD__WEDGE_UNIT)
+        if (fmin(list[i - 1].b1 - list[i - 1].b0, list[i].b1 - list[i].b0) <=
+            4 * length * GD__WEDGE_UNIT)
             continue; /* between two rounded ends */
         double before = list[i - 1].sigma + list[i - 1].d1, behind = list[i].sigma + list[i].d0;
         double round = fmin(ends[0] + list[i].b0, ends[1] + length - list[i].b0);
@@ -131,13 +143,17 @@ static void check_merged(const struct gd_field *field, uint32_t edge, struct rng
         check_close(before, behind, 1e-8);
         ++*joints;
     }
-    for (int k = 0; k < 4 && count; k++) { /* the wedge at a random place, from the distances at its ends */
+    /* the wedge at a random place, from the distances at its ends */
+    for (int k = 0; k < 4 && count; k++) {
         const struct gd_wedge *w = &list[rng_below(rng, count)];
-        double part = rng_between(rng, 0.01, 0.99), t = w->b0 + part * (w->b1 - w->b0), width = w->b1 - w->b0;
+        double part = rng_between(rng, 0.01, 0.99), t = w->b0 + part * (w->b1 - w->b0),
+               width = w->b1 - w->b0;
         if (width < 1e-6 * length) continue;
-        double x = (w->d0 * w->d0 - w->d1 * w->d1 + width * width) / (2 * width), y2 = fmax(0, w->d0 * w->d0 - x * x);
+        double x = (w->d0 * w->d0 - w->d1 * w->d1 + width * width) / (2 * width),
+               y2 = fmax(0, w->d0 * w->d0 - x * x);
         double merged = w->sigma + sqrt((part * width - x) * (part * width - x) + y2);
-        double stored = least_stored(field, edge, (a < b ? t : length - t) / mesh->unit) * mesh->unit;
+        double stored =
+            least_stored(field, edge, (a < b ? t : length - t) / mesh->unit) * mesh->unit;
         check_close(merged, stored, 1e-9);
     }
     *wedges += count;
@@ -151,17 +167,20 @@ static void check_wedges_of(const char *name, struct gd_polygons *polygons, uint
     uint64_t merged = 0, joints = 0;
     struct chunks sum = {0};
     for (int i = 0; i < 3; i++) {
-        struct gd_field *field = test_field_from(mesh, test_point(mesh, test_random_place(polygons, &rng)));
+        struct gd_field *field =
+            test_field_from(mesh, test_point(mesh, test_random_place(polygons, &rng)));
         sum = check_chains(field);
         merged = joints = 0;
-        for (uint32_t e = 0; e < mesh->edge_count; e++) check_merged(field, e, &rng, &merged, &joints);
+        for (uint32_t e = 0; e < mesh->edge_count; e++)
+            check_merged(field, e, &rng, &merged, &joints);
         assert_true(joints > 0 && merged <= sum.wedges);
         gd_field_release(field);
     }
-    print_message(
-        "# %s: %u edges, %llu chunks (longest chain %u), %llu wedges, %llu of them gaps; merged %llu, %llu joints\n",
-        name, mesh->edge_count, (unsigned long long)sum.chunks, sum.longest, (unsigned long long)sum.wedges,
-        (unsigned long long)sum.gaps, (unsigned long long)merged, (unsigned long long)joints);
+    print_message("# %s: %u edges, %llu chunks (longest chain %u), %llu wedges, %llu of them gaps; "
+                  "merged %llu, %llu joints\n",
+                  name, mesh->edge_count, (unsigned long long)sum.chunks, sum.longest,
+                  (unsigned long long)sum.wedges, (unsigned long long)sum.gaps,
+                  (unsigned long long)merged, (unsigned long long)joints);
     gd_mesh_release(mesh);
     gd_polygons_free(polygons);
 }
@@ -180,7 +199,8 @@ static void wedges_partition_their_edge(void **state)
     check_wedges_of("box", &polygons, 20);
 }
 
-/* Property 7: two correct wedges do not cross. Rays of different wedges, drawn back into the face where both are straight, do not meet. */
+/* Property 7: two correct wedges do not cross. Rays of different wedges, drawn back into the face
+ * where both are straight, do not meet. */
 static void correct_wedges_do_not_cross(void **state)
 {
     (void)state;
@@ -190,25 +210,32 @@ static void correct_wedges_do_not_cross(void **state)
     struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 40));
     struct rng rng = {9};
     uint32_t pairs = 0;
-    for (int i = 0; i < 200000; i++) { /* two points of one face whose shortest paths enter it through the same edge */
+    /* two points of one face whose shortest paths enter it through the same edge */
+    for (int i = 0; i < 200000; i++) {
         uint32_t face = rng_below(&rng, mesh->face_count);
         struct gd__leg leg[2];
         struct gd__local at[2];
         for (int k = 0; k < 2; k++) {
             double a = rng_unit(&rng), b = rng_unit(&rng) * (1 - a);
-            struct gd_point point = {.kind = GD_POINT_FACE, .element = face, .weight = {a, b, 1 - a - b}};
+            struct gd_point point = {
+                .kind = GD_POINT_FACE, .element = face, .weight = {a, b, 1 - a - b}};
             leg[k] = gd__field_leg(field, &point);
             int s = leg[k].kind == GD__LEG_WEDGE && mesh->face_side[face][1] == leg[k].side   ? 1
                     : leg[k].kind == GD__LEG_WEDGE && mesh->face_side[face][2] == leg[k].side ? 2
                                                                                               : 0;
-            at[k] = gd__face_local(mesh, mesh->face_side[face][s],
-                                   (double[3]){point.weight[s], point.weight[(s + 1) % 3], point.weight[(s + 2) % 3]});
+            at[k] = gd__face_local(
+                mesh, mesh->face_side[face][s],
+                (double[3]){point.weight[s], point.weight[(s + 1) % 3], point.weight[(s + 2) % 3]});
         }
-        if (leg[0].kind != GD__LEG_WEDGE || leg[1].kind != GD__LEG_WEDGE || leg[0].side != leg[1].side) continue;
-        if (leg[0].source == leg[1].source && fabs(leg[0].x - leg[1].x) < 1e-9 && fabs(leg[0].y - leg[1].y) < 1e-9)
+        if (leg[0].kind != GD__LEG_WEDGE || leg[1].kind != GD__LEG_WEDGE ||
+            leg[0].side != leg[1].side)
+            continue;
+        if (leg[0].source == leg[1].source && fabs(leg[0].x - leg[1].x) < 1e-9 &&
+            fabs(leg[0].y - leg[1].y) < 1e-9)
             continue;
         pairs++;
-        /* segments (crossing, point) of both legs: opposite orientation on both means that they cross */
+        /* segments (crossing, point) of both legs: opposite orientation on both means that they
+         * cross */
         double c0 = leg[0].parameter, c1 = leg[1].parameter;
         double left1 = (at[0].x - c0) * at[1].y - at[0].y * (at[1].x - c0),
                left2 = (at[0].x - c0) * 0 - at[0].y * (c1 - c0);
@@ -224,7 +251,8 @@ static void correct_wedges_do_not_cross(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A source at 1e-16 … 1e-6 of a vertex or an edge, on any side of it: distances move by no more than the source does. */
+/* A source at 1e-16 … 1e-6 of a vertex or an edge, on any side of it: distances move by no more
+ * than the source does. */
 static void sources_close_to_a_vertex_or_an_edge(void **state)
 {
     (void)state;
@@ -248,7 +276,8 @@ static void sources_close_to_a_vertex_or_an_edge(void **state)
                 gd_field_vertex_distances(a, exact);
                 gd_field_vertex_distances(b, near);
                 for (uint32_t v = 0; v < count; v++) {
-                    double excess = fabs(exact[v] - near[v]) - 2 * delta * mesh->summary.edge_length.max;
+                    double excess =
+                        fabs(exact[v] - near[v]) - 2 * delta * mesh->summary.edge_length.max;
                     if (excess > worst) worst = excess;
                 }
                 gd_field_release(a);
@@ -277,8 +306,10 @@ static void partial_fields_answer_only_what_is_final(void **state)
         struct gd_point target = test_point(mesh, test_random_place(&polygons, &rng));
         struct gd_field *whole = test_field_from(mesh, source), *partial;
         struct gd_seed seed = {.point = source};
-        struct gd_field_request request = {
-            .seeds = &seed, .seed_count = 1, .target = i % 2 ? &target : NULL, .radius = i % 2 ? 0 : 0.3};
+        struct gd_field_request request = {.seeds = &seed,
+                                           .seed_count = 1,
+                                           .target = i % 2 ? &target : NULL,
+                                           .radius = i % 2 ? 0 : 0.3};
         check_ok(gd_field_build(mesh, &request, NULL, NULL, &partial, NULL), NULL);
         double expected, actual;
         if (i % 2) {
@@ -301,7 +332,8 @@ static void partial_fields_answer_only_what_is_final(void **state)
             }
         }
         if (!(i % 2)) assert_true(beyond > 0);
-        assert_true(gd_field_statistics(partial)->windows_propagated <= gd_field_statistics(whole)->windows_propagated);
+        assert_true(gd_field_statistics(partial)->windows_propagated <=
+                    gd_field_statistics(whole)->windows_propagated);
         gd_field_release(whole);
         gd_field_release(partial);
     }
@@ -334,16 +366,19 @@ static void budget_deadline_and_cancel(void **state)
     assert_int_equal(gd_field_build(mesh, &request, &cancel, NULL, &field, &detail), GD_CANCELLED);
     assert_int_equal(calls, 1);
     request.seed_count = 0;
-    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail),
+                     GD_INVALID_ARGUMENT);
     request.seed_count = 1;
     seed.offset = -1;
-    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_null(field);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
 }
 
-/* Several seeds with offsets: the least over the fields of each, plus its offset; the path ends in the seed that gave it. */
+/* Several seeds with offsets: the least over the fields of each, plus its offset; the path ends in
+ * the seed that gave it. */
 static void several_seeds(void **state)
 {
     (void)state;
@@ -355,12 +390,13 @@ static void several_seeds(void **state)
     struct gd_seed seeds[SEEDS];
     struct gd_field *single[SEEDS], *all;
     for (int i = 0; i < SEEDS; i++) {
-        seeds[i] = (struct gd_seed){.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1 * i};
+        seeds[i] = (struct gd_seed){.point = test_point(mesh, test_random_place(&polygons, &rng)),
+                                    .offset = 0.1 * i};
         single[i] = test_field_from(mesh, seeds[i].point);
     }
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, NULL, &all, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS},
+                            NULL, NULL, &all, NULL),
+             NULL);
     for (int k = 0; k < 2000; k++) {
         struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
         double least = INFINITY, actual, one;
@@ -373,7 +409,8 @@ static void several_seeds(void **state)
         struct gd_path path;
         check_ok(gd_field_path(all, &point, &path), NULL);
         bool at_seed = false;
-        for (int i = 0; i < SEEDS; i++) at_seed |= gd_point_equal(&path.points[path.count - 1], &seeds[i].point);
+        for (int i = 0; i < SEEDS; i++)
+            at_seed |= gd_point_equal(&path.points[path.count - 1], &seeds[i].point);
         assert_true(at_seed);
         gd_path_free(&path);
     }
@@ -384,7 +421,8 @@ static void several_seeds(void **state)
 }
 
 /* With an executor, whatever order it runs tasks in, the wedges are the same to the last bit. */
-static void backwards(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void backwards(void *user, void (*task)(void *context, uint32_t index), void *context,
+                      uint32_t count)
 {
     *(uint32_t *)user += count;
     while (count--) task(context, count);
@@ -419,8 +457,8 @@ static void distances_only(void **state)
     (void)state;
     double positions[5][3] = {{0, 0, 0}, {9, 9, 9}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     uint32_t corners[6] = {0, 2, 3, 0, 3, 4};
-    struct gd_mesh *mesh = test_mesh(
-        &(struct gd_polygons){.positions = positions, .position_count = 5, .polygon_count = 2, .corners = corners});
+    struct gd_mesh *mesh = test_mesh(&(struct gd_polygons){
+        .positions = positions, .position_count = 5, .polygon_count = 2, .corners = corners});
     struct gd_seed seed = {.point = test_vertex(mesh, 2), .offset = 0.5};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1, .radius = 1.75};
     double out[5];
@@ -444,9 +482,10 @@ static void distances_only_are_the_fields(void **state)
     uint32_t count = gd_mesh_summary(mesh)->index_count;
     double *kept = malloc(sizeof *kept * count), *only = malloc(sizeof *only * count);
     gd_field_vertex_distances(field, kept);
-    check_ok(
-        gd_field_distances_only(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, only, NULL),
-        NULL);
+    check_ok(gd_field_distances_only(mesh,
+                                     &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                     NULL, only, NULL),
+             NULL);
     for (uint32_t i = 0; i < count; i++) check_close(only[i], kept[i], 1e-14);
     free(kept);
     free(only);

@@ -29,8 +29,8 @@ static void in_the_plane(void **state)
         for (int k = 0; k < POINTS; k++) {
             struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
             if (gd_point_equal(&point, &seed.point)) continue;
-            struct gd_vec3 gradient,
-                expected = unit_between(gd_point_position(mesh, &seed.point), gd_point_position(mesh, &point));
+            struct gd_vec3 gradient, expected = unit_between(gd_point_position(mesh, &seed.point),
+                                                             gd_point_position(mesh, &point));
             check_ok(gd_field_gradient(field, &point, &gradient), NULL);
             worst = fmax(worst, gd_vec3_distance(gradient, expected));
         }
@@ -49,15 +49,17 @@ static void the_path_leaves_against_it(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"terrain", {14, 0.8, 3}}, {"saddle", {1, 0.6, 5, 6}}, {"obstacles", {5, 1, 3}},
-                    {"genus2", {3, 0.03}},     {"tangle", {150, 11}},      {"cylinder", {0.1, 3, 16, 5}}};
+    } surfaces[] = {{"terrain", {14, 0.8, 3}}, {"saddle", {1, 0.6, 5, 6}},
+                    {"obstacles", {5, 1, 3}},  {"genus2", {3, 0.03}},
+                    {"tangle", {150, 11}},     {"cylinder", {0.1, 3, 16, 5}}};
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         struct gd_polygons polygons;
         check_ok(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons), NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct rng rng = {s};
-        struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
-                                   {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1}};
+        struct gd_seed seeds[2] = {
+            {.point = test_point(mesh, test_random_place(&polygons, &rng))},
+            {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1}};
         struct gd_field *field = test_field(mesh, seeds, 2, 0);
         double worst = 0;
         uint32_t asked = 0;
@@ -67,7 +69,8 @@ static void the_path_leaves_against_it(void **state)
             struct gd_path path;
             enum gd_status status = gd_field_gradient(field, &point, &gradient);
             if (status) { /* the seed itself, or another component */
-                assert_int_equal(status, isinf(test_distance(field, &point)) ? GD_NOT_ON_SURFACE : GD_INVALID_ARGUMENT);
+                assert_int_equal(status, isinf(test_distance(field, &point)) ? GD_NOT_ON_SURFACE
+                                                                             : GD_INVALID_ARGUMENT);
                 continue;
             }
             check_ok(gd_field_path(field, &point, &path), NULL);
@@ -92,14 +95,17 @@ static void where_there_is_none(void **state)
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
-    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_polygons two = {
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&two);
-    const struct test_place places[3] = {{0, {1, 0, 0}}, {0, {0.5, 0.5, 0}}, {0, {0.5, 0.25, 0.25}}};
+    const struct test_place places[3] = {
+        {0, {1, 0, 0}}, {0, {0.5, 0.5, 0}}, {0, {0.5, 0.25, 0.25}}};
     struct gd_point far = test_point(mesh, (struct test_place){0, {0, 0, 1}}),
                     apart = test_point(mesh, (struct test_place){1, {0.2, 0.3, 0.5}});
     for (int i = 0; i < 3; i++) {
         struct gd_seed seed = {.point = test_point(mesh, places[i])};
-        struct gd_field *whole = test_field(mesh, &seed, 1, 0), *partial = test_field(mesh, &seed, 1, 0.25);
+        struct gd_field *whole = test_field(mesh, &seed, 1, 0),
+                        *partial = test_field(mesh, &seed, 1, 0.25);
         struct gd_vec3 gradient = {7, 7, 7};
         assert_int_equal(gd_field_gradient(whole, &seed.point, &gradient), GD_INVALID_ARGUMENT);
         assert_int_equal(gd_field_gradient(whole, &apart, &gradient), GD_NOT_ON_SURFACE);

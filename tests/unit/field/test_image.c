@@ -25,11 +25,12 @@ static int make_image(void **state)
     check_ok(sample_terrain(12, 0.3, 7, &polygons), NULL);
     mesh = test_mesh(&polygons);
     struct rng rng = {4};
-    struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
-                               {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.25}};
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 2}, NULL, NULL, &field, NULL),
-        NULL);
+    struct gd_seed seeds[2] = {
+        {.point = test_point(mesh, test_random_place(&polygons, &rng))},
+        {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.25}};
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 2}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     size = gd_field_image_size(field);
     image = malloc(size);
     gd_field_write_image(field, image);
@@ -52,7 +53,8 @@ static void answers_like_the_field(void **state)
     (void)state;
     struct gd_field *opened;
     struct gd_detail detail;
-    check_ok(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail), &detail);
+    check_ok(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+             &detail);
     assert_int_equal(gd_field_memsize(opened), gd_field_memsize(field));
     struct rng rng = {8};
     for (int i = 0; i < 500; i++) {
@@ -86,18 +88,24 @@ static void refuses_what_is_no_image_of_this_mesh(void **state)
     struct gd_polygons other;
     check_ok(sample_terrain(12, 0.3, 8, &other), NULL);
     struct gd_mesh *stranger = test_mesh(&other);
-    assert_int_equal(gd_field_open_image(stranger, image, size, count_release, &released, &opened, &detail),
-                     GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_field_open_image(mesh, image, 50, count_release, &released, &opened, &detail), GD_TRUNCATED);
-    assert_int_equal(gd_field_open_image(mesh, image, size - 8, count_release, &released, &opened, &detail),
-                     GD_TRUNCATED);
+    assert_int_equal(
+        gd_field_open_image(stranger, image, size, count_release, &released, &opened, &detail),
+        GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_field_open_image(mesh, image, 50, count_release, &released, &opened, &detail),
+        GD_TRUNCATED);
+    assert_int_equal(
+        gd_field_open_image(mesh, image, size - 8, count_release, &released, &opened, &detail),
+        GD_TRUNCATED);
     image[0] ^= 1;
-    assert_int_equal(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
-                     GD_UNRECOGNIZED);
+    assert_int_equal(
+        gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+        GD_UNRECOGNIZED);
     image[0] ^= 1;
     image[8] = 1; /* the version before this one */
-    assert_int_equal(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
-                     GD_UNRECOGNIZED);
+    assert_int_equal(
+        gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+        GD_UNRECOGNIZED);
     assert_non_null(strstr(detail.text, "version 1"));
     assert_int_equal(released, 0);
     assert_null(opened);
@@ -105,7 +113,7 @@ static void refuses_what_is_no_image_of_this_mesh(void **state)
     gd_polygons_free(&other);
 }
 
-/* --- damage -------------------------------------------------------------------------------------------------------------- */
+/* --- damage ----------------------------------------------------------------------------------- */
 
 /* The image's own arrays, from its end. */
 static char *image_wedges(void)
@@ -123,7 +131,8 @@ static struct gd__chunk *image_chunk(uint32_t at)
     return (struct gd__chunk *)(image_wedges() + (size_t)at * GD__CHUNK_UNIT);
 }
 
-/* Asked everywhere, whatever the answers: none may lead outside the image (under AddressSanitizer) or take for ever. */
+/* Asked everywhere, whatever the answers: none may lead outside the image (under AddressSanitizer)
+ * or take for ever. */
 static void ask_everywhere(const struct gd_field *damaged, struct rng *rng)
 {
     for (int k = 0; k < 5; k++) {
@@ -164,7 +173,9 @@ static uint32_t longest_chain(uint32_t *chunks)
     *chunks = 0;
     for (uint32_t e = 0; e < mesh->edge_count; e++) {
         uint32_t count = 0;
-        for (uint32_t at = field->newest[e]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) count++;
+        for (uint32_t at = field->newest[e]; at != GD_NONE;
+             at = gd__field_chunk(field, at)->previous)
+            count++;
         if (count > *chunks) *chunks = count, best = e;
     }
     return best;
@@ -192,7 +203,8 @@ static void refuses_impossible_chains(void **state)
     }
     image_newest()[edge] = units - 1; /* half a chunk's header, and no more */
     assert_int_equal(try_damaged(&rng) == GD_OK, false);
-    for (uint32_t e = 0; e < mesh->edge_count; e++) image_newest()[e] = newest; /* one chain in all edges */
+    /* one chain in all edges */
+    for (uint32_t e = 0; e < mesh->edge_count; e++) image_newest()[e] = newest;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
 }
 
@@ -218,19 +230,21 @@ static void refuses_impossible_counts_and_sources(void **state)
     assert_int_equal(try_damaged(&rng), GD_OK);
 }
 
-/* Without a side and a source a reached vertex would know no way back; and no way leads on from where nothing was reached. */
+/* Without a side and a source a reached vertex would know no way back; and no way leads on from
+ * where nothing was reached. */
 static void refuses_impossible_births(void **state)
 {
     (void)state;
     struct rng rng = {19};
     uint32_t vertex = mesh->vertex_count / 2, chunks;
-    struct gd__birth *births =
-        (struct gd__birth *)((char *)image_newest() - mesh->vertex_count * sizeof(struct gd__birth));
+    struct gd__birth *births = (struct gd__birth *)((char *)image_newest() -
+                                                    mesh->vertex_count * sizeof(struct gd__birth));
     double *distances = (double *)births - mesh->vertex_count;
     assert_memory_equal(distances, field->distance, mesh->vertex_count * sizeof *distances);
     births[vertex] = (struct gd__birth){.side = GD_NONE, .source = GD_NONE};
     assert_int_equal(try_damaged(&rng), GD_INDEX);
-    births[vertex] = (struct gd__birth){.side = GD_NONE, .source = mesh->vertex_count + field->seed_count};
+    births[vertex] =
+        (struct gd__birth){.side = GD_NONE, .source = mesh->vertex_count + field->seed_count};
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     struct gd__wedges w = gd__chunk_wedges(image_chunk(image_newest()[longest_chain(&chunks)]));
     w.start[0] = (uint64_t)vertex << 32 | (uint32_t)w.start[0];
@@ -241,7 +255,8 @@ static void refuses_impossible_births(void **state)
     assert_int_equal(try_damaged(&rng), GD_INDEX);
 }
 
-/* Chains that are possible and wrong: shared by a few edges, cut short, starts in disorder, numbers that are none. */
+/* Chains that are possible and wrong: shared by a few edges, cut short, starts in disorder, numbers
+ * that are none. */
 static void wrong_wedges_never_lead_outside(void **state)
 {
     (void)state;
@@ -272,7 +287,8 @@ static void wrong_wedges_never_lead_outside(void **state)
             break;
         case 5:
             for (k = 0; k < chunk->count; k++)
-                w.start[k] = (uint32_t)rng_next(&rng) | (uint64_t)rng_below(&rng, mesh->vertex_count) << 32;
+                w.start[k] =
+                    (uint32_t)rng_next(&rng) | (uint64_t)rng_below(&rng, mesh->vertex_count) << 32;
             break;
         }
         opened += try_damaged(&rng) == GD_OK;

@@ -5,7 +5,7 @@
 #include "gd/locate.h"
 #include "tests/support/watch.h"
 
-/* --- closed forms -------------------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 /* Length of the circle about (x, y) inside the rectangle [0, width] x [0, height]. */
 static double circle_in_rectangle(double x, double y, double radius, double width, double height)
@@ -27,8 +27,10 @@ static double circle_in_rectangle(double x, double y, double radius, double widt
                 cuts[k] = swap;
             }
     for (int i = 0; i + 1 < count; i++) {
-        double middle = 0.5 * (cuts[i] + cuts[i + 1]), px = x + radius * cos(middle), py = y + radius * sin(middle);
-        if (px > 0 && px < width && py > 0 && py < height) length += radius * (cuts[i + 1] - cuts[i]);
+        double middle = 0.5 * (cuts[i] + cuts[i + 1]), px = x + radius * cos(middle),
+               py = y + radius * sin(middle);
+        if (px > 0 && px < width && py > 0 && py < height)
+            length += radius * (cuts[i + 1] - cuts[i]);
     }
     return length;
 }
@@ -70,7 +72,8 @@ static void levels_through_vertices(void **state)
     struct gd_seed seed = {0};
     check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){4 * 9 + 4}, &seed.point, NULL), NULL);
     struct gd_field *field = test_field(mesh, &seed, 1, 0);
-    const double levels[] = {1, sqrt(2), 2, sqrt(5), sqrt(8), 3, sqrt(10), sqrt(13), nextafter(3, 0), nextafter(3, 4)};
+    const double levels[] = {1, sqrt(2),  2,        sqrt(5),         sqrt(8),
+                             3, sqrt(10), sqrt(13), nextafter(3, 0), nextafter(3, 4)};
     for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
         struct gd_isoline isoline = trace(field, levels[i]);
         assert_int_equal(isoline.line_count, 1);
@@ -78,7 +81,8 @@ static void levels_through_vertices(void **state)
         check_close(isoline.lines[0].length, 2 * M_PI * levels[i], promise);
         gd_isoline_free(&isoline);
     }
-    struct gd_isoline corner = trace(field, sqrt(32)), inner = trace(field, 5), none = trace(field, 6);
+    struct gd_isoline corner = trace(field, sqrt(32)), inner = trace(field, 5),
+                      none = trace(field, 6);
     assert_true(total_length(&corner) < 1e-6);
     assert_int_equal(inner.line_count, 4);
     check_close(total_length(&inner), circle_in_rectangle(4, 4, 5, 8, 8), promise);
@@ -92,7 +96,8 @@ static void levels_through_vertices(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* About the apex of a cone the isoline is as long as the total angle tells; the mantle's rim is a polygon. */
+/* About the apex of a cone the isoline is as long as the total angle tells; the mantle's rim is a
+ * polygon. */
 static void circles_about_an_apex(void **state)
 {
     (void)state;
@@ -116,8 +121,12 @@ static void circles_about_an_apex(void **state)
             for (uint32_t k = 0; k < 3; k++) {
                 if (corner[k] != apex) continue;
                 struct gd_vec3 p = gd_mesh_position(mesh, (struct gd_vertex){apex}),
-                               a = gd_vec3_sub(gd_mesh_position(mesh, (struct gd_vertex){corner[(k + 1) % 3]}), p),
-                               b = gd_vec3_sub(gd_mesh_position(mesh, (struct gd_vertex){corner[(k + 2) % 3]}), p);
+                               a = gd_vec3_sub(
+                                   gd_mesh_position(mesh, (struct gd_vertex){corner[(k + 1) % 3]}),
+                                   p),
+                               b = gd_vec3_sub(
+                                   gd_mesh_position(mesh, (struct gd_vertex){corner[(k + 2) % 3]}),
+                                   p);
                 total += atan2(gd_vec3_length(gd_vec3_cross(a, b)), gd_vec3_dot(a, b));
             }
         }
@@ -134,7 +143,8 @@ static void circles_about_an_apex(void **state)
     }
 }
 
-/* Two seeds: before their circles meet there are two lines, then one, whose arcs meet on the bisector. */
+/* Two seeds: before their circles meet there are two lines, then one, whose arcs meet on the
+ * bisector. */
 static void two_seeds_in_the_plane(void **state)
 {
     (void)state;
@@ -170,7 +180,8 @@ static void two_seeds_in_the_plane(void **state)
         assert_int_equal(joints, lines == 1 ? 2 : 0);
         gd_isoline_free(&isoline);
     }
-    struct gd_isoline touching = trace(field, 0.5 * (apart + 0.2)); /* the circles touch in one point */
+    /* the circles touch in one point */
+    struct gd_isoline touching = trace(field, 0.5 * (apart + 0.2));
     check_close(total_length(&touching), 2 * M_PI * apart, 1e-6);
     gd_isoline_free(&touching);
     gd_field_release(field);
@@ -184,7 +195,8 @@ static void loops_within_one_face(void **state)
     (void)state;
     double positions[3][3] = {{0, 0, 0}, {4, 0, 0}, {2, 3, 0}};
     uint32_t corners[3] = {0, 1, 2};
-    struct gd_polygons one = {.positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
+    struct gd_polygons one = {
+        .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&one);
     struct gd_seed seed = {.point = test_point(mesh, (struct test_place){0, {0.5, 0.25, 0.25}})};
     struct gd_field *field = test_field(mesh, &seed, 1, 0);
@@ -194,7 +206,8 @@ static void loops_within_one_face(void **state)
     check_close(isoline.lines[0].length, 0.6 * M_PI, 1e-14);
     gd_isoline_free(&isoline);
     gd_field_release(field);
-    /* the middles of the edges as seeds: the distance has a maximum in the middle of the circle through them */
+    /* the middles of the edges as seeds: the distance has a maximum in the middle of the circle
+     * through them */
     struct gd_seed round[3] = {{.point = test_point(mesh, (struct test_place){0, {0.5, 0.5, 0}})},
                                {.point = test_point(mesh, (struct test_place){0, {0, 0.5, 0.5}})},
                                {.point = test_point(mesh, (struct test_place){0, {0.5, 0, 0.5}})}};
@@ -214,7 +227,8 @@ static void loops_within_one_face(void **state)
     gd_mesh_release(mesh);
 }
 
-/* On a cube about a face's middle: four arcs a face at most, and what the box's own closed form says by symmetry of the net. */
+/* On a cube about a face's middle: four arcs a face at most, and what the box's own closed form
+ * says by symmetry of the net. */
 static void on_a_cube(void **state)
 {
     (void)state;
@@ -225,13 +239,17 @@ static void on_a_cube(void **state)
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {0};
     double moved;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){0.5, 0.5, 1}, 1, &seed.point, &moved, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){0.5, 0.5, 1}, 1, &seed.point, &moved, NULL),
+             NULL);
     struct gd_field *field = test_field(mesh, &seed, 1, 0);
-    struct gd_isoline on_top = trace(field, 0.4), over = trace(field, 0.6), holes = trace(field, 1.9);
+    struct gd_isoline on_top = trace(field, 0.4), over = trace(field, 0.6),
+                      holes = trace(field, 1.9);
     assert_true(on_top.line_count == 1 && over.line_count == 1 && holes.line_count == 1);
     check_close(on_top.lines[0].length, 0.8 * M_PI, promise);
-    check_close(over.lines[0].length, 1.2 * M_PI, promise); /* no corner is within reach: all of it is flat */
-    /* round the opposite face's middle: four arcs about the images of the seed, 2 from the middle */
+    /* no corner is within reach: all of it is flat */
+    check_close(over.lines[0].length, 1.2 * M_PI, promise);
+    /* round the opposite face's middle: four arcs about the images of the seed, 2 from the middle
+     */
     double t = 1 - sqrt(1.9 * 1.9 / 2 - 1), quarter = 2 * 1.9 * asin(t / 1.9);
     check_close(holes.lines[0].length, 4 * quarter, promise);
     gd_isoline_free(&on_top);
@@ -249,18 +267,23 @@ static void what_is_refused(void **state)
     check_ok(sample_icosphere(2, 1, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {.point = test_point(mesh, (struct test_place){0, {0.2, 0.3, 0.5}})};
-    struct gd_field *whole = test_field(mesh, &seed, 1, 0), *partial = test_field(mesh, &seed, 1, 1);
+    struct gd_field *whole = test_field(mesh, &seed, 1, 0),
+                    *partial = test_field(mesh, &seed, 1, 1);
     struct gd_isoline isoline = {.level = 7};
     const double bad[] = {-1, NAN, INFINITY};
-    for (int i = 0; i < 3; i++) assert_int_equal(gd_isoline_trace(whole, bad[i], NULL, &isoline), GD_INVALID_ARGUMENT);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(gd_isoline_trace(whole, bad[i], NULL, &isoline), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_isoline_trace(partial, 1.5, NULL, &isoline), GD_BEYOND_REACH);
-    struct gd_control late = {.deadline_ns = 1}, cancel = {.progress = test_cancel}, poor = {.budget_bytes = 64};
+    struct gd_control late = {.deadline_ns = 1}, cancel = {.progress = test_cancel},
+                      poor = {.budget_bytes = 64};
     assert_int_equal(gd_isoline_trace(whole, 1, &late, &isoline), GD_DEADLINE);
     assert_int_equal(gd_isoline_trace(whole, 1, &cancel, &isoline), GD_CANCELLED);
     assert_int_equal(gd_isoline_trace(whole, 1, &poor, &isoline), GD_BUDGET);
     assert_true(isoline.level == 7);
-    struct gd_isoline zero = trace(whole, 0), far = trace(whole, 100), a = trace(whole, 0.9), b = trace(partial, 0.9);
-    assert_true(zero.line_count == 0 && far.line_count == 0 && a.line_count == 1 && b.line_count == 1);
+    struct gd_isoline zero = trace(whole, 0), far = trace(whole, 100), a = trace(whole, 0.9),
+                      b = trace(partial, 0.9);
+    assert_true(zero.line_count == 0 && far.line_count == 0 && a.line_count == 1 &&
+                b.line_count == 1);
     check_close(a.lines[0].length, b.lines[0].length, 1e-12);
     struct gd_path path;
     assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 0, NULL, &path), GD_INVALID_ARGUMENT);
@@ -280,7 +303,7 @@ static void what_is_refused(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* --- control ------------------------------------------------------------------------------------------------------------- */
+/* --- control ---------------------------------------------------------------------------------- */
 
 static double cpu_ms(void)
 {
@@ -289,7 +312,8 @@ static double cpu_ms(void)
     return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
-/* Once in a millisecond on the average, with a part done that grows; and whichever call says no, it ends. */
+/* Once in a millisecond on the average, with a part done that grows; and whichever call says no, it
+ * ends. */
 static void it_asks_its_control(void **state)
 {
     (void)state;

@@ -4,8 +4,8 @@
 #include "gd/curve.h"
 
 /* The seeds of a curve. The caller frees. */
-static struct gd_seed *seeds_of(const struct gd_mesh *mesh, const struct gd_curve_request *request, uint32_t *count,
-                                double *length)
+static struct gd_seed *seeds_of(const struct gd_mesh *mesh, const struct gd_curve_request *request,
+                                uint32_t *count, double *length)
 {
     struct gd_curve curve;
     struct gd_detail detail = {0};
@@ -18,8 +18,8 @@ static struct gd_seed *seeds_of(const struct gd_mesh *mesh, const struct gd_curv
     return seeds;
 }
 
-static struct gd_field *field_of_curve(const struct gd_mesh *mesh, const struct gd_curve_request *request,
-                                       double *length)
+static struct gd_field *field_of_curve(const struct gd_mesh *mesh,
+                                       const struct gd_curve_request *request, double *length)
 {
     uint32_t count;
     struct gd_seed *seeds = seeds_of(mesh, request, &count, length);
@@ -33,13 +33,16 @@ static double straight_length(const struct gd_isoline *isoline)
     double length = 0;
     for (uint32_t i = 0; i < isoline->line_count; i++)
         for (uint32_t k = 0; k < isoline->lines[i].arc_count; k++)
-            if (isoline->lines[i].arcs[k].radius == 0) length += gd_isoline_arc_length(&isoline->lines[i].arcs[k]);
+            if (isoline->lines[i].arcs[k].radius == 0)
+                length += gd_isoline_arc_length(&isoline->lines[i].arcs[k]);
     return length;
 }
 
-/* One closed line, of that length, of which that part is straight: joints lie where the two are as far from each other as rounding, a square of the way.
- * Returns the error of the length, relative. */
-static double check_offset(const struct gd_field *field, double level, double length, double straight)
+/* One closed line, of that length, of which that part is straight: joints lie where the two are as
+ * far from each other as rounding, a square of the way. Returns the error of the length, relative.
+ */
+static double check_offset(const struct gd_field *field, double level, double length,
+                           double straight)
 {
     struct gd_isoline isoline = trace(field, level);
     assert_int_equal(isoline.line_count, 1);
@@ -68,9 +71,11 @@ static void offsets_of_a_segment(void **state)
             ends[i] = test_point_near(mesh, away + scale * rng_between(&rng, 0.9, 2.1),
                                       scale * rng_between(&rng, 0.9, 1.1), 0);
         double length;
-        struct gd_field *field = field_of_curve(mesh, &(struct gd_curve_request){.points = ends, .count = 2}, &length);
+        struct gd_field *field =
+            field_of_curve(mesh, &(struct gd_curve_request){.points = ends, .count = 2}, &length);
         for (double level = 1e-4; level < 0.9; level += 0.0511)
-            worst = fmax(worst, check_offset(field, level * scale, 2 * (length + M_PI * level * scale), 2 * length));
+            worst = fmax(worst, check_offset(field, level * scale,
+                                             2 * (length + M_PI * level * scale), 2 * length));
         gd_field_release(field);
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
@@ -82,8 +87,9 @@ static void offsets_of_a_segment(void **state)
 static void offsets_along_edges(void **state)
 {
     (void)state;
-    static const double at[][4] = {{3, 5, 6, 5}, {3.25, 5, 6.5, 5},  {3.25, 4.5, 6.5, 4.5}, {3.3, 5, 3.6, 5},
-                                   {5, 3, 5, 6}, {3, 3, 6.25, 6.25}, {4, 4.5, 4, 5.75},     {3.1, 4.75, 3.2, 4.75}};
+    static const double at[][4] = {{3, 5, 6, 5},      {3.25, 5, 6.5, 5},     {3.25, 4.5, 6.5, 4.5},
+                                   {3.3, 5, 3.6, 5},  {5, 3, 5, 6},          {3, 3, 6.25, 6.25},
+                                   {4, 4.5, 4, 5.75}, {3.1, 4.75, 3.2, 4.75}};
     static const double levels[] = {0.25,      0.5,     1,         1.5,       2,         2.5,
                                     M_SQRT1_2, M_SQRT2, 1 - 1e-13, 1 + 1e-13, 2 - 1e-12, 2 + 1e-12};
     struct gd_polygons polygons;
@@ -93,7 +99,8 @@ static void offsets_along_edges(void **state)
         struct gd_point ends[2] = {test_point_near(mesh, at[i][0], at[i][1], 0),
                                    test_point_near(mesh, at[i][2], at[i][3], 0)};
         double length;
-        struct gd_field *field = field_of_curve(mesh, &(struct gd_curve_request){.points = ends, .count = 2}, &length);
+        struct gd_field *field =
+            field_of_curve(mesh, &(struct gd_curve_request){.points = ends, .count = 2}, &length);
         for (size_t k = 0; k < sizeof levels / sizeof *levels; k++)
             check_offset(field, levels[k], 2 * (length + M_PI * levels[k]), 2 * length);
         gd_field_release(field);
@@ -102,7 +109,8 @@ static void offsets_along_edges(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* About a convex polygon: outside parallel sides and arcs that make one turn, inside a polygon again. */
+/* About a convex polygon: outside parallel sides and arcs that make one turn, inside a polygon
+ * again. */
 static void offsets_of_a_polygon(void **state)
 {
     (void)state;
@@ -118,8 +126,8 @@ static void offsets_of_a_polygon(void **state)
         points[i] = test_point_near(mesh, a[0], a[1], 0);
         shrinking += 2 * tan(0.5 * remainder(turn_at, 2 * M_PI));
     }
-    struct gd_field *field =
-        field_of_curve(mesh, &(struct gd_curve_request){.points = points, .count = 5, .closed = true}, &length);
+    struct gd_field *field = field_of_curve(
+        mesh, &(struct gd_curve_request){.points = points, .count = 5, .closed = true}, &length);
     for (double level = 0.01; level < 1.5; level += 0.0791) {
         struct gd_isoline isoline = trace(field, level);
         double inner = length - level * shrinking;
@@ -141,9 +149,11 @@ static void offsets_of_a_boundary(void **state)
     check_ok(sample_grid(8, 6, 8, 6, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     double length;
-    struct gd_field *field = field_of_curve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY}, &length);
+    struct gd_field *field =
+        field_of_curve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY}, &length);
     check_close(length, 28, 1e-14);
-    for (double level = 0.0625; level < 3; level += 0.0625) check_offset(field, level, 28 - 8 * level, 28 - 8 * level);
+    for (double level = 0.0625; level < 3; level += 0.0625)
+        check_offset(field, level, 28 - 8 * level, 28 - 8 * level);
     check_offset(field, 1e-5, 28 - 8e-5, 28 - 8e-5);
     struct gd_isoline ridge = trace(field, 3), none = trace(field, 3.001);
     check_close(total_length(&ridge), 4, promise);
@@ -155,7 +165,8 @@ static void offsets_of_a_boundary(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* From one end of a prism's mantle all lines go round it, from both ends two do; about a geodesic on it, or on a cone's, they are as in the plane. */
+/* From one end of a prism's mantle all lines go round it, from both ends two do; about a geodesic
+ * on it, or on a cone's, they are as in the plane. */
 static void offsets_on_mantles(void **state)
 {
     (void)state;
@@ -163,14 +174,17 @@ static void offsets_on_mantles(void **state)
     double length, half;
     check_ok(sample_cylinder(1, 4, 7, 8, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_field *field = field_of_curve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY}, &length);
+    struct gd_field *field =
+        field_of_curve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY}, &length);
     check_close(length, 14 * sin(M_PI / 7), 1e-14);
-    for (double level = 0.125; level < 4; level += 0.125) check_offset(field, level, length, length);
+    for (double level = 0.125; level < 4; level += 0.125)
+        check_offset(field, level, length, length);
     gd_field_release(field);
     uint32_t count, more;
     struct gd_seed seeds[128],
         *low = seeds_of(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY}, &count, &half),
-        *high = seeds_of(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = 1}, &more, &half);
+        *high = seeds_of(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = 1},
+                         &more, &half);
     for (uint32_t i = 0; i < count + more; i++) seeds[i] = i < count ? low[i] : high[i - count];
     field = test_field(mesh, seeds, count + more, 0);
     for (double level = 0.125; level < 2; level += 0.125) {
@@ -182,8 +196,9 @@ static void offsets_on_mantles(void **state)
     gd_field_release(field);
     free(low);
     free(high);
-    struct gd_point ends[2] = {test_point(mesh, (struct test_place){2 * 7 * 3 + 1, {0.2, 0.3, 0.5}}),
-                               test_point(mesh, (struct test_place){2 * 7 * 4 + 4, {0.6, 0.3, 0.1}})};
+    struct gd_point ends[2] = {
+        test_point(mesh, (struct test_place){2 * 7 * 3 + 1, {0.2, 0.3, 0.5}}),
+        test_point(mesh, (struct test_place){2 * 7 * 4 + 4, {0.6, 0.3, 0.1}})};
     field = field_of_curve(mesh, &(struct gd_curve_request){.points = ends, .count = 2}, &length);
     for (double level = 0.01; level < 1; level += 0.0713)
         check_offset(field, level, 2 * (length + M_PI * level), 2 * length);

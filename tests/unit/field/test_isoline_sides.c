@@ -1,4 +1,5 @@
-/* Lines on any surface: what is nearer than the level lies on one side of them, however the levels fall. */
+/* Lines on any surface: what is nearer than the level lies on one side of them, however the levels
+ * fall. */
 #include "isolines.h"
 
 #include "tests/samples/zoo.h"
@@ -23,7 +24,8 @@ static uint32_t times_crossed(const struct flat_arc *flat, const double a[2], co
         return (turn(a, b, start) > 0) != (turn(a, b, flat->end) > 0) &&
                (turn(start, flat->end, a) > 0) != (turn(start, flat->end, b) > 0);
     double ax = a[0] - arc->u, ay = a[1] - arc->v, dx = b[0] - a[0], dy = b[1] - a[1];
-    double qa = dx * dx + dy * dy, qb = ax * dx + ay * dy, qc = ax * ax + ay * ay - arc->radius * arc->radius;
+    double qa = dx * dx + dy * dy, qb = ax * dx + ay * dy,
+           qc = ax * ax + ay * ay - arc->radius * arc->radius;
     double discriminant = qb * qb - qa * qc;
     uint32_t times = 0;
     if (discriminant <= 0) return 0;
@@ -37,7 +39,8 @@ static uint32_t times_crossed(const struct flat_arc *flat, const double a[2], co
 }
 
 /* A point's place in the plane of a face of it, in the arcs' frame. */
-static void lay_flat(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point, double at[2])
+static void lay_flat(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point,
+                     double at[2])
 {
     struct gd_vec3 x, y, p = gd_point_position(mesh, point);
     struct gd_vertex corners[3];
@@ -49,12 +52,15 @@ static void lay_flat(const struct gd_mesh *mesh, uint32_t face, const struct gd_
 }
 
 /* A random point of a face, and its place in the arcs' frame. */
-static struct gd_point random_in_face(const struct gd_mesh *mesh, uint32_t face, struct rng *rng, double at[2])
+static struct gd_point random_in_face(const struct gd_mesh *mesh, uint32_t face, struct rng *rng,
+                                      double at[2])
 {
-    double weight[3] = {rng_between(rng, 0.01, 1), rng_between(rng, 0.01, 1), rng_between(rng, 0.01, 1)};
+    double weight[3] = {rng_between(rng, 0.01, 1), rng_between(rng, 0.01, 1),
+                        rng_between(rng, 0.01, 1)};
     double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] /= sum;
-    struct gd_point point = test_point(mesh, (struct test_place){face, {weight[0], weight[1], weight[2]}});
+    struct gd_point point =
+        test_point(mesh, (struct test_place){face, {weight[0], weight[1], weight[2]}});
     lay_flat(mesh, face, &point, at);
     return point;
 }
@@ -65,7 +71,8 @@ struct by_face {
     struct flat_arc *arc;
 };
 
-static struct by_face sort_arcs(const struct gd_mesh *mesh, const struct gd_isoline *isoline, uint32_t faces)
+static struct by_face sort_arcs(const struct gd_mesh *mesh, const struct gd_isoline *isoline,
+                                uint32_t faces)
 {
     uint32_t total = 0;
     struct by_face sorted = {.first = calloc((size_t)faces + 2, sizeof *sorted.first)};
@@ -85,8 +92,10 @@ static struct by_face sort_arcs(const struct gd_mesh *mesh, const struct gd_isol
     return sorted;
 }
 
-/* Between two points of a face the segment crosses the isoline an odd number of times if and only if one of them is below the level. */
-static void check_sides(const struct gd_field *field, const struct gd_isoline *isoline, struct rng *rng)
+/* Between two points of a face the segment crosses the isoline an odd number of times if and only
+ * if one of them is below the level. */
+static void check_sides(const struct gd_field *field, const struct gd_isoline *isoline,
+                        struct rng *rng)
 {
     const struct gd_mesh *mesh = gd_field_mesh(field);
     uint32_t faces = gd_mesh_summary(mesh)->face_index_count;
@@ -94,15 +103,17 @@ static void check_sides(const struct gd_field *field, const struct gd_isoline *i
     for (uint32_t f = 0; f < faces; f++) {
         for (int k = 0; k < 12; k++) {
             double a[2], b[2], da, db;
-            struct gd_point p = random_in_face(mesh, f, rng, a), q = random_in_face(mesh, f, rng, b);
+            struct gd_point p = random_in_face(mesh, f, rng, a),
+                            q = random_in_face(mesh, f, rng, b);
             uint32_t times = 0;
             check_ok(gd_field_distance(field, &p, &da), NULL);
             check_ok(gd_field_distance(field, &q, &db), NULL);
             for (uint32_t i = sorted.first[f]; i < sorted.first[f + 1]; i++)
                 times += times_crossed(&sorted.arc[i], a, b);
             if (times % 2 != ((da < isoline->level) != (db < isoline->level))) {
-                print_error("level %.17g, face %u: from %.17g to %.17g crosses %u of %u arcs\n", isoline->level, f, da,
-                            db, times, sorted.first[f + 1] - sorted.first[f]);
+                print_error("level %.17g, face %u: from %.17g to %.17g crosses %u of %u arcs\n",
+                            isoline->level, f, da, db, times,
+                            sorted.first[f + 1] - sorted.first[f]);
                 fail();
             }
         }
@@ -118,7 +129,8 @@ static void check_ends(const struct gd_mesh *mesh, const struct gd_isoline *isol
         const struct gd_isoline_line *line = &isoline->lines[i];
         if (line->closed) continue;
         assert_true(gd_mesh_summary(mesh)->boundaries > 0);
-        assert_true(line->points[0].kind != GD_POINT_FACE && line->points[line->point_count - 1].kind != GD_POINT_FACE);
+        assert_true(line->points[0].kind != GD_POINT_FACE &&
+                    line->points[line->point_count - 1].kind != GD_POINT_FACE);
     }
 }
 
@@ -130,7 +142,8 @@ static const struct {
                 {"obstacles", {5, 1, 3}}, {"cylinder", {0.1, 3, 16, 5}}, {"tetrahedron", {1, 3}},
                 {"tangle", {200, 11}},    {"tangle", {200, 12}},         {"box", {1, 1, 0.001, 6}}};
 
-static struct gd_field *field_of_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons, uint32_t count,
+static struct gd_field *field_of_points(const struct gd_mesh *mesh,
+                                        const struct gd_polygons *polygons, uint32_t count,
                                         struct rng *rng)
 {
     struct gd_seed seeds[3] = {0};
@@ -144,14 +157,16 @@ static struct gd_point random_end(const struct gd_mesh *mesh, uint32_t face, str
     struct test_place place = {.face = face};
     uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3);
     double sum = 0;
-    for (uint32_t k = zeros; k < 3; k++) sum += place.weight[(first + k) % 3] = 0.01 + rng_unit(rng);
+    for (uint32_t k = zeros; k < 3; k++)
+        sum += place.weight[(first + k) % 3] = 0.01 + rng_unit(rng);
     for (int k = 0; k < 3; k++) place.weight[k] /= sum;
     return test_point(mesh, place);
 }
 
 /* Segments at random, across faces and along edges, with their ends. */
-static struct gd_field *field_of_segments(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
-                                          uint32_t count, struct rng *rng)
+static struct gd_field *field_of_segments(const struct gd_mesh *mesh,
+                                          const struct gd_polygons *polygons, uint32_t count,
+                                          struct rng *rng)
 {
     struct gd_seed seeds[9];
     uint32_t filled = 0;
@@ -178,7 +193,8 @@ static struct gd_point lattice_end(const struct gd_mesh *mesh, uint32_t face, st
 }
 
 /* Segments between places of a lattice, half of which begin half a unit later. */
-static struct gd_field *field_on_lattice(const struct gd_mesh *mesh, const struct gd_polygons *polygons, uint32_t count,
+static struct gd_field *field_on_lattice(const struct gd_mesh *mesh,
+                                         const struct gd_polygons *polygons, uint32_t count,
                                          struct rng *rng)
 {
     struct gd_seed seeds[18];
@@ -190,16 +206,19 @@ static struct gd_field *field_on_lattice(const struct gd_mesh *mesh, const struc
         if (gd_point_equal(&a, &b)) continue;
         seeds[filled++] = (struct gd_seed){.point = a, .offset = offset};
         seeds[filled++] = (struct gd_seed){.point = b, .offset = offset};
-        seeds[filled++] = (struct gd_seed){.point = a, .end = b, .is_segment = true, .offset = offset};
+        seeds[filled++] =
+            (struct gd_seed){.point = a, .end = b, .is_segment = true, .offset = offset};
     }
     return test_field(mesh, seeds, filled, 0);
 }
 
-typedef struct gd_field *field_maker(const struct gd_mesh *, const struct gd_polygons *, uint32_t, struct rng *);
+typedef struct gd_field *field_maker(const struct gd_mesh *, const struct gd_polygons *, uint32_t,
+                                     struct rng *);
 
-/* Fields of one and of three seeds on a surface, levels at random and of vertices, to the last bit. */
-static void check_surface(const char *name, const struct gd_polygons *polygons, field_maker *make, uint64_t seed,
-                          int rounds)
+/* Fields of one and of three seeds on a surface, levels at random and of vertices, to the last bit.
+ */
+static void check_surface(const char *name, const struct gd_polygons *polygons, field_maker *make,
+                          uint64_t seed, int rounds)
 {
     struct gd_mesh *mesh = test_mesh(polygons);
     struct rng rng = {seed};
@@ -212,8 +231,8 @@ static void check_surface(const char *name, const struct gd_polygons *polygons, 
         check_ok(gd_field_farthest(field, NULL, &farthest, &most), NULL);
         gd_field_vertex_distances(field, distance);
         for (int k = 0; k < 8; k++) {
-            double level =
-                k % 2 ? rng_between(&rng, 0.01, 1.05) * most : distance[rng_below(&rng, polygons->position_count)];
+            double level = k % 2 ? rng_between(&rng, 0.01, 1.05) * most
+                                 : distance[rng_below(&rng, polygons->position_count)];
             if (!(level > 1e-3 * most && isfinite(level))) continue;
             struct gd_isoline isoline;
             check_ok(gd_isoline_trace(field, level, NULL, &isoline), NULL);
@@ -227,7 +246,8 @@ static void check_surface(const char *name, const struct gd_polygons *polygons, 
         }
         gd_field_release(field);
     }
-    print_message("# %s: %u lines of %u arcs, distances off by %.1e at most\n", name, lines, arcs, worst);
+    print_message("# %s: %u lines of %u arcs, distances off by %.1e at most\n", name, lines, arcs,
+                  worst);
     free(distance);
     gd_mesh_release(mesh);
 }
@@ -268,11 +288,13 @@ static void check_degenerate_shapes(field_maker *make)
     }
 }
 
-/* Between two parallel segments the ridge has the level's height: inside faces (x = 2.75), and along edges. */
+/* Between two parallel segments the ridge has the level's height: inside faces (x = 2.75), and
+ * along edges. */
 static void along_a_ridge(void **state)
 {
     (void)state;
-    static const double at[2][2][4] = {{{2, 1, 2, 0.5}, {3, 1, 3, 0}}, {{1, 2, 1, 1}, {3, 1.5, 3, 1}}};
+    static const double at[2][2][4] = {{{2, 1, 2, 0.5}, {3, 1, 3, 0}},
+                                       {{1, 2, 1, 1}, {3, 1.5, 3, 1}}};
     static const double offsets[2] = {0.5, 0}, levels[2] = {0.75, 1};
     struct rng rng = {41};
     struct gd_polygons polygons;
@@ -282,11 +304,13 @@ static void along_a_ridge(void **state)
         struct gd_seed seeds[6];
         for (int k = 0; k < 2; k++) {
             const double *p = at[i][k];
-            struct gd_point a = test_point_near(mesh, p[0], p[1], 0), b = test_point_near(mesh, p[2], p[3], 0);
+            struct gd_point a = test_point_near(mesh, p[0], p[1], 0),
+                            b = test_point_near(mesh, p[2], p[3], 0);
             double offset = k ? offsets[i] : 0;
             seeds[3 * k] = (struct gd_seed){.point = a, .offset = offset};
             seeds[3 * k + 1] = (struct gd_seed){.point = b, .offset = offset};
-            seeds[3 * k + 2] = (struct gd_seed){.point = a, .end = b, .is_segment = true, .offset = offset};
+            seeds[3 * k + 2] =
+                (struct gd_seed){.point = a, .end = b, .is_segment = true, .offset = offset};
         }
         struct gd_field *field = test_field(mesh, seeds, 6, 0);
         struct gd_isoline isoline = trace(field, levels[i]);
@@ -299,7 +323,8 @@ static void along_a_ridge(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Two circles touch inside a face, and a third one runs through that place: the lines of all join there. */
+/* Two circles touch inside a face, and a third one runs through that place: the lines of all join
+ * there. */
 static void circles_that_touch(void **state)
 {
     (void)state;

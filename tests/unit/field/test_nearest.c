@@ -8,15 +8,17 @@
 
 enum { SEEDS = 6, POINTS = 400 };
 
-/* On each surface the seed's own field says the same distance, and no other seed's says less; the path ends there. */
+/* On each surface the seed's own field says the same distance, and no other seed's says less; the
+ * path ends there. */
 static void the_nearest_seed_gives_the_distance(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"terrain", {14, 0.8, 3}},   {"saddle", {1, 0.6, 5, 6}}, {"obstacles", {5, 1, 3}},
-                    {"torus", {20, 10, 1, 0.4}}, {"tangle", {150, 11}},      {"cylinder", {0.1, 3, 16, 5}}};
+    } surfaces[] = {{"terrain", {14, 0.8, 3}}, {"saddle", {1, 0.6, 5, 6}},
+                    {"obstacles", {5, 1, 3}},  {"torus", {20, 10, 1, 0.4}},
+                    {"tangle", {150, 11}},     {"cylinder", {0.1, 3, 16, 5}}};
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         struct gd_polygons polygons;
         check_ok(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons), NULL);
@@ -65,10 +67,11 @@ static void a_seed_is_nearest_to_itself(void **state)
     struct gd_polygons polygons;
     check_ok(sample_icosphere(1, 1, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seeds[4] = {{.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},
-                               {.point = test_point(mesh, (struct test_place){5, {0.3, 0.7, 0}})},
-                               {.point = test_point(mesh, (struct test_place){9, {0.2, 0.3, 0.5}})},
-                               {.point = test_point(mesh, (struct test_place){0, {1, 0, 0}}), .offset = 0.5}};
+    struct gd_seed seeds[4] = {
+        {.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},
+        {.point = test_point(mesh, (struct test_place){5, {0.3, 0.7, 0}})},
+        {.point = test_point(mesh, (struct test_place){9, {0.2, 0.3, 0.5}})},
+        {.point = test_point(mesh, (struct test_place){0, {1, 0, 0}}), .offset = 0.5}};
     struct gd_field *field = test_field(mesh, seeds, 4, 0);
     for (uint32_t i = 0; i < 3; i++) {
         double distance;
@@ -87,12 +90,14 @@ static void no_path_and_beyond_reach(void **state)
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     uint32_t corners[6] = {0, 1, 2, 3, 4, 5}, nearest = 7;
-    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_polygons two = {
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&two);
     struct gd_seed seed = {.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})};
     struct gd_point far = test_point(mesh, (struct test_place){0, {0, 1, 0}}),
                     apart = test_point(mesh, (struct test_place){1, {0.2, 0.3, 0.5}});
-    struct gd_field *whole = test_field(mesh, &seed, 1, 0), *partial = test_field(mesh, &seed, 1, 0.25);
+    struct gd_field *whole = test_field(mesh, &seed, 1, 0),
+                    *partial = test_field(mesh, &seed, 1, 0.25);
     double distance = 7;
     assert_int_equal(gd_field_nearest(partial, &far, &distance, &nearest), GD_BEYOND_REACH);
     assert_true(distance == 7 && nearest == 7);

@@ -9,7 +9,8 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-static struct gd_curve shortest(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to)
+static struct gd_curve shortest(const struct gd_mesh *mesh, struct gd_point from,
+                                struct gd_point to)
 {
     struct gd_point points[] = {from, to};
     struct gd_curve curve;
@@ -19,14 +20,16 @@ static struct gd_curve shortest(const struct gd_mesh *mesh, struct gd_point from
 }
 
 /* The field's distance at part s of the way from a to b. */
-static double distance_along(const struct gd_field *field, const struct gd_point *a, const struct gd_point *b, double s)
+static double distance_along(const struct gd_field *field, const struct gd_point *a,
+                             const struct gd_point *b, double s)
 {
     struct gd__home home;
     double from[3], to[3], distance;
     assert_true(gd__segment_home(field->mesh, a, b, &home));
     uint32_t side = 2 * home.edge;
     if (home.face == GD_NONE)
-        home.face = field->mesh->side_face[gd__side_is_boundary(field->mesh, side) ? side + 1 : side];
+        home.face =
+            field->mesh->side_face[gd__side_is_boundary(field->mesh, side) ? side + 1 : side];
     gd__point_weights(field->mesh, a, home.face, from);
     gd__point_weights(field->mesh, b, home.face, to);
     for (int k = 0; k < 3; k++) from[k] += s * (to[k] - from[k]);
@@ -40,12 +43,15 @@ static void check_place(double told, double field, double length)
     if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9); /* 0: they cross */
 }
 
-/* What the profile says of its extremes is what the field says there, and no sample exceeds them. */
-static void check_segment(const struct gd_field *field, const struct gd_point *a, const struct gd_point *b)
+/* What the profile says of its extremes is what the field says there, and no sample exceeds them.
+ */
+static void check_segment(const struct gd_field *field, const struct gd_point *a,
+                          const struct gd_point *b)
 {
     struct gd__profile profile = {0};
     check_ok(gd__profile_of(field, a, b, &profile), NULL);
-    struct gd__profile_place least = gd__profile_least(&profile), greatest = gd__profile_greatest(&profile);
+    struct gd__profile_place least = gd__profile_least(&profile),
+                             greatest = gd__profile_greatest(&profile);
     double length = profile.length * field->mesh->unit, low = least.distance * field->mesh->unit,
            high = greatest.distance * field->mesh->unit;
     check_place(low, distance_along(field, a, b, least.t / profile.length), length);
@@ -70,7 +76,8 @@ static void along_curves(void **state)
         for (int i = 0; i < 4; i++) end[i] = test_point(mesh, test_random_place(&polygons, &rng));
         struct gd_curve a = shortest(mesh, end[0], end[1]), b = shortest(mesh, end[2], end[3]);
         struct gd_field *field = test_field_of_curve(mesh, &a, 0);
-        for (uint32_t i = 0; i + 1 < b.count; i++) check_segment(field, &b.points[i], &b.points[i + 1]);
+        for (uint32_t i = 0; i + 1 < b.count; i++)
+            check_segment(field, &b.points[i], &b.points[i + 1]);
         gd_field_release(field);
         gd_curve_free(&a);
         gd_curve_free(&b);

@@ -1,4 +1,5 @@
-/* What a resumed field is beside its distances (tests/property/test_resume.c): what is refused, what stays as it was, images, control, memory. */
+/* What a resumed field is beside its distances (tests/property/test_resume.c): what is refused,
+ * what stays as it was, images, control, memory. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -20,13 +21,16 @@ static struct gd_field *partial; /* to 0.3 */
 static struct gd_field *build(double radius, const struct gd_control *control)
 {
     struct gd_field *field;
-    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = radius},
-                            control, NULL, &field, NULL),
+    check_ok(gd_field_build(
+                 mesh,
+                 &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = radius},
+                 control, NULL, &field, NULL),
              NULL);
     return field;
 }
 
-static struct gd_field *resume(const struct gd_field *field, double radius, const struct gd_control *control)
+static struct gd_field *resume(const struct gd_field *field, double radius,
+                               const struct gd_control *control)
 {
     struct gd_field *farther;
     struct gd_detail detail = {0};
@@ -41,7 +45,8 @@ static char *image_of(const struct gd_field *field)
     return image;
 }
 
-static void assert_same_distances(const struct gd_field *a, const struct gd_field *b, double relative)
+static void assert_same_distances(const struct gd_field *a, const struct gd_field *b,
+                                  double relative)
 {
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         if (relative > 0)
@@ -58,7 +63,8 @@ static int open_mesh(void **state)
     mesh = test_mesh(&polygons);
     struct rng rng = {4};
     for (int i = 0; i < 2; i++)
-        seeds[i] = (struct gd_seed){.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1 * i};
+        seeds[i] = (struct gd_seed){.point = test_point(mesh, test_random_place(&polygons, &rng)),
+                                    .offset = 0.1 * i};
     struct gd_point a = test_point(mesh, (struct test_place){.face = 5, .weight = {0.2, 0.3, 0.5}}),
                     b = test_point(mesh, (struct test_place){.face = 5, .weight = {0.7, 0.2, 0.1}});
     seeds[2] = (struct gd_seed){.point = a, .offset = 0.05};
@@ -77,13 +83,14 @@ static int close_mesh(void **state)
     return 0;
 }
 
-/* --- arguments ----------------------------------------------------------------------------------------------------------- */
+/* --- arguments -------------------------------------------------------------------------------- */
 
 static void assert_refused(const struct gd_field *field, double radius, const char *why)
 {
     struct gd_field *none = NULL;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_field_resume(field, radius, NULL, NULL, &none, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_field_resume(field, radius, NULL, NULL, &none, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_null(none);
     assert_non_null(strstr(detail.text, why));
 }
@@ -105,7 +112,8 @@ static void tells_its_reach_and_both_works(void **state)
 {
     (void)state;
     struct gd_field *twice = resume(partial, 0.6, NULL), *whole = resume(twice, 0, NULL);
-    const struct gd_field_statistics *first = gd_field_statistics(partial), *second = gd_field_statistics(twice),
+    const struct gd_field_statistics *first = gd_field_statistics(partial),
+                                     *second = gd_field_statistics(twice),
                                      *third = gd_field_statistics(whole);
     check_close(gd_field_reach(twice), 0.6, 1e-15);
     assert_true(isinf(gd_field_reach(whole)));
@@ -122,20 +130,24 @@ static void tells_its_reach_and_both_works(void **state)
 static void does_not_begin_anew(void **state)
 {
     (void)state;
-    struct gd_field *whole = build(0, NULL), *most = build(0.45, NULL), *rest = resume(most, 0, NULL);
-    uint64_t all = gd_field_statistics(whole)->windows_propagated, some = gd_field_statistics(most)->windows_propagated;
+    struct gd_field *whole = build(0, NULL), *most = build(0.45, NULL),
+                    *rest = resume(most, 0, NULL);
+    uint64_t all = gd_field_statistics(whole)->windows_propagated,
+             some = gd_field_statistics(most)->windows_propagated;
     uint64_t later = gd_field_statistics(rest)->windows_propagated - some;
     assert_true(some > all / 4);
-    print_message("# %llu of %llu windows, then %llu\n", (unsigned long long)some, (unsigned long long)all,
-                  (unsigned long long)later);
+    print_message("# %llu of %llu windows, then %llu\n", (unsigned long long)some,
+                  (unsigned long long)all, (unsigned long long)later);
     assert_true((double)later < 1.3 * (double)(all - some));
-    assert_true((double)gd_field_statistics(rest)->wedges < 1.1 * (double)gd_field_statistics(whole)->wedges);
+    assert_true((double)gd_field_statistics(rest)->wedges <
+                1.1 * (double)gd_field_statistics(whole)->wedges);
     gd_field_release(whole);
     gd_field_release(most);
     gd_field_release(rest);
 }
 
-static void run_in_turn(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run_in_turn(void *user, void (*task)(void *context, uint32_t index), void *context,
+                        uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) task(context, i);
     ++*(uint32_t *)user;
@@ -149,8 +161,10 @@ static uint32_t turns_after(const struct gd_mesh *ball, double radius)
     struct gd_seed seed = {.offset = 0.5};
     check_ok(gd_point_at_vertex(ball, (struct gd_vertex){7}, &seed.point, NULL), NULL);
     struct gd_field *near, *whole;
-    check_ok(gd_field_build(ball, &(struct gd_field_request){.seeds = &seed, .seed_count = 1, .radius = radius}, NULL,
-                            NULL, &near, NULL),
+    check_ok(gd_field_build(
+                 ball,
+                 &(struct gd_field_request){.seeds = &seed, .seed_count = 1, .radius = radius},
+                 NULL, NULL, &near, NULL),
              NULL);
     check_ok(gd_field_resume(near, 0, NULL, &executor, &whole, NULL), NULL);
     double distance;
@@ -174,7 +188,7 @@ static void an_executor_is_used_where_little_is_there(void **state)
     gd_polygons_free(&triangles);
 }
 
-/* --- a field within a smaller reach -------------------------------------------------------------------------------------- */
+/* --- a field within a smaller reach ----------------------------------------------------------- */
 
 /* Answers as one that was built for the radius. */
 static void assert_like(const struct gd_field *view, const struct gd_field *field)
@@ -220,7 +234,7 @@ static void a_field_is_seen_within_a_reach(void **state)
     gd_field_release(again);
 }
 
-/* --- what stays as it was ------------------------------------------------------------------------------------------------ */
+/* --- what stays as it was --------------------------------------------------------------------- */
 
 static void the_partial_field_stays(void **state)
 {
@@ -239,7 +253,9 @@ static void an_image_is_resumed_too(void **state)
     (void)state;
     char *image = image_of(partial);
     struct gd_field *opened, *fresh = build(0, NULL);
-    check_ok(gd_field_open_image(mesh, image, gd_field_image_size(partial), NULL, NULL, &opened, NULL), NULL);
+    check_ok(
+        gd_field_open_image(mesh, image, gd_field_image_size(partial), NULL, NULL, &opened, NULL),
+        NULL);
     struct gd_field *a = resume(partial, 0, NULL), *b = resume(opened, 0, NULL);
     gd_field_release(opened);
     free(image);
@@ -255,7 +271,8 @@ static void a_workspace_is_used_again(void **state)
 {
     (void)state;
     struct gd_workspace *workspace = gd_workspace_create();
-    struct gd_control control = {.workspace = workspace}, late = {.workspace = workspace, .deadline_ns = 1};
+    struct gd_control control = {.workspace = workspace},
+                      late = {.workspace = workspace, .deadline_ns = 1};
     struct gd_field *alone = resume(partial, 0, NULL), *fresh = build(0.1, NULL), *none = NULL;
     for (int i = 0; i < 3; i++) {
         struct gd_field *again = resume(partial, 0, &control);
@@ -272,7 +289,7 @@ static void a_workspace_is_used_again(void **state)
     gd_workspace_destroy(workspace);
 }
 
-/* --- control ------------------------------------------------------------------------------------------------------------- */
+/* --- control ---------------------------------------------------------------------------------- */
 
 static void progress_grows_and_cancels(void **state)
 {
@@ -308,9 +325,10 @@ static void memory_is_asked_for(void **state)
     assert_true(refused > 2);
 }
 
-/* --- damaged images ------------------------------------------------------------------------------------------------------ */
+/* --- damaged images --------------------------------------------------------------------------- */
 
-/* Whatever numbers an image has that can be opened, resuming it ends, in a status; nothing leads outside the arrays. */
+/* Whatever numbers an image has that can be opened, resuming it ends, in a status; nothing leads
+ * outside the arrays. */
 static void damaged_images_do_no_harm(void **state)
 {
     (void)state;
@@ -326,7 +344,8 @@ static void damaged_images_do_no_harm(void **state)
         if (gd_field_open_image(mesh, damaged, size, NULL, NULL, &field, NULL)) continue;
         opened++;
         const struct gd_control control = {.deadline_ns = gd_now_ns() + 200000000};
-        if (gd_field_resume(field, 0, &control, NULL, &farther, NULL) == GD_OK) gd_field_release(farther);
+        if (gd_field_resume(field, 0, &control, NULL, &farther, NULL) == GD_OK)
+            gd_field_release(farther);
         gd_field_release(field);
     }
     print_message("# %d of 400 could be opened\n", opened);
@@ -340,7 +359,9 @@ static void distances_below_zero_are_damage(void **state)
     (void)state;
     char *image = image_of(partial);
     struct gd_field *field;
-    check_ok(gd_field_open_image(mesh, image, gd_field_image_size(partial), NULL, NULL, &field, NULL), NULL);
+    check_ok(
+        gd_field_open_image(mesh, image, gd_field_image_size(partial), NULL, NULL, &field, NULL),
+        NULL);
     field->distance[3] = -1;
     assert_refused(field, 0, "damaged");
     field->distance[3] = NAN;

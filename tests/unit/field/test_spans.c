@@ -31,7 +31,8 @@ static void around_an_angle(void **state)
 static void in_common(void **state)
 {
     (void)state;
-    struct gd__turn a = gd__turn_around(3, 0), b = gd__turn_around(-3, 0), common = gd__turn_both(&a, &b);
+    struct gd__turn a = gd__turn_around(3, 0), b = gd__turn_around(-3, 0),
+                    common = gd__turn_both(&a, &b);
     assert_int_equal(common.count, 2);
     check_span(&common.part[0], -M_PI, 3 + M_PI_2 - 2 * M_PI);
     check_span(&common.part[1], -3 - M_PI_2 + 2 * M_PI, M_PI);

@@ -1,5 +1,5 @@
-/* Paths into and past faces that are much smaller than their neighbours. Every path is found, lies on
- * the surface and is as long as the distance. GD_SCENES: patches of each kind (60). */
+/* Paths into and past faces that are much smaller than their neighbours. Every path is found, lies
+ * on the surface and is as long as the distance. GD_SCENES: patches of each kind (60). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -49,8 +49,8 @@ static void check_path(const struct gd_mesh *mesh, const struct gd_path *path, d
     assert_true(fabs(sum - distance) <= promise * distance + rounding);
 }
 
-static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                       double distance)
+static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
+                       const struct gd_point *to, double distance)
 {
     struct gd_pair_answer answer;
     struct gd_detail detail = {0};
@@ -60,7 +60,8 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from, 
 }
 
 /* Of one seed also as a pair. */
-static void check_targets(const struct gd_polygons *polygons, const struct gd_field *field, struct rng *rng)
+static void check_targets(const struct gd_polygons *polygons, const struct gd_field *field,
+                          struct rng *rng)
 {
     const struct gd_mesh *mesh = gd_field_mesh(field);
     struct gd_point seed;
@@ -71,12 +72,13 @@ static void check_targets(const struct gd_polygons *polygons, const struct gd_fi
         check_ok(gd_field_path(field, &target, &path), NULL);
         check_path(mesh, &path, distance);
         gd_path_free(&path);
-        if (i % PAIR_EVERY == 0 && gd_field_single_seed(field, &seed)) check_pair(mesh, &seed, &target, distance);
+        if (i % PAIR_EVERY == 0 && gd_field_single_seed(field, &seed))
+            check_pair(mesh, &seed, &target, distance);
     }
 }
 
-static struct gd_field *random_field(const struct gd_polygons *polygons, const struct gd_mesh *mesh, bool of_curve,
-                                     struct rng *rng)
+static struct gd_field *random_field(const struct gd_polygons *polygons, const struct gd_mesh *mesh,
+                                     bool of_curve, struct rng *rng)
 {
     struct test_place place = test_random_place(polygons, rng);
     struct gd_point points[2] = {test_point(mesh, place)};

@@ -12,8 +12,9 @@ static const double promise = 1e-9;
 enum { SEEDS_MOST = 12 };
 
 /* Each seed is a member. */
-static struct diagram diagram_of_seeds(const struct gd_mesh *mesh, struct member_set *set, const struct gd_seed *seeds,
-                                       uint32_t count, double tolerance)
+static struct diagram diagram_of_seeds(const struct gd_mesh *mesh, struct member_set *set,
+                                       const struct gd_seed *seeds, uint32_t count,
+                                       double tolerance)
 {
     *set = (struct member_set){0};
     for (uint32_t i = 0; i < count; i++) member_set_put_point(set, seeds[i].point, seeds[i].offset);
@@ -26,7 +27,7 @@ static void free_diagram(struct diagram *diagram, struct member_set *set)
     member_set_free(set);
 }
 
-/* --- closed forms ----------------------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 static struct gd_mesh *square(uint32_t cells)
 {
@@ -37,13 +38,15 @@ static struct gd_mesh *square(uint32_t cells)
     return mesh;
 }
 
-/* Between two points of the plane lies their perpendicular bisector; here the line x = 1/2, or one at a slant. */
+/* Between two points of the plane lies their perpendicular bisector; here the line x = 1/2, or one
+ * at a slant. */
 static void two_points_in_the_plane(void **state)
 {
     (void)state;
-    static const double places[][4] = {{0.2, 0.5, 0.8, 0.5},   {0.25, 0.5, 0.75, 0.5}, {0.31, 0.4, 0.69, 0.4},
-                                       {0.0, 0.0, 1.0, 0.0},   {0.0, 0.0, 1.0, 1.0},   {0.5, 0.2, 0.5, 0.8},
-                                       {0.1, 0.23, 0.7, 0.91}, {0.45, 0.5, 0.55, 0.5}, {0.499, 0.501, 0.501, 0.499}};
+    static const double places[][4] = {
+        {0.2, 0.5, 0.8, 0.5},   {0.25, 0.5, 0.75, 0.5}, {0.31, 0.4, 0.69, 0.4},
+        {0.0, 0.0, 1.0, 0.0},   {0.0, 0.0, 1.0, 1.0},   {0.5, 0.2, 0.5, 0.8},
+        {0.1, 0.23, 0.7, 0.91}, {0.45, 0.5, 0.55, 0.5}, {0.499, 0.501, 0.501, 0.499}};
     for (uint32_t cells = 1; cells <= 8; cells++) {
         struct gd_mesh *mesh = square(cells);
         for (size_t s = 0; s < sizeof places / sizeof *places; s++) {
@@ -57,8 +60,8 @@ static void two_points_in_the_plane(void **state)
             const struct gd_bisector *b = &diagram.voronoi.bisectors[0];
             for (uint32_t i = 0; i < b->point_count; i++) {
                 struct gd_vec3 at = gd_point_position(mesh, &b->points[i]);
-                double off =
-                    (at.x - 0.5 * (p[0] + p[2])) * (p[2] - p[0]) + (at.y - 0.5 * (p[1] + p[3])) * (p[3] - p[1]);
+                double off = (at.x - 0.5 * (p[0] + p[2])) * (p[2] - p[0]) +
+                             (at.y - 0.5 * (p[1] + p[3])) * (p[3] - p[1]);
                 assert_true(fabs(off) < promise * hypot(p[2] - p[0], p[3] - p[1]));
             }
             if (s < 4 || s == 5) check_close(b->length, 1, promise);
@@ -117,7 +120,8 @@ static void four_corners_meet_in_the_middle(void **state)
     }
 }
 
-/* With an offset the bisector is a branch of a hyperbola; an offset as long as the way leaves the other member nothing. */
+/* With an offset the bisector is a branch of a hyperbola; an offset as long as the way leaves the
+ * other member nothing. */
 static void offsets_bend_the_bisector(void **state)
 {
     (void)state;
@@ -125,15 +129,19 @@ static void offsets_bend_the_bisector(void **state)
         struct gd_mesh *mesh = square(cells);
         for (int step = 0; step < 6; step++) {
             double offset = 0.11 * step;
-            struct gd_seed seeds[2] = {{.point = test_point_near(mesh, 0.25, 0.5, 0), .offset = 0},
-                                       {.point = test_point_near(mesh, 0.75, 0.5, 0), .offset = offset}};
+            struct gd_seed seeds[2] = {
+                {.point = test_point_near(mesh, 0.25, 0.5, 0), .offset = 0},
+                {.point = test_point_near(mesh, 0.75, 0.5, 0), .offset = offset}};
             struct member_set set;
             struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-5);
             if (offset < 0.5) check_diagram(&diagram);
             assert_int_equal(diagram.voronoi.bisector_count, offset < 0.5);
-            for (uint32_t i = 0; offset < 0.5 && i < diagram.voronoi.bisectors[0].point_count; i++) {
-                struct gd_vec3 at = gd_point_position(mesh, &diagram.voronoi.bisectors[0].points[i]);
-                check_close(hypot(at.x - 0.25, at.y - 0.5), hypot(at.x - 0.75, at.y - 0.5) + offset, promise);
+            for (uint32_t i = 0; offset < 0.5 && i < diagram.voronoi.bisectors[0].point_count;
+                 i++) {
+                struct gd_vec3 at =
+                    gd_point_position(mesh, &diagram.voronoi.bisectors[0].points[i]);
+                check_close(hypot(at.x - 0.25, at.y - 0.5), hypot(at.x - 0.75, at.y - 0.5) + offset,
+                            promise);
             }
             free_diagram(&diagram, &set);
         }
@@ -141,7 +149,8 @@ static void offsets_bend_the_bisector(void **state)
     }
 }
 
-/* Opposite points of a closed surface that is symmetric about the plane between them: the bisector lies in that plane. */
+/* Opposite points of a closed surface that is symmetric about the plane between them: the bisector
+ * lies in that plane. */
 static void opposite_points_of_symmetric_surfaces(void **state)
 {
     (void)state;
@@ -179,7 +188,7 @@ static void opposite_points_of_symmetric_surfaces(void **state)
     }
 }
 
-/* --- any surface ------------------------------------------------------------------------------------------------------------ */
+/* --- any surface ------------------------------------------------------------------------------ */
 
 static void random_members_on_many_surfaces(void **state)
 {
@@ -187,10 +196,11 @@ static void random_members_on_many_surfaces(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"terrain", {14, 0.8, 3}},   {"saddle", {1, 0.6, 6, 6}}, {"obstacles", {5, 1, 3}},
-                    {"torus", {20, 10, 1, 0.4}}, {"tangle", {150, 11}},      {"cylinder", {0.1, 3, 16, 5}},
-                    {"icosphere", {3, 1}},       {"genus2", {4, 0.2}},       {"tangle", {300, 5}},
-                    {"tetrahedron", {1, 2}}};
+    } surfaces[] = {{"terrain", {14, 0.8, 3}}, {"saddle", {1, 0.6, 6, 6}},
+                    {"obstacles", {5, 1, 3}},  {"torus", {20, 10, 1, 0.4}},
+                    {"tangle", {150, 11}},     {"cylinder", {0.1, 3, 16, 5}},
+                    {"icosphere", {3, 1}},     {"genus2", {4, 0.2}},
+                    {"tangle", {300, 5}},      {"tetrahedron", {1, 2}}};
     uint32_t bisectors = 0;
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         for (uint64_t trial = 0; trial < 6; trial++) {
@@ -215,15 +225,19 @@ static void random_members_on_many_surfaces(void **state)
     assert_true(bisectors > 200);
 }
 
-/* --- what is left out and refused ------------------------------------------------------------------------------------------- */
+/* --- what is left out and refused ------------------------------------------------------------- */
 
 static void members_that_own_nothing(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = square(4);
-    struct gd_point left = test_point_near(mesh, 0.2, 0.4, 0), right = test_point_near(mesh, 0.8, 0.4, 0);
-    struct gd_seed seeds[5] = {
-        {.point = left, .offset = 0.1}, {.point = left}, {.point = left}, {.point = right}, {.point = right}};
+    struct gd_point left = test_point_near(mesh, 0.2, 0.4, 0),
+                    right = test_point_near(mesh, 0.8, 0.4, 0);
+    struct gd_seed seeds[5] = {{.point = left, .offset = 0.1},
+                               {.point = left},
+                               {.point = left},
+                               {.point = right},
+                               {.point = right}};
     struct member_set set;
     struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 5, 1e-3);
     check_diagram(&diagram);
@@ -238,17 +252,20 @@ static void members_that_own_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* What the apex of a saddle hides is as far from two members when the apex is: one of them has it. */
+/* What the apex of a saddle hides is as far from two members when the apex is: one of them has it.
+ */
 static void ties_behind_a_saddle(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    struct gd_mesh *mesh = test_sample("saddle", (const double[SAMPLE_PARAMETERS]){1, 0.6, 6, 6}, &polygons);
+    struct gd_mesh *mesh =
+        test_sample("saddle", (const double[SAMPLE_PARAMETERS]){1, 0.6, 6, 6}, &polygons);
     for (uint32_t other = 1; other < 6; other++) {
         struct gd_seed seeds[3] = {0};
         double angle = other * M_PI / 3;
         seeds[0].point = test_point_near(mesh, 0.5, 0, 0.3);
-        seeds[1].point = test_point_near(mesh, 0.5 * cos(angle), 0.5 * sin(angle), other % 2 ? -0.3 : 0.3);
+        seeds[1].point =
+            test_point_near(mesh, 0.5 * cos(angle), 0.5 * sin(angle), other % 2 ? -0.3 : 0.3);
         seeds[2].point = test_point_near(mesh, -0.3, -0.7, 0);
         for (uint32_t count = 2; count <= 3; count++) {
             struct member_set set;
@@ -266,11 +283,13 @@ static void what_is_refused(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    struct gd_mesh *mesh = test_sample("terrain", (const double[SAMPLE_PARAMETERS]){40, 0.5, 1}, &polygons);
+    struct gd_mesh *mesh =
+        test_sample("terrain", (const double[SAMPLE_PARAMETERS]){40, 0.5, 1}, &polygons);
     struct gd_seed seeds[3] = {{.point = test_point_near(mesh, 0.1, 0.1, 0)},
                                {.point = test_point_near(mesh, 0.9, 0.2, 0), .offset = 0.05},
                                {.point = test_point_near(mesh, 0.5, 0.9, 0)}};
-    struct gd_field *field = test_field(mesh, seeds, 3, 0), *partial = test_field(mesh, seeds, 3, 0.1);
+    struct gd_field *field = test_field(mesh, seeds, 3, 0),
+                    *partial = test_field(mesh, seeds, 3, 0.1);
     struct gd_voronoi voronoi = {.bisector_count = 77};
     assert_int_equal(gd_voronoi_trace(field, NULL, 0, NULL, &voronoi), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_voronoi_trace(field, NULL, NAN, NULL, &voronoi), GD_INVALID_ARGUMENT);
@@ -282,7 +301,8 @@ static void what_is_refused(void **state)
     assert_int_equal(gd_voronoi_trace(field, NULL, 1e-3, &poor, &voronoi), GD_BUDGET);
     watch = (struct test_watch){0};
     struct gd_control tight = {.budget_bytes = 4 << 20, .progress = test_watch, .user = &watch};
-    assert_int_equal(gd_voronoi_trace(field, NULL, 1e-15, &tight, &voronoi), GD_BUDGET); /* by its points */
+    /* by its points */
+    assert_int_equal(gd_voronoi_trace(field, NULL, 1e-15, &tight, &voronoi), GD_BUDGET);
     assert_true(watch.last >= 0.9);
     assert_int_equal(voronoi.bisector_count, 77);
     watch = (struct test_watch){0};

@@ -10,7 +10,8 @@
 #include "tests/support/shared.h"
 
 static const double promise = 1e-9;
-static const double fine = 1e-6; /* tolerance of polylines, and what ties may add to their lengths */
+/* tolerance of polylines, and what ties may add to their lengths */
+static const double fine = 1e-6;
 
 static void free_diagram(struct diagram *diagram, struct member_set *set)
 {
@@ -18,7 +19,7 @@ static void free_diagram(struct diagram *diagram, struct member_set *set)
     member_set_free(set);
 }
 
-/* --- closed forms in the plane ---------------------------------------------------------------------------------------------- */
+/* --- closed forms in the plane ---------------------------------------------------------------- */
 
 static struct gd_mesh *square(uint32_t cells, double size)
 {
@@ -62,7 +63,8 @@ static void check_ways(const struct diagram *diagram, const struct way *ways, do
     }
 }
 
-static void put_member(struct member_set *set, const struct gd_mesh *mesh, struct way way, double size)
+static void put_member(struct member_set *set, const struct gd_mesh *mesh, struct way way,
+                       double size)
 {
     if (way.x0 == way.x1 && way.y0 == way.y1)
         member_set_put_point(set, test_point_near(mesh, way.x0 * size, way.y0 * size, 0), 0);
@@ -70,7 +72,8 @@ static void put_member(struct member_set *set, const struct gd_mesh *mesh, struc
         put_way(set, mesh, way, size);
 }
 
-/* Where a bisector runs along edges, or a way shares an end with another, ties may leave a loop of next to no length. */
+/* Where a bisector runs along edges, or a way shares an end with another, ties may leave a loop of
+ * next to no length. */
 static uint32_t count_bisectors(const struct diagram *diagram)
 {
     uint32_t count = 0;
@@ -79,8 +82,8 @@ static uint32_t count_bisectors(const struct diagram *diagram)
     return count;
 }
 
-static struct diagram check_plane(const struct gd_mesh *mesh, struct member_set *set, const struct way *ways,
-                                  uint32_t count, double size)
+static struct diagram check_plane(const struct gd_mesh *mesh, struct member_set *set,
+                                  const struct way *ways, uint32_t count, double size)
 {
     *set = (struct member_set){0};
     for (uint32_t i = 0; i < count; i++) put_member(set, mesh, ways[i], size);
@@ -129,7 +132,8 @@ static void two_ways_in_the_plane(void **state)
                 struct member_set set;
                 struct diagram diagram = check_plane(mesh, &set, cases[s].ways, 2, sizes[n]);
                 assert_int_equal(count_bisectors(&diagram), cases[s].bisectors);
-                if (cases[s].length > 0) check_close(diagram_length(&diagram), cases[s].length * sizes[n], fine);
+                if (cases[s].length > 0)
+                    check_close(diagram_length(&diagram), cases[s].length * sizes[n], fine);
                 free_diagram(&diagram, &set);
             }
             gd_mesh_release(mesh);
@@ -137,11 +141,14 @@ static void two_ways_in_the_plane(void **state)
     }
 }
 
-/* Inside of a triangle bisectors of its sides meet at the centre of the inscribed circle; those of a square's in its middle. */
+/* Inside of a triangle bisectors of its sides meet at the centre of the inscribed circle; those of
+ * a square's in its middle. */
 static void sides_of_polygons(void **state)
 {
     (void)state;
-    static const struct way triangle[] = {{0.1, 0.2, 0.9, 0.2}, {0.9, 0.2, 0.1, 0.8}, {0.1, 0.8, 0.1, 0.2}},
+    static const struct way triangle[] = {{0.1, 0.2, 0.9, 0.2},
+                                          {0.9, 0.2, 0.1, 0.8},
+                                          {0.1, 0.8, 0.1, 0.2}},
                             sides[] = {{0, 0, 1, 0}, {1, 0, 1, 1}, {1, 1, 0, 1}, {0, 1, 0, 0}};
     for (uint32_t cells = 1; cells <= 8; cells++) {
         struct gd_mesh *mesh = square(cells, 1);
@@ -159,7 +166,8 @@ static void sides_of_polygons(void **state)
     }
 }
 
-/* Between a boundary and the point in the middle lie four pieces of parabolas, and nothing between its own sides. */
+/* Between a boundary and the point in the middle lie four pieces of parabolas, and nothing between
+ * its own sides. */
 static void a_boundary_and_a_point(void **state)
 {
     (void)state;
@@ -182,9 +190,10 @@ static void a_boundary_and_a_point(void **state)
     }
 }
 
-/* --- members and seeds ------------------------------------------------------------------------------------------------------ */
+/* --- members and seeds ------------------------------------------------------------------------ */
 
-/* Seeds of one member have no bisector; numbers of members may be left out; one that is too large is refused. */
+/* Seeds of one member have no bisector; numbers of members may be left out; one that is too large
+ * is refused. */
 static void members_by_seed(void **state)
 {
     (void)state;
@@ -193,9 +202,9 @@ static void members_by_seed(void **state)
                                {.point = test_point_near(mesh, 0.8, 0.5, 0)},
                                {.point = test_point_near(mesh, 0.5, 0.9, 0)}};
     struct gd_field *field;
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 3}, NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 3}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     struct gd_voronoi voronoi;
     check_ok(gd_voronoi_trace(field, (const uint32_t[]){1, 1, 1}, fine, NULL, &voronoi), NULL);
     assert_int_equal(voronoi.bisector_count, 0);
@@ -218,11 +227,11 @@ static void members_by_seed(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- any surface ------------------------------------------------------------------------------------------------------------ */
+/* --- any surface ------------------------------------------------------------------------------ */
 
 /* A segment within a random face, along an edge of it, or from a corner. */
-static void put_random_segment(struct member_set *set, const struct gd_mesh *mesh, const struct gd_polygons *polygons,
-                               double offset, struct rng *rng)
+static void put_random_segment(struct member_set *set, const struct gd_mesh *mesh,
+                               const struct gd_polygons *polygons, double offset, struct rng *rng)
 {
     struct gd_point ends[2];
     uint32_t face = rng_below(rng, polygons->polygon_count);
@@ -230,7 +239,8 @@ static void put_random_segment(struct member_set *set, const struct gd_mesh *mes
         struct test_place place = {.face = face};
         double sum = 0;
         uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3);
-        for (uint32_t k = 0; k < 3; k++) place.weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
+        for (uint32_t k = 0; k < 3; k++)
+            place.weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
         for (int k = 0; k < 3; k++) sum += place.weight[k];
         for (int k = 0; k < 3; k++) place.weight[k] /= sum;
         ends[end] = test_point(mesh, place);
@@ -241,8 +251,8 @@ static void put_random_segment(struct member_set *set, const struct gd_mesh *mes
         member_set_put_curve(set, ends, 2, false, offset);
 }
 
-static void put_random_member(struct member_set *set, const struct gd_mesh *mesh, const struct gd_polygons *polygons,
-                              double offset, struct rng *rng)
+static void put_random_member(struct member_set *set, const struct gd_mesh *mesh,
+                              const struct gd_polygons *polygons, double offset, struct rng *rng)
 {
     struct gd_point from = test_point(mesh, test_random_place(polygons, rng)),
                     to = test_point(mesh, test_random_place(polygons, rng));
@@ -264,7 +274,8 @@ static void put_random_member(struct member_set *set, const struct gd_mesh *mesh
     }
 }
 
-static uint32_t check_random_members(const struct gd_mesh *mesh, const struct gd_polygons *polygons, uint64_t trial)
+static uint32_t check_random_members(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
+                                     uint64_t trial)
 {
     struct rng rng = {trial};
     struct member_set set = {0};
@@ -285,10 +296,11 @@ static void random_members_on_many_surfaces(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"terrain", {14, 0.8, 3}},   {"saddle", {1, 0.6, 6, 6}}, {"obstacles", {5, 1, 3}},
-                    {"torus", {20, 10, 1, 0.4}}, {"tangle", {150, 11}},      {"cylinder", {0.1, 3, 16, 5}},
-                    {"icosphere", {3, 1}},       {"genus2", {4, 0.2}},       {"tangle", {300, 5}},
-                    {"tetrahedron", {1, 2}}};
+    } surfaces[] = {{"terrain", {14, 0.8, 3}}, {"saddle", {1, 0.6, 6, 6}},
+                    {"obstacles", {5, 1, 3}},  {"torus", {20, 10, 1, 0.4}},
+                    {"tangle", {150, 11}},     {"cylinder", {0.1, 3, 16, 5}},
+                    {"icosphere", {3, 1}},     {"genus2", {4, 0.2}},
+                    {"tangle", {300, 5}},      {"tetrahedron", {1, 2}}};
     uint32_t bisectors = 0;
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         struct gd_polygons polygons;
@@ -317,9 +329,12 @@ static void random_members_on_shared_meshes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_ways_in_the_plane),           cmocka_unit_test(sides_of_polygons),
-        cmocka_unit_test(a_boundary_and_a_point),          cmocka_unit_test(members_by_seed),
-        cmocka_unit_test(random_members_on_many_surfaces), cmocka_unit_test(random_members_on_shared_meshes),
+        cmocka_unit_test(two_ways_in_the_plane),
+        cmocka_unit_test(sides_of_polygons),
+        cmocka_unit_test(a_boundary_and_a_point),
+        cmocka_unit_test(members_by_seed),
+        cmocka_unit_test(random_members_on_many_surfaces),
+        cmocka_unit_test(random_members_on_shared_meshes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

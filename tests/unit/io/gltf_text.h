@@ -1,4 +1,5 @@
-/* glTF documents made for tests: a good one, broken in one place, and the same as GLB. They are written with ' for ". */
+/* glTF documents made for tests: a good one, broken in one place, and the same as GLB. They are
+ * written with ' for ". */
 #ifndef TESTS_UNIT_IO_GLTF_TEXT_H
 #define TESTS_UNIT_IO_GLTF_TEXT_H
 
@@ -37,7 +38,8 @@ static inline struct file gltf_file(const char *document, const void *bytes, siz
     memcpy(uri, URI, sizeof URI - 1);
     gd__base64_write(bytes, size, uri + sizeof URI - 1);
     uri[sizeof URI - 1 + length] = '\0';
-    struct file out = {.bytes = strchr(document, '@') ? replaced(document, "@", uri) : replaced(document, NULL, NULL)};
+    struct file out = {.bytes = strchr(document, '@') ? replaced(document, "@", uri)
+                                                      : replaced(document, NULL, NULL)};
     out.size = strlen(out.bytes);
     free(uri);
     return out;
@@ -70,7 +72,8 @@ static inline struct file glb_file(const char *document, const void *bytes, size
     return out;
 }
 
-static inline enum gd_status read_file(const struct file *file, struct gd_polygons *out, struct gd_detail *detail)
+static inline enum gd_status read_file(const struct file *file, struct gd_polygons *out,
+                                       struct gd_detail *detail)
 {
     return read_copy(file->bytes, file->size, GD_FORMAT_ANY, NULL, out, detail);
 }

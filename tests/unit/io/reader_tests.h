@@ -1,4 +1,5 @@
-/* What the tests of every reader are: tables of what it reads and refuses, and every beginning of what it reads. */
+/* What the tests of every reader are: tables of what it reads and refuses, and every beginning of
+ * what it reads. */
 #ifndef TESTS_UNIT_IO_READER_TESTS_H
 #define TESTS_UNIT_IO_READER_TESTS_H
 
@@ -31,8 +32,9 @@ static void survives_truncation(void **state)
 }
 
 /* In a table of tests; `reader` outlives it. */
-#define READER_TESTS(reader)                                                                                           \
-    cmocka_unit_test_prestate(reads_good_input, reader), cmocka_unit_test_prestate(refuses_bad_input, reader),         \
+#define READER_TESTS(reader)                                                                       \
+    cmocka_unit_test_prestate(reads_good_input, reader),                                           \
+        cmocka_unit_test_prestate(refuses_bad_input, reader),                                      \
         cmocka_unit_test_prestate(survives_truncation, reader)
 
 #endif

@@ -1,6 +1,8 @@
-/* What the tests of the readers share: tables of inputs, what they hold, and how malformed ones are refused.
+/* What the tests of the readers share: tables of inputs, what they hold, and how malformed ones are
+ * refused.
  *
- * Meshes are compared as text: "x y z; x y z | i j k; i j k l", vertices before the bar, polygons behind it. */
+ * Meshes are compared as text: "x y z; x y z | i j k; i j k l", vertices before the bar, polygons
+ * behind it. */
 #ifndef TESTS_UNIT_IO_READING_H
 #define TESTS_UNIT_IO_READING_H
 
@@ -62,7 +64,8 @@ static inline char *mesh_text(const struct gd_polygons *polygons)
     fprintf(stream, " |");
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         if (i) fputc(';', stream);
-        for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1); c++) {
+        for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1);
+             c++) {
             fprintf(stream, " %u", polygons->corners[c]);
         }
     }
@@ -75,10 +78,12 @@ static inline void check_good(enum gd_format format, const struct good_input *in
     for (size_t i = 0; i < count; i++) {
         struct gd_polygons polygons;
         struct gd_detail detail = {.text = ""};
-        enum gd_status status = read_copy(inputs[i].bytes, inputs[i].size, format, NULL, &polygons, &detail);
+        enum gd_status status =
+            read_copy(inputs[i].bytes, inputs[i].size, format, NULL, &polygons, &detail);
         if (status != GD_OK) fail_msg("input %zu: %s: %s", i, gd_status_name(status), detail.text);
         char *text = mesh_text(&polygons);
-        if (strcmp(text, inputs[i].mesh) != 0) fail_msg("input %zu: read '%s', not '%s'", i, text, inputs[i].mesh);
+        if (strcmp(text, inputs[i].mesh) != 0)
+            fail_msg("input %zu: read '%s', not '%s'", i, text, inputs[i].mesh);
         free(text);
         gd_polygons_free(&polygons);
     }
@@ -90,7 +95,8 @@ static inline void check_bad(enum gd_format format, const struct bad_input *inpu
         const struct bad_input *input = &inputs[i];
         struct gd_polygons untouched = {.position_count = 77}, polygons = untouched;
         struct gd_detail detail = {.text = ""};
-        enum gd_status status = read_copy(input->bytes, input->size, format, NULL, &polygons, &detail);
+        enum gd_status status =
+            read_copy(input->bytes, input->size, format, NULL, &polygons, &detail);
         if (status != input->status) {
             fail_msg("input %zu: %s ('%s'), not %s", i, gd_status_name(status), detail.text,
                      gd_status_name(input->status));
@@ -98,7 +104,8 @@ static inline void check_bad(enum gd_format format, const struct bad_input *inpu
         assert_memory_equal(&polygons, &untouched, sizeof polygons);
         if (detail.text[0] == '\0') fail_msg("input %zu: no sentence", i);
         if (input->place && (detail.total != 1 || detail.elements[0][0] != input->place)) {
-            fail_msg("input %zu: '%s' should be at %llu", i, detail.text, (unsigned long long)input->place);
+            fail_msg("input %zu: '%s' should be at %llu", i, detail.text,
+                     (unsigned long long)input->place);
         }
         if (input->says && !strstr(detail.text, input->says)) {
             fail_msg("input %zu: '%s' should say '%s'", i, detail.text, input->says);
@@ -107,19 +114,21 @@ static inline void check_bad(enum gd_format format, const struct bad_input *inpu
 }
 
 /* Every beginning of every good input is read or refused by name; recognising it is safe too. */
-static inline void check_truncations(enum gd_format format, const struct good_input *inputs, size_t count)
+static inline void check_truncations(enum gd_format format, const struct good_input *inputs,
+                                     size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         for (size_t size = 0; size < inputs[i].size; size++) {
             for (int any = 0; any < 2; any++) {
                 struct gd_polygons polygons = {0};
                 struct gd_detail detail = {.text = ""};
-                enum gd_status status =
-                    read_copy(inputs[i].bytes, size, any ? GD_FORMAT_ANY : format, NULL, &polygons, &detail);
+                enum gd_status status = read_copy(
+                    inputs[i].bytes, size, any ? GD_FORMAT_ANY : format, NULL, &polygons, &detail);
                 if (status == GD_OK)
                     assert_true(polygons.polygon_count > 0);
                 else
-                    assert_true(detail.text[0] != '\0' && status != GD_INTERNAL && status != GD_NO_MEMORY);
+                    assert_true(detail.text[0] != '\0' && status != GD_INTERNAL &&
+                                status != GD_NO_MEMORY);
                 gd_polygons_free(&polygons);
             }
         }

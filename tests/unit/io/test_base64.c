@@ -44,7 +44,8 @@ static void reads_what_is_known(void **state)
 static void refuses_what_is_none(void **state)
 {
     (void)state;
-    static const char *const bad[] = {"Z", "Zm9vY", "Zm 9v", "Zm9*", "Zm9v\n", "Zg==Zg==", "Zm9\\", "Zm-_"};
+    static const char *const bad[] = {"Z",      "Zm9vY",    "Zm 9v", "Zm9*",
+                                      "Zm9v\n", "Zg==Zg==", "Zm9\\", "Zm-_"};
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
         char out[64];
         size_t size = 77;

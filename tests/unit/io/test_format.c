@@ -7,7 +7,8 @@ static void knows_names(void **state)
     assert_int_equal(gd_format_by_name("json"), GD_FORMAT_JSON);
     assert_int_equal(gd_format_by_name("gltf"), GD_FORMAT_GLTF);
     static const char *const unknown[] = {"", "OBJ", "any", "objx", "3mf"};
-    for (size_t i = 0; i < COUNT_OF(unknown); i++) assert_int_equal(gd_format_by_name(unknown[i]), GD_FORMAT_ANY);
+    for (size_t i = 0; i < COUNT_OF(unknown); i++)
+        assert_int_equal(gd_format_by_name(unknown[i]), GD_FORMAT_ANY);
     assert_int_equal(gd_format_by_name(NULL), GD_FORMAT_ANY);
     for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++) {
         assert_int_equal(gd_format_by_name(gd_format_name(format)), format);
@@ -23,8 +24,10 @@ static void knows_media_types(void **state)
     assert_int_equal(gd_format_by_media_type("model/obj"), GD_FORMAT_OBJ);
     assert_int_equal(gd_format_by_media_type("MODEL/Stl; charset=utf-8"), GD_FORMAT_STL);
     assert_int_equal(gd_format_by_media_type(" application/json ; a=b"), GD_FORMAT_JSON);
-    static const char *const unknown[] = {"", ";", "model/", "model/objx", "model/ob", "text/plain", "x model/obj"};
-    for (size_t i = 0; i < COUNT_OF(unknown); i++) assert_int_equal(gd_format_by_media_type(unknown[i]), GD_FORMAT_ANY);
+    static const char *const unknown[] = {"",         ";",          "model/",     "model/objx",
+                                          "model/ob", "text/plain", "x model/obj"};
+    for (size_t i = 0; i < COUNT_OF(unknown); i++)
+        assert_int_equal(gd_format_by_media_type(unknown[i]), GD_FORMAT_ANY);
     assert_int_equal(gd_format_by_media_type(NULL), GD_FORMAT_ANY);
 }
 
@@ -60,9 +63,11 @@ static void recognises_content(void **state)
         {BYTES("solid\nfacet"), GD_FORMAT_STL},
         {BYTES("  Solid x\n"), GD_FORMAT_STL},
         {BYTES(ZERO_20 ZERO_20 ZERO_20 ZERO_20 "\0\0\0\0"), GD_FORMAT_STL},
-        {BYTES("v 0 0 0             " SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20 "0123456789"),
+        {BYTES("v 0 0 0             " SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20
+               "0123456789"),
          GD_FORMAT_STL},
-        {BYTES(SPACES_20 SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20 "012345678"), GD_FORMAT_ANY},
+        {BYTES(SPACES_20 SPACES_20 SPACES_20 SPACES_20 "\1\0\0\0" ZERO_20 ZERO_20 "012345678"),
+         GD_FORMAT_ANY},
         {BYTES(""), GD_FORMAT_ANY},
         {BYTES("  \n\n"), GD_FORMAT_ANY},
         {BYTES("# nothing but a comment\n"), GD_FORMAT_ANY},
@@ -79,7 +84,8 @@ static void recognises_content(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         enum gd_format format = gd_format_recognise(cases[i].bytes, cases[i].size);
         if (format != cases[i].format) {
-            fail_msg("input %zu is %s, not %s", i, gd_format_name(format), gd_format_name(cases[i].format));
+            fail_msg("input %zu is %s, not %s", i, gd_format_name(format),
+                     gd_format_name(cases[i].format));
         }
     }
 }

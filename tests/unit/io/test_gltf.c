@@ -2,7 +2,8 @@
 
 #include "tests/unit/io/gltf_text.h"
 
-/* Four corners of a square, as floats; two triangles as indices of 16, 8 and 32 bits; the square as bytes; two corners that stand elsewhere. */
+/* Four corners of a square, as floats; two triangles as indices of 16, 8 and 32 bits; the square as
+ * bytes; two corners that stand elsewhere. */
 static const struct __attribute__((packed)) {
     float corners[4][3];
     uint16_t shorts[6];
@@ -19,28 +20,29 @@ static const struct __attribute__((packed)) {
           {1, 3},
           {{5, 0, 0}, {0, 7, 0}}};
 
-/* Accessors: 0 corners; indices 1, 2, 3; 4 the first five bytes; 5 the quantized square, 6 the same as it is; 7 the corners, two of them
- * elsewhere; 8 zeros, but for two elsewhere; 9 the bytes from the second on. */
-#define DATA                                                                                                           \
-    "{'asset':{'version':'2.0'},'buffers':[{'byteLength':136,'uri':'@'}],"                                             \
-    "'bufferViews':[{'buffer':0,'byteLength':48},"                                                                     \
-    "{'buffer':0,'byteOffset':48,'byteLength':12},"                                                                    \
-    "{'buffer':0,'byteOffset':60,'byteLength':8},"                                                                     \
-    "{'buffer':0,'byteOffset':68,'byteLength':24},"                                                                    \
-    "{'buffer':0,'byteOffset':92,'byteLength':16,'byteStride':4},"                                                     \
-    "{'buffer':0,'byteOffset':108,'byteLength':4},"                                                                    \
-    "{'buffer':0,'byteOffset':112,'byteLength':24}],"                                                                  \
-    "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"                                      \
-    "{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'},"                                                 \
-    "{'bufferView':2,'componentType':5121,'count':6,'type':'SCALAR'},"                                                 \
-    "{'bufferView':3,'componentType':5125,'count':6,'type':'SCALAR'},"                                                 \
-    "{'bufferView':2,'componentType':5121,'count':5,'type':'SCALAR'},"                                                 \
-    "{'bufferView':4,'componentType':5120,'normalized':true,'count':4,'type':'VEC3'},"                                 \
-    "{'bufferView':4,'componentType':5120,'count':4,'type':'VEC3'},"                                                   \
-    "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':2,"                                \
-    "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}},"                                     \
-    "{'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':2,"                                               \
-    "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}},"                                     \
+/* Accessors: 0 corners; indices 1, 2, 3; 4 the first five bytes; 5 the quantized square, 6 the same
+ * as it is; 7 the corners, two of them elsewhere; 8 zeros, but for two elsewhere; 9 the bytes from
+ * the second on. */
+#define DATA                                                                                       \
+    "{'asset':{'version':'2.0'},'buffers':[{'byteLength':136,'uri':'@'}],"                         \
+    "'bufferViews':[{'buffer':0,'byteLength':48},"                                                 \
+    "{'buffer':0,'byteOffset':48,'byteLength':12},"                                                \
+    "{'buffer':0,'byteOffset':60,'byteLength':8},"                                                 \
+    "{'buffer':0,'byteOffset':68,'byteLength':24},"                                                \
+    "{'buffer':0,'byteOffset':92,'byteLength':16,'byteStride':4},"                                 \
+    "{'buffer':0,'byteOffset':108,'byteLength':4},"                                                \
+    "{'buffer':0,'byteOffset':112,'byteLength':24}],"                                              \
+    "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"                  \
+    "{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'},"                             \
+    "{'bufferView':2,'componentType':5121,'count':6,'type':'SCALAR'},"                             \
+    "{'bufferView':3,'componentType':5125,'count':6,'type':'SCALAR'},"                             \
+    "{'bufferView':2,'componentType':5121,'count':5,'type':'SCALAR'},"                             \
+    "{'bufferView':4,'componentType':5120,'normalized':true,'count':4,'type':'VEC3'},"             \
+    "{'bufferView':4,'componentType':5120,'count':4,'type':'VEC3'},"                               \
+    "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':2,"            \
+    "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}},"                 \
+    "{'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':2,"                           \
+    "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}},"                 \
     "{'bufferView':2,'byteOffset':1,'componentType':5121,'count':5,'type':'SCALAR'}]"
 #define PRIMITIVES(primitives) DATA ",'meshes':[{'primitives':[" primitives "]}]"
 #define SQUARE                 "{'attributes':{'POSITION':0},'indices':1}"
@@ -53,61 +55,76 @@ static void check_both(const char *document, const char *mesh)
     check_file(glb_file(document, &data, sizeof data), mesh);
 }
 
-/* --- primitives --------------------------------------------------------------------------------------------------- */
+/* --- primitives ------------------------------------------------------------------------------- */
 
 static void reads_every_mode(void **state)
 {
     (void)state;
     check_both(MESH(SQUARE), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
-    check_both(MESH("{'attributes':{'POSITION':0},'mode':4,'indices':2}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
-    check_both(MESH("{'attributes':{'POSITION':0},'indices':3}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
-    check_both(MESH("{'attributes':{'POSITION':0},'mode':5}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 3 2");
-    check_both(MESH("{'attributes':{'POSITION':0},'mode':6}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0; 2 3 0");
+    check_both(MESH("{'attributes':{'POSITION':0},'mode':4,'indices':2}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
+    check_both(MESH("{'attributes':{'POSITION':0},'indices':3}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
+    check_both(MESH("{'attributes':{'POSITION':0},'mode':5}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 3 2");
+    check_both(MESH("{'attributes':{'POSITION':0},'mode':6}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0; 2 3 0");
     check_both(MESH("{'attributes':{'POSITION':0},'indices':9,'mode':6}"),
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 2 0 1; 0 2 1; 2 3 1");
     /* 0 1 2 0 2: the last triangle repeats a corner, and is nothing in a strip or fan */
-    check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':5}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 0 2");
-    check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':6}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0");
+    check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':5}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 0 2");
+    check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':6}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0");
 }
 
 static void leaves_points_and_lines_out(void **state)
 {
     (void)state;
-    check_both(MESH("{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':3}," SQUARE
-                    ",{'attributes':{'NORMAL':0}},{'mode':4}"),
-               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
+    check_both(
+        MESH("{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':3}," SQUARE
+             ",{'attributes':{'NORMAL':0}},{'mode':4}"),
+        "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
 }
 
 /* Two primitives over the same vertices, and a third that has them again: a seam is no gap. */
 static void welds_equal_positions(void **state)
 {
     (void)state;
-    check_both(MESH("{'attributes':{'POSITION':0},'indices':1},{'attributes':{'POSITION':0},'indices':2,'mode':6},"
+    check_both(MESH("{'attributes':{'POSITION':0},'indices':1},{'attributes':{'POSITION':0},'"
+                    "indices':2,'mode':6},"
                     "{'attributes':{'POSITION':6},'mode':6}"),
-               "0 0 0; 1 0 0; 1 1 0; 0 1 0; 127 0 0; 127 127 0; 0 -128 0 | 0 1 2; 0 2 3; 1 2 0; 2 3 0; 4 5 0; 5 6 0");
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0; 127 0 0; 127 127 0; 0 -128 0 | 0 1 2; 0 2 3; 1 2 0; 2 "
+               "3 0; 4 5 0; 5 6 0");
 }
 
 static void reads_whole_numbers(void **state)
 {
     (void)state;
-    check_both(MESH("{'attributes':{'POSITION':5},'mode':6}"), "0 0 0; 1 0 0; 1 1 0; 0 -1 0 | 1 2 0; 2 3 0");
-    check_both(MESH("{'attributes':{'POSITION':6},'mode':6}"), "0 0 0; 127 0 0; 127 127 0; 0 -128 0 | 1 2 0; 2 3 0");
+    check_both(MESH("{'attributes':{'POSITION':5},'mode':6}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 -1 0 | 1 2 0; 2 3 0");
+    check_both(MESH("{'attributes':{'POSITION':6},'mode':6}"),
+               "0 0 0; 127 0 0; 127 127 0; 0 -128 0 | 1 2 0; 2 3 0");
 }
 
 static void reads_sparse_accessors(void **state)
 {
     (void)state;
-    check_both(MESH("{'attributes':{'POSITION':7},'mode':6}"), "0 0 0; 5 0 0; 1 1 0; 0 7 0 | 1 2 0; 2 3 0");
-    check_both(MESH("{'attributes':{'POSITION':8},'mode':6}"), "0 0 0; 5 0 0; 0 7 0 | 1 0 0; 0 2 0");
+    check_both(MESH("{'attributes':{'POSITION':7},'mode':6}"),
+               "0 0 0; 5 0 0; 1 1 0; 0 7 0 | 1 2 0; 2 3 0");
+    check_both(MESH("{'attributes':{'POSITION':8},'mode':6}"),
+               "0 0 0; 5 0 0; 0 7 0 | 1 0 0; 0 2 0");
 }
 
-/* --- places ------------------------------------------------------------------------------------------------------- */
+/* --- places ----------------------------------------------------------------------------------- */
 
 static void chooses_the_scene(void **state)
 {
     (void)state;
-    const char *at_0 = "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3", *at_5 = "5 0 0; 6 0 0; 6 1 0; 5 1 0 | 0 1 2; 0 2 3";
-    const char *both = "0 0 0; 1 0 0; 1 1 0; 0 1 0; 5 0 0; 6 0 0; 6 1 0; 5 1 0 | 0 1 2; 0 2 3; 4 5 6; 4 6 7";
+    const char *at_0 = "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3",
+               *at_5 = "5 0 0; 6 0 0; 6 1 0; 5 1 0 | 0 1 2; 0 2 3";
+    const char *both =
+        "0 0 0; 1 0 0; 1 1 0; 0 1 0; 5 0 0; 6 0 0; 6 1 0; 5 1 0 | 0 1 2; 0 2 3; 4 5 6; 4 6 7";
 #define NODES "'nodes':[{'mesh':0},{'mesh':0,'translation':[5,0,0]}]"
     check_both(SCENE(NODES ",'scene':1,'scenes':[{'nodes':[0]},{'nodes':[1]}]"), at_5);
     check_both(SCENE(NODES ",'scenes':[{'nodes':[0]},{'nodes':[1]}]"), at_0);
@@ -126,21 +143,24 @@ static struct gd_polygons read_scene(const char *document)
     return polygons;
 }
 
-static void check_corner(const struct gd_polygons *mesh, uint32_t vertex, double x, double y, double z)
+static void check_corner(const struct gd_polygons *mesh, uint32_t vertex, double x, double y,
+                         double z)
 {
     const double expected[3] = {x, y, z};
     for (int axis = 0; axis < 3; axis++)
-        assert_true(fabs(mesh->positions[vertex][axis] - expected[axis]) <= 1e-15 * (1 + fabs(expected[axis])));
+        assert_true(fabs(mesh->positions[vertex][axis] - expected[axis]) <=
+                    1e-15 * (1 + fabs(expected[axis])));
 }
 
-/* Turned by 90 degrees about z, stretched, moved, within a node that turns about x: by hand. The quaternions are rounded, as in files. */
+/* Turned by 90 degrees about z, stretched, moved, within a node that turns about x: by hand. The
+ * quaternions are rounded, as in files. */
 static void places_by_nodes(void **state)
 {
     (void)state;
-    struct gd_polygons mesh =
-        read_scene(SCENE("'nodes':[{'children':[2],'rotation':[0.70710677,0,0,0.70710677],'translation':[100,0,0]},"
-                         "{'camera':0},{'mesh':0,'rotation':[0,0,0.70710677,0.70710677],'scale':[2,3,4],"
-                         "'translation':[10,20,30]}],'scene':0,'scenes':[{'nodes':[0,1]}]"));
+    struct gd_polygons mesh = read_scene(SCENE(
+        "'nodes':[{'children':[2],'rotation':[0.70710677,0,0,0.70710677],'translation':[100,0,0]},"
+        "{'camera':0},{'mesh':0,'rotation':[0,0,0.70710677,0.70710677],'scale':[2,3,4],"
+        "'translation':[10,20,30]}],'scene':0,'scenes':[{'nodes':[0,1]}]"));
     /* (x,y,0) -> (10 - 3y, 20 + 2x, 30) -> (110 - 3y, -30, 20 + 2x) */
     check_corner(&mesh, 0, 110, -30, 20);
     check_corner(&mesh, 1, 110, -30, 22);
@@ -157,7 +177,8 @@ static void places_by_nodes(void **state)
 static void turns_mirrored_faces(void **state)
 {
     (void)state;
-    check_both(SCENE("'nodes':[{'mesh':0,'scale':[-1,1,1]}]"), "0 0 0; -1 0 0; -1 1 0; 0 1 0 | 0 2 1; 0 3 2");
+    check_both(SCENE("'nodes':[{'mesh':0,'scale':[-1,1,1]}]"),
+               "0 0 0; -1 0 0; -1 1 0; 0 1 0 | 0 2 1; 0 3 2");
     check_both(SCENE("'nodes':[{'children':[1],'scale':[-1,1,1]},{'mesh':0,'scale':[1,-1,1]}]"),
                "0 0 0; -1 0 0; -1 -1 0; 0 -1 0 | 0 1 2; 0 2 3");
 }
@@ -166,12 +187,16 @@ static void reads_whatever_else_there_is(void **state)
 {
     (void)state;
     const char *square = "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3";
-    check_both(SCENE("'extensionsUsed':['KHR_draco_mesh_compression'],'extensionsRequired':['KHR_mesh_quantization',"
-                     "'KHR_materials_unlit','KHR_texture_transform'],'extras':{'a\\\"b':[1,[2,{'c':null}],true]}"),
+    check_both(SCENE("'extensionsUsed':['KHR_draco_mesh_compression'],'extensionsRequired':['KHR_"
+                     "mesh_quantization',"
+                     "'KHR_materials_unlit','KHR_texture_transform'],'extras':{'a\\\"b':[1,[2,{'c':"
+                     "null}],true]}"),
                square);
-    check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"), square);
+    check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"),
+               square);
     /* Draco with the same uncompressed beside it, which is ours */
-    check_both(MESH("{'attributes':{'POSITION':0},'indices':1,'extensions':{'KHR_draco_mesh_compression':{}}}"),
+    check_both(MESH("{'attributes':{'POSITION':0},'indices':1,'extensions':{'KHR_draco_mesh_"
+                    "compression':{}}}"),
                square);
     struct file file = glb_file(MESH(SQUARE), &data, sizeof data);
     file.bytes = realloc(file.bytes, file.size + 3);
@@ -179,7 +204,7 @@ static void reads_whatever_else_there_is(void **state)
     check_file((struct file){file.bytes, file.size + 3}, square);
 }
 
-/* --- mistakes ----------------------------------------------------------------------------------------------------- */
+/* --- mistakes --------------------------------------------------------------------------------- */
 
 static const struct {
     const char *find, *by; /* in a good document */
@@ -203,20 +228,29 @@ static const struct {
     {"'byteLength':136", "'byteLength':'136'", GD_SYNTAX, "'byteLength'"},
     {"'byteLength':136", "'byteLength':1e300", GD_SYNTAX, "'byteLength'"},
     {"'buffer':0,'byteLength':48", "'byteLength':48", GD_SYNTAX, "names no buffer"},
-    {"'buffer':0,'byteLength':48", "'buffer':1,'byteLength':48", GD_SYNTAX, "number 1 of the 'buffers'"},
+    {"'buffer':0,'byteLength':48", "'buffer':1,'byteLength':48", GD_SYNTAX,
+     "number 1 of the 'buffers'"},
     {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':47", GD_TRUNCATED,
      "4 elements end at byte 48 of a view of 47"},
-    {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':9007199254740992", GD_TRUNCATED, "view ends"},
-    {"'buffer':0,'byteLength':48", "'buffer':0,'byteOffset':9007199254740992,'byteLength':48", GD_TRUNCATED,
+    {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':9007199254740992", GD_TRUNCATED,
      "view ends"},
-    {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':48,'byteStride':11", GD_SYNTAX, "'byteStride' is 11"},
-    {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':48,'byteStride':16", GD_TRUNCATED, "60"},
-    {"'buffer':0,'byteLength':48", "'extensions':{'EXT_meshopt_compression':{}},'buffer':0,'byteLength':48",
-     GD_UNSUPPORTED, "meshopt"},
-    {"'bufferView':0,'componentType':5126", "'bufferView':7,'componentType':5126", GD_SYNTAX, "only 7"},
-    {"'bufferView':0,'componentType':5126", "'bufferView':0,'byteOffset':1,'componentType':5126", GD_TRUNCATED, "49"},
-    {"'bufferView':0,'componentType':5126", "'bufferView':0,'componentType':5125", GD_SYNTAX, "VEC3"},
-    {"'bufferView':0,'componentType':5126", "'bufferView':0,'componentType':5130", GD_SYNTAX, "VEC3"},
+    {"'buffer':0,'byteLength':48", "'buffer':0,'byteOffset':9007199254740992,'byteLength':48",
+     GD_TRUNCATED, "view ends"},
+    {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':48,'byteStride':11", GD_SYNTAX,
+     "'byteStride' is 11"},
+    {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':48,'byteStride':16", GD_TRUNCATED,
+     "60"},
+    {"'buffer':0,'byteLength':48",
+     "'extensions':{'EXT_meshopt_compression':{}},'buffer':0,'byteLength':48", GD_UNSUPPORTED,
+     "meshopt"},
+    {"'bufferView':0,'componentType':5126", "'bufferView':7,'componentType':5126", GD_SYNTAX,
+     "only 7"},
+    {"'bufferView':0,'componentType':5126", "'bufferView':0,'byteOffset':1,'componentType':5126",
+     GD_TRUNCATED, "49"},
+    {"'bufferView':0,'componentType':5126", "'bufferView':0,'componentType':5125", GD_SYNTAX,
+     "VEC3"},
+    {"'bufferView':0,'componentType':5126", "'bufferView':0,'componentType':5130", GD_SYNTAX,
+     "VEC3"},
     {"'bufferView':0,'componentType':5126", "'bufferView':0", GD_SYNTAX, "VEC3"},
     {"'count':4,'type':'VEC3'", "'count':4,'type':'VEC4'", GD_SYNTAX, "VEC3"},
     {"'count':4,'type':'VEC3'", "'count':0,'type':'VEC3'", GD_SYNTAX, "at least 1"},
@@ -224,9 +258,12 @@ static const struct {
     {"'count':4,'type':'VEC3'", "'count':5,'type':'VEC3'", GD_TRUNCATED, "5 elements"},
     {"'count':4,'type':'VEC3'", "'count':4294967295,'type':'VEC3'", GD_SYNTAX, "'count'"},
     {"'count':4,'type':'VEC3'", "'count':3,'type':'VEC3'", GD_INDEX, "vertex 3"},
-    {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5122", GD_SYNTAX, "SCALAR"},
-    {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5126", GD_SYNTAX, "SCALAR"},
-    {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5125", GD_TRUNCATED, "24"},
+    {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5122", GD_SYNTAX,
+     "SCALAR"},
+    {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5126", GD_SYNTAX,
+     "SCALAR"},
+    {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5125", GD_TRUNCATED,
+     "24"},
     {"'count':6,'type':'SCALAR'", "'count':5,'type':'SCALAR'", GD_SYNTAX, "5 corners"},
     {"'count':6,'type':'SCALAR'", "'count':6,'type':'VEC3'", GD_SYNTAX, "SCALAR"},
     {"'POSITION':0", "'POSITION':10", GD_SYNTAX, "only 10"},
@@ -254,25 +291,31 @@ static const struct {
     {"'scene':0", "'scene':1", GD_SYNTAX, "'scenes'"},
     {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[]}]", GD_EMPTY, NULL},
     {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0,0]}]", GD_SYNTAX, "twice"},
-    {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0]}],'extensionsRequired':['KHR_draco_mesh_compression']",
-     GD_UNSUPPORTED, "Draco"},
-    {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0]}],'extensionsRequired':['EXT_meshopt_compression']",
-     GD_UNSUPPORTED, "meshopt"},
-    {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0]}],'extensionsRequired':['EXT_mesh_gpu_instancing']",
-     GD_UNSUPPORTED, "EXT_mesh_gpu_instancing"},
-    {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0]}],'extensionsRequired':[7]", GD_SYNTAX, "no string"},
+    {"'scenes':[{'nodes':[0]}]",
+     "'scenes':[{'nodes':[0]}],'extensionsRequired':['KHR_draco_mesh_compression']", GD_UNSUPPORTED,
+     "Draco"},
+    {"'scenes':[{'nodes':[0]}]",
+     "'scenes':[{'nodes':[0]}],'extensionsRequired':['EXT_meshopt_compression']", GD_UNSUPPORTED,
+     "meshopt"},
+    {"'scenes':[{'nodes':[0]}]",
+     "'scenes':[{'nodes':[0]}],'extensionsRequired':['EXT_mesh_gpu_instancing']", GD_UNSUPPORTED,
+     "EXT_mesh_gpu_instancing"},
+    {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0]}],'extensionsRequired':[7]", GD_SYNTAX,
+     "no string"},
     {"'scene':0,", "'scene':0,,", GD_SYNTAX, "a key"},
 };
 
 #define GOOD SCENE("'nodes':[{'mesh':0},{}],'scene':0,'scenes':[{'nodes':[0]}]")
 
 /* Reads the document with `find` replaced. */
-static enum gd_status read_replaced(const char *document, const char *find, const char *by, struct gd_detail *detail)
+static enum gd_status read_replaced(const char *document, const char *find, const char *by,
+                                    struct gd_detail *detail)
 {
     char *text = replaced(document, find, by);
     struct file file = gltf_file(text, &data, sizeof data);
     struct gd_polygons polygons = {0};
-    enum gd_status status = read_copy(file.bytes, file.size, GD_FORMAT_GLTF, NULL, &polygons, detail);
+    enum gd_status status =
+        read_copy(file.bytes, file.size, GD_FORMAT_GLTF, NULL, &polygons, detail);
     gd_polygons_free(&polygons);
     free(file.bytes);
     free(text);
@@ -287,7 +330,8 @@ static void refuses_mistakes(void **state)
         enum gd_status status = read_replaced(GOOD, mistakes[i].find, mistakes[i].by, &detail);
         if (status != mistakes[i].status)
             fail_msg("%zu: '%s': %s (%s)", i, mistakes[i].by, gd_status_name(status), detail.text);
-        if (status && (!detail.text[0] || (mistakes[i].says && !strstr(detail.text, mistakes[i].says))))
+        if (status &&
+            (!detail.text[0] || (mistakes[i].says && !strstr(detail.text, mistakes[i].says))))
             fail_msg("%zu: '%s': it says '%s'", i, mistakes[i].by, detail.text);
     }
 }
@@ -301,16 +345,16 @@ static void refuses_broken_sparse_accessors(void **state)
         {"'sparse':{'count':2", "'sparse':{'count':5", "'count'"},
         {"'sparse':{'count':2", "'sparse':{'count':3", "end at byte 6 of a view of 4"},
         {"'indices':{'bufferView':5,", "'indices':{'bufferView':2,", "sparse indices have to grow"},
-        {"'indices':{'bufferView':5,'componentType':5123}", "'indices':{'bufferView':5,'componentType':5122}",
-         "component type"},
+        {"'indices':{'bufferView':5,'componentType':5123}",
+         "'indices':{'bufferView':5,'componentType':5122}", "component type"},
         {"'indices':{'bufferView':5,", "'indices':{", "'bufferView' is missing"},
         {"'values':{'bufferView':6}", "'valued':{}", "'values' is missing"},
         {"'values':{'bufferView':6}", "'values':{'bufferView':5}", "end at byte 24 of a view of 4"},
     };
     for (size_t i = 0; i < COUNT_OF(broken); i++) {
         struct gd_detail detail = {.text = ""};
-        enum gd_status status =
-            read_replaced(MESH("{'attributes':{'POSITION':7},'mode':6}"), broken[i].find, broken[i].by, &detail);
+        enum gd_status status = read_replaced(MESH("{'attributes':{'POSITION':7},'mode':6}"),
+                                              broken[i].find, broken[i].by, &detail);
         assert_true(status == GD_SYNTAX || status == GD_TRUNCATED);
         if (!strstr(detail.text, broken[i].says)) fail_msg("%zu: it says '%s'", i, detail.text);
     }
@@ -356,7 +400,7 @@ static void survives_damage(void **state)
     }
 }
 
-/* --- what it takes ------------------------------------------------------------------------------------------------ */
+/* --- what it takes ---------------------------------------------------------------------------- */
 
 /* A mesh that stands in many places is counted as often, and limits hold for what comes of it. */
 static void counts_what_is_placed(void **state)
@@ -367,7 +411,8 @@ static void counts_what_is_placed(void **state)
     size_t size;
     FILE *stream = open_memstream(&document, &size);
     fprintf(stream, "%s,'nodes':[", PRIMITIVES(SQUARE));
-    for (int i = 0; i < PLACES; i++) fprintf(stream, "%s{'mesh':0,'translation':[%d,0,0]}", i ? "," : "", 2 * i);
+    for (int i = 0; i < PLACES; i++)
+        fprintf(stream, "%s{'mesh':0,'translation':[%d,0,0]}", i ? "," : "", 2 * i);
     fprintf(stream, "]}");
     fclose(stream);
     struct file file = gltf_file(document, &data, sizeof data);
@@ -380,7 +425,8 @@ static void counts_what_is_placed(void **state)
     size_t cost = gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, NULL);
     assert_in_range(cost, PLACES * (2 * 12 + 4 * 24) + file.size, 10 * PLACES * (2 * 12 + 4 * 40));
     struct gd_read_limits limits = {.max_faces = 2 * PLACES - 1};
-    assert_int_equal(read_copy(file.bytes, file.size, GD_FORMAT_ANY, &limits, &polygons, &detail), GD_TOO_LARGE);
+    assert_int_equal(read_copy(file.bytes, file.size, GD_FORMAT_ANY, &limits, &polygons, &detail),
+                     GD_TOO_LARGE);
     free(file.bytes);
     free(document);
 }
@@ -389,16 +435,18 @@ static void counts_what_is_placed(void **state)
 static void counts_zeros(void **state)
 {
     (void)state;
-    struct file file =
-        gltf_file("{'asset':{'version':'2.0'},'accessors':[{'componentType':5126,'type':'VEC3',"
-                  "'count':1000000000}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':6}]}]}",
-                  "", 0);
-    assert_true(gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, NULL) > 1000000000 * (size_t)(24 + 12));
+    struct file file = gltf_file(
+        "{'asset':{'version':'2.0'},'accessors':[{'componentType':5126,'type':'VEC3',"
+        "'count':1000000000}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':6}]}]}",
+        "", 0);
+    assert_true(gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, NULL) >
+                1000000000 * (size_t)(24 + 12));
     struct gd_polygons polygons;
     struct gd_detail detail = {.text = ""};
     struct gd_read_limits limits = {.max_faces = 1000};
     assert_int_equal(gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, &limits), 8 * file.size);
-    assert_int_equal(read_copy(file.bytes, file.size, GD_FORMAT_ANY, &limits, &polygons, &detail), GD_TOO_LARGE);
+    assert_int_equal(read_copy(file.bytes, file.size, GD_FORMAT_ANY, &limits, &polygons, &detail),
+                     GD_TOO_LARGE);
     free(file.bytes);
 }
 

@@ -12,7 +12,8 @@
 static const struct good_input good[] = {
     {WITH_FACES("[[0,1,2]]"), TRIANGLE_MESH},
     {BYTES("{\"faces\":[[0,1,2]]," VERTICES "}"), TRIANGLE_MESH},
-    {BYTES(" {\n\t\"vertices\" : [ [ 0 , 0 , 0 ] ,\r\n [1,0,0], [0,1,0] ] , \"faces\" : [ [ 0 , 1 , 2 ] ] }\n \t\r"),
+    {BYTES(" {\n\t\"vertices\" : [ [ 0 , 0 , 0 ] ,\r\n [1,0,0], [0,1,0] ] , \"faces\" : [ [ 0 , 1 "
+           ", 2 ] ] }\n \t\r"),
      TRIANGLE_MESH},
     {BYTES("\xEF\xBB\xBF{" VERTICES ",\"faces\":[[0,1,2]]}"), TRIANGLE_MESH},
     {WITH_FACES("[[0,1.0,20e-1]]"), TRIANGLE_MESH},
@@ -82,13 +83,15 @@ static void what_is_read_is_whole(void **state)
     (void)state; /* no beginning of a document is one, but for space at its end */
     for (size_t size = 1; size < good[0].size; size++) {
         struct gd_polygons polygons;
-        assert_int_equal(read_copy(good[0].bytes, size, GD_FORMAT_JSON, NULL, &polygons, NULL), GD_TRUNCATED);
+        assert_int_equal(read_copy(good[0].bytes, size, GD_FORMAT_JSON, NULL, &polygons, NULL),
+                         GD_TRUNCATED);
     }
 }
 
 int main(void)
 {
     struct reader reader = {GD_FORMAT_JSON, good, COUNT_OF(good), bad, COUNT_OF(bad)};
-    const struct CMUnitTest tests[] = {READER_TESTS(&reader), cmocka_unit_test(what_is_read_is_whole)};
+    const struct CMUnitTest tests[] = {READER_TESTS(&reader),
+                                       cmocka_unit_test(what_is_read_is_whole)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

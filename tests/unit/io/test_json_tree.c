@@ -16,7 +16,8 @@ static void check_tree(const char *text, const char *expected)
     size_t size;
     FILE *stream = open_memstream(&shape, &size);
     assert_int_equal(parse(text, &json, NULL), GD_OK);
-    for (uint32_t i = 0; i < json.count; i++) fprintf(stream, "%c%u ", *gd__json_at(&json, i), gd__json_next(&json, i));
+    for (uint32_t i = 0; i < json.count; i++)
+        fprintf(stream, "%c%u ", *gd__json_at(&json, i), gd__json_next(&json, i));
     fclose(stream);
     assert_string_equal(shape, expected);
     free(shape);
@@ -29,7 +30,8 @@ static void numbers_values_in_order(void **state)
     check_tree("7", "71 ");
     check_tree(" [ ] ", "[1 ");
     check_tree("[[],{},[1]]", "[5 [2 {3 [5 15 ");
-    check_tree("{\"a\":[1,-2e3],\"b\":{\"c\":true},\"d\":null}", "{11 \"2 [5 14 -5 \"6 {9 \"8 t9 \"10 n11 ");
+    check_tree("{\"a\":[1,-2e3],\"b\":{\"c\":true},\"d\":null}",
+               "{11 \"2 [5 14 -5 \"6 {9 \"8 t9 \"10 n11 ");
 }
 
 static void finds_members(void **state)
@@ -37,7 +39,8 @@ static void finds_members(void **state)
     (void)state;
     struct gd__json json;
     double number;
-    assert_int_equal(parse("{\"a\\\"\":1,\"ab\":2,\"a\":\"text\",\"a\":4,\"n\":-2.5e1}", &json, NULL), GD_OK);
+    assert_int_equal(
+        parse("{\"a\\\"\":1,\"ab\":2,\"a\":\"text\",\"a\":4,\"n\":-2.5e1}", &json, NULL), GD_OK);
     assert_true(gd__json_says(&json, gd__json_member(&json, 0, "a"), "text"));
     assert_false(gd__json_says(&json, gd__json_member(&json, 0, "a"), "tex"));
     assert_false(gd__json_says(&json, gd__json_member(&json, 0, "a"), "texts"));

@@ -27,10 +27,14 @@ static const struct good_input good[] = {
     {BYTES("\tv\t0 0 0\n v 1 0 0\nv 0 1 0\nf  1  2  3  \n"), TRIANGLE_MESH},
     {BYTES("v +0 0. .0\nv 1e0 0e5 -0\nv 0 10.0E-1 0\nf 1 2 3\n"), "0 0 0; 1 0 -0; 0 1 0 | 0 1 2"},
     {BYTES(TRIANGLE "v 1 1 0\nf 1 2 4 3\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
-    {BYTES(TRIANGLE "v 1 1 0\nf 1 2 3\nf 2 4 3 1\nf 1 2 4\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 1 3 2 0; 0 1 3"},
-    {BYTES(TRIANGLE "f 1 1 1\n"), "0 0 0; 1 0 0; 0 1 0 | 0 0 0"}, /* degenerate: for the mesh builder to refuse */
-    {BYTES("v 16777217 0.1 1e-320\nv 1.7976931348623157e308 123456789012345678901234567890 1e-400\nv 0 1 0\nf 1 2 3\n"),
-     "16777217 0.10000000000000001 9.9998886718268301e-321; 1.7976931348623157e+308 1.2345678901234568e+29 0; 0 1 0 | "
+    {BYTES(TRIANGLE "v 1 1 0\nf 1 2 3\nf 2 4 3 1\nf 1 2 4\n"),
+     "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 1 3 2 0; 0 1 3"},
+    /* degenerate: for the mesh builder to refuse */
+    {BYTES(TRIANGLE "f 1 1 1\n"), "0 0 0; 1 0 0; 0 1 0 | 0 0 0"},
+    {BYTES("v 16777217 0.1 1e-320\nv 1.7976931348623157e308 123456789012345678901234567890 "
+           "1e-400\nv 0 1 0\nf 1 2 3\n"),
+     "16777217 0.10000000000000001 9.9998886718268301e-321; 1.7976931348623157e+308 "
+     "1.2345678901234568e+29 0; 0 1 0 | "
      "0 1 2"},
 };
 
@@ -63,7 +67,8 @@ static const struct bad_input bad[] = {
     {BYTES(TRIANGLE "f 1 2 3x\n"), GD_SYNTAX, 4, NULL},
     {BYTES(TRIANGLE "f /1 2 3\n"), GD_SYNTAX, 4, NULL},
     {BYTES(TRIANGLE "f 0 1 2\n"), GD_INDEX, 4, "vertex 0"},
-    {BYTES(TRIANGLE "f 1 2 4\n"), GD_INDEX, 4, "line 4: a face names vertex 4, but there are only 3"},
+    {BYTES(TRIANGLE "f 1 2 4\n"), GD_INDEX, 4,
+     "line 4: a face names vertex 4, but there are only 3"},
     {BYTES(TRIANGLE "\n\n# x\r\nf 1 2 9\nf 1 2 3\n"), GD_INDEX, 7, "vertex 9"},
     {BYTES("f 1 2 3\nv 0 0 0\nv 1 0 0\n"), GD_INDEX, 1, "vertex 3"},
     {BYTES(TRIANGLE "f 1 2 -4\n"), GD_INDEX, 4, "vertex -4"},

@@ -11,13 +11,16 @@ static const struct good_input good[] = {
     {BYTES("OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n"), TRIANGLE_MESH},
     {BYTES("OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r"), TRIANGLE_MESH},
     {BYTES("\xEF\xBB\xBFOFF\n3 1 0\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
-    {BYTES("# before\nOFF # keyword\n# between\n3 1 0 # counts\n\n0 0 0 # a\n1 0 0\n\n# c\n0 1 0\n3 0 1 2 # face\n"),
+    {BYTES("# before\nOFF # keyword\n# between\n3 1 0 # counts\n\n0 0 0 # a\n1 0 0\n\n# c\n0 1 "
+           "0\n3 0 1 2 # face\n"),
      TRIANGLE_MESH},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2 255 0 0\n"), TRIANGLE_MESH},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2 0.5 0.5 0.5 1\n"), TRIANGLE_MESH},
     {BYTES("COFF\n3 1 0\n0 0 0 1 2 3 4\n1 0 0 1 2 3\n0 1 0 1 2 3 4\n3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES("NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
-    {BYTES("CNOFF\n3 1 0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1 1 1 1 1\n0 1 0 0 0 1 1 1 1 1\n3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES(
+         "CNOFF\n3 1 0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1 1 1 1 1\n0 1 0 0 0 1 1 1 1 1\n3 0 1 2\n"),
+     TRIANGLE_MESH},
     {BYTES("STOFF\n3 1 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES("STCNOFF\n3 1 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES("OFF\n4 1 0\n" VERTICES "1 1 0\n4 0 1 3 2\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
@@ -58,7 +61,8 @@ static const struct bad_input bad[] = {
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2.5\n"), GD_SYNTAX, 6, "2.5"},
     {BYTES("OFF\n3 1 0\n" VERTICES "4 0 1 2\n"), GD_SYNTAX, 6, "the line ends"},
     {BYTES("OFF\n3 1 0\n" VERTICES "9000000000000000000 0 1 2\n"), GD_SYNTAX, 6, NULL},
-    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 3\n"), GD_INDEX, 6, "vertex 3, but there are only 3, counted from 0"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 3\n"), GD_INDEX, 6,
+     "vertex 3, but there are only 3, counted from 0"},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 -1\n"), GD_INDEX, 6, "vertex -1"},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 4294967296\n"), GD_INDEX, 6, NULL},
 };

@@ -15,7 +15,8 @@ static void writes_one_thing_after_another(void **state)
     gd__output_little_endian(&output, 0x04030201, 3);
     gd__output_f32(&output, 1);
     gd__output_f64(&output, -2);
-    static const char expected[] = "a 0 18446744073709551615 -0.1\1\2\3\0\0\x80\x3f\0\0\0\0\0\0\0\xc0";
+    static const char expected[] =
+        "a 0 18446744073709551615 -0.1\1\2\3\0\0\x80\x3f\0\0\0\0\0\0\0\xc0";
     assert_false(output.failed);
     assert_int_equal(output.size, sizeof expected - 1);
     assert_memory_equal(output.bytes, expected, output.size);

@@ -24,10 +24,13 @@
 static const struct good_input good[] = {
     {BYTES(HEADER POSITIONS "3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES(HEADER POSITIONS "3 0 1 2"), TRIANGLE_MESH},
-    {BYTES("ply\nformat ascii 1.0\ncomment end_header\nobj_info x\n" VERTEX FACE END POSITIONS "3 0 1 2\n"),
+    {BYTES("ply\nformat ascii 1.0\ncomment end_header\nobj_info x\n" VERTEX FACE END POSITIONS
+           "3 0 1 2\n"),
      TRIANGLE_MESH},
-    {BYTES("ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
-           "element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 "
+    {BYTES("ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\nproperty float "
+           "y\r\nproperty float z\r\n"
+           "element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0\r\n1 0 "
+           "0\r\n0 1 0\r\n3 0 1 "
            "2\r\n"),
      TRIANGLE_MESH},
     {BYTES(ASCII FACE VERTEX END "3 0 1 2\n" POSITIONS), TRIANGLE_MESH},
@@ -37,36 +40,45 @@ static const struct good_input good[] = {
      TRIANGLE_MESH},
     {BYTES(ASCII "element camera 1\nproperty float fov\nproperty list int int k\n" VERTEX
                  "element edge 2\nproperty int a\n"
-                 "element nothing 4000000000\n" FACE "property uchar flag\n" END "1.5 3 1 2 3\n" POSITIONS
-                 "4\n5\n3 0 1 2 9\n"),
+                 "element nothing 4000000000\n" FACE "property uchar flag\n" END
+                 "1.5 3 1 2 3\n" POSITIONS "4\n5\n3 0 1 2 9\n"),
      TRIANGLE_MESH},
     {BYTES(ASCII VERTEX "element face 2\nproperty list ushort uint vertex_index\n" END POSITIONS
                         "4 0 1 2 1\n3 2 1 0\n"),
      "0 0 0; 1 0 0; 0 1 0 | 0 1 2 1; 2 1 0"},
-    {BYTES(ASCII "element vertex 3\nproperty double z\nproperty double x\nproperty double y\n" FACE END
-                 "0 0 0\n0.1 16777217 1e-320\n0 0 1\n3 0 1 2\n"),
+    {BYTES(ASCII
+           "element vertex 3\nproperty double z\nproperty double x\nproperty double y\n" FACE END
+           "0 0 0\n0.1 16777217 1e-320\n0 0 1\n3 0 1 2\n"),
      "0 0 0; 16777217 9.9998886718268301e-321 0.10000000000000001; 0 1 0 | 0 1 2"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS LITTLE_TRIANGLE), TRIANGLE_MESH},
     {BYTES(BIG VERTEX FACE END BIG_POSITIONS BIG_TRIANGLE), TRIANGLE_MESH},
     {BYTES(LITTLE FACE VERTEX END LITTLE_TRIANGLE LITTLE_POSITIONS), TRIANGLE_MESH},
-    {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS LITTLE_TRIANGLE "trailing bytes"), TRIANGLE_MESH},
-    {BYTES("ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty uchar x\rproperty uchar y\rproperty uchar "
+    {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS LITTLE_TRIANGLE "trailing bytes"),
+     TRIANGLE_MESH},
+    {BYTES("ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty uchar x\rproperty "
+           "uchar y\rproperty uchar "
            "z\r"
-           "element face 1\rproperty list uchar uchar vertex_indices\rend_header\r\n\0\0\1\0\0\0\1\0\3\0\1\2"),
+           "element face 1\rproperty list uchar uchar "
+           "vertex_indices\rend_header\r\n\0\0\1\0\0\0\1\0\3\0\1\2"),
      "10 0 0; 1 0 0; 0 1 0 | 0 1 2"},
-    {BYTES(LITTLE "element vertex 3\n" XYZ("char") FACE END "\xff\0\x80\1\0\0\0\1\0" LITTLE_TRIANGLE),
+    {BYTES(LITTLE "element vertex 3\n" XYZ("char") FACE END
+           "\xff\0\x80\1\0\0\0\1\0" LITTLE_TRIANGLE),
      "-1 0 -128; 1 0 0; 0 1 0 | 0 1 2"},
-    {BYTES(BIG "element vertex 3\n" XYZ("short") FACE END "\xff\xfe\0\0\0\0\1\0\0\0\0\0\0\0\0\1\0\0" BIG_TRIANGLE),
+    {BYTES(BIG "element vertex 3\n" XYZ("short") FACE END
+           "\xff\xfe\0\0\0\0\1\0\0\0\0\0\0\0\0\1\0\0" BIG_TRIANGLE),
      "-2 0 0; 256 0 0; 0 1 0 | 0 1 2"},
-    {BYTES(BIG "element vertex 3\n" XYZ("uint16") FACE END "\xff\xfe\0\0\0\0\1\0\0\0\0\0\0\0\0\1\0\0" BIG_TRIANGLE),
+    {BYTES(BIG "element vertex 3\n" XYZ("uint16") FACE END
+           "\xff\xfe\0\0\0\0\1\0\0\0\0\0\0\0\0\1\0\0" BIG_TRIANGLE),
      "65534 0 0; 256 0 0; 0 1 0 | 0 1 2"},
-    {BYTES(LITTLE "element vertex 3\n" XYZ("int") FACE END "\xfd\xff\xff\xff" O4 O4 O4 O4 O4 O4 O4 O4 LITTLE_TRIANGLE),
+    {BYTES(LITTLE "element vertex 3\n" XYZ("int") FACE END
+           "\xfd\xff\xff\xff" O4 O4 O4 O4 O4 O4 O4 O4 LITTLE_TRIANGLE),
      "-3 0 0; 0 0 0; 0 0 0 | 0 1 2"},
     {BYTES(LITTLE "element vertex 3\n" XYZ("uint32") FACE END
            "\xfd\xff\xff\xff" O4 O4 O4 O4 O4 O4 O4 O4 LITTLE_TRIANGLE),
      "4294967293 0 0; 0 0 0; 0 0 0 | 0 1 2"},
     {BYTES(BIG "element vertex 3\n" XYZ("double") FACE END
-           "\x41\x70\0\0\x10\0\0\0" O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 "\x3f\xf0\0\0" O4 BIG_TRIANGLE),
+           "\x41\x70\0\0\x10\0\0\0" O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4 O4
+           "\x3f\xf0\0\0" O4 BIG_TRIANGLE),
      "16777217 0 0; 0 0 0; 0 0 1 | 0 1 2"},
     {BYTES(LITTLE "element vertex 3\nproperty list ushort short w\n" XYZ("float") FACE END
            "\2\0zzzz" O4 O4 O4 "\0\0" LITTLE_ONE O4 O4 "\1\0zz" O4 LITTLE_ONE O4 LITTLE_TRIANGLE),
@@ -90,33 +102,46 @@ static const struct bad_input bad_headers[] = {
     {BYTES(ASCII "element vertex 3\nproperty half x\n" END), GD_SYNTAX, 4, "'half'"},
     {BYTES(ASCII "element vertex 3\nproperty float\n" END), GD_SYNTAX, 4, "the name of a property"},
     {BYTES(ASCII "element vertex 3\nproperty list uchar vertex_indices\n" END), GD_SYNTAX, 4, NULL},
-    {BYTES(ASCII "element face 1\nproperty list float int vertex_indices\n" END), GD_SYNTAX, 4, "whole numbers"},
-    {BYTES(ASCII "element vertex 3\nproperty float x\nproperty float y\n" FACE END POSITIONS "3 0 1 2\n"), GD_SYNTAX, 8,
-     "x, y and z"},
-    {BYTES(ASCII "element vertex 3\nproperty float x\n" XYZ("float") FACE END POSITIONS "3 0 1 2\n"), GD_SYNTAX, 10,
-     "once each"},
-    {BYTES(ASCII VERTEX "element face 1\nproperty int vertex_indices\n" END POSITIONS "3 0 1 2\n"), GD_SYNTAX, 9,
-     "vertex_indices"},
-    {BYTES(ASCII VERTEX "element face 1\nproperty list uchar int corners\n" END POSITIONS "3 0 1 2\n"), GD_SYNTAX, 9,
-     NULL},
-    {BYTES(ASCII VERTEX "element tristrips 1\nproperty list int int vertex_indices\n" END POSITIONS "3 0 1 2\n"),
+    {BYTES(ASCII "element face 1\nproperty list float int vertex_indices\n" END), GD_SYNTAX, 4,
+     "whole numbers"},
+    {BYTES(ASCII "element vertex 3\nproperty float x\nproperty float y\n" FACE END POSITIONS
+                 "3 0 1 2\n"),
+     GD_SYNTAX, 8, "x, y and z"},
+    {BYTES(ASCII "element vertex 3\nproperty float x\n" XYZ("float") FACE END POSITIONS
+           "3 0 1 2\n"),
+     GD_SYNTAX, 10, "once each"},
+    {BYTES(ASCII VERTEX "element face 1\nproperty int vertex_indices\n" END POSITIONS "3 0 1 2\n"),
+     GD_SYNTAX, 9, "vertex_indices"},
+    {BYTES(ASCII VERTEX "element face 1\nproperty list uchar int corners\n" END POSITIONS
+                        "3 0 1 2\n"),
+     GD_SYNTAX, 9, NULL},
+    {BYTES(ASCII VERTEX "element tristrips 1\nproperty list int int vertex_indices\n" END POSITIONS
+                        "3 0 1 2\n"),
      GD_UNSUPPORTED, 9, "triangle strips"},
     {BYTES(ASCII VERTEX END POSITIONS), GD_EMPTY, 0, "no faces"},
-    {BYTES(ASCII VERTEX "element face 0\nproperty list uchar int vertex_indices\n" END POSITIONS), GD_EMPTY, 0, NULL},
+    {BYTES(ASCII VERTEX "element face 0\nproperty list uchar int vertex_indices\n" END POSITIONS),
+     GD_EMPTY, 0, NULL},
     {BYTES(ASCII FACE END "3 0 1 2\n"), GD_INDEX, 6, "only 0"},
-    {BYTES(ASCII "element vertex 4000000000\n" XYZ("float") FACE END POSITIONS "3 0 1 2\n"), GD_TRUNCATED, 10,
-     "26 bytes"},
-    {BYTES(ASCII VERTEX "element face 4000000000\nproperty list uchar int vertex_indices\n" END POSITIONS "3 0 1 2\n"),
+    {BYTES(ASCII "element vertex 4000000000\n" XYZ("float") FACE END POSITIONS "3 0 1 2\n"),
+     GD_TRUNCATED, 10, "26 bytes"},
+    {BYTES(ASCII VERTEX
+           "element face 4000000000\nproperty list uchar int vertex_indices\n" END POSITIONS
+           "3 0 1 2\n"),
      GD_TRUNCATED, 10, NULL},
-    {BYTES(LITTLE "element vertex 4000000000\n" XYZ("char") FACE END "abcdef"), GD_TRUNCATED, 0, "6 bytes"},
-    {BYTES(LITTLE "element vertex 99999999999999999999999\n" XYZ("double") FACE END "abcdef"), GD_TRUNCATED, 0, NULL},
-    {BYTES(LITTLE "element vertex 768614336404564651\n" XYZ("double") FACE END "abcdef"), GD_TRUNCATED, 0, NULL},
-    {BYTES(LITTLE "element x 4000000000\nproperty list uchar int y\n" VERTEX FACE END "abcdef"), GD_TRUNCATED, 0, NULL},
+    {BYTES(LITTLE "element vertex 4000000000\n" XYZ("char") FACE END "abcdef"), GD_TRUNCATED, 0,
+     "6 bytes"},
+    {BYTES(LITTLE "element vertex 99999999999999999999999\n" XYZ("double") FACE END "abcdef"),
+     GD_TRUNCATED, 0, NULL},
+    {BYTES(LITTLE "element vertex 768614336404564651\n" XYZ("double") FACE END "abcdef"),
+     GD_TRUNCATED, 0, NULL},
+    {BYTES(LITTLE "element x 4000000000\nproperty list uchar int y\n" VERTEX FACE END "abcdef"),
+     GD_TRUNCATED, 0, NULL},
 };
 
 static const struct bad_input bad_text[] = {
     {BYTES(HEADER "0 0\n1 0 0\n0 1 0\n3 0 1 2  \n"), GD_SYNTAX, 10, "the line ends"},
-    {BYTES(HEADER "0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 10, "found '0' where the end of the line"},
+    {BYTES(HEADER "0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 10,
+     "found '0' where the end of the line"},
     {BYTES(HEADER "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 11, "'x'"},
     {BYTES(HEADER "0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 11, "vertex 1"},
     {BYTES(HEADER "0 0 0\n1 1e400 0\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 11, NULL},
@@ -135,16 +160,20 @@ static const struct bad_input bad_text[] = {
 };
 
 static const struct bad_input bad_binary[] = {
-    {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\4" O4 O4 O4), GD_TRUNCATED, 0, "within a record"},
+    {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\4" O4 O4 O4), GD_TRUNCATED, 0,
+     "within a record"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\2" O4 O4 O4), GD_SYNTAX, 0, "2 corners"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\3" O4 O4 "\3\0\0\0"), GD_INDEX, 0,
      "byte 205: a face names vertex 3"},
-    {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\3" O4 O4 "\xff\xff\xff\xff"), GD_INDEX, 0, "vertex -1"},
-    {BYTES(LITTLE VERTEX FACE END "\0\0\xc0\x7f" O4 O4 O4 O4 O4 O4 O4 O4 LITTLE_TRIANGLE), GD_NON_FINITE, 0,
-     "vertex 0"},
-    {BYTES(LITTLE VERTEX FACE "property list int int y\n" END LITTLE_POSITIONS LITTLE_TRIANGLE "\xff\xff\xff\x7f"),
+    {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\3" O4 O4 "\xff\xff\xff\xff"), GD_INDEX, 0,
+     "vertex -1"},
+    {BYTES(LITTLE VERTEX FACE END "\0\0\xc0\x7f" O4 O4 O4 O4 O4 O4 O4 O4 LITTLE_TRIANGLE),
+     GD_NON_FINITE, 0, "vertex 0"},
+    {BYTES(LITTLE VERTEX FACE "property list int int y\n" END LITTLE_POSITIONS LITTLE_TRIANGLE
+                              "\xff\xff\xff\x7f"),
      GD_TRUNCATED, 0, NULL},
-    {BYTES(LITTLE VERTEX FACE "property list int int y\n" END LITTLE_POSITIONS LITTLE_TRIANGLE "\xff\xff\xff\xff"),
+    {BYTES(LITTLE VERTEX FACE "property list int int y\n" END LITTLE_POSITIONS LITTLE_TRIANGLE
+                              "\xff\xff\xff\xff"),
      GD_SYNTAX, 0, "-1"},
 };
 

@@ -1,8 +1,8 @@
 #include "tests/samples/samples.h"
 #include "tests/unit/io/reading.h"
 
-static enum gd_status read_text(const char *text, enum gd_format format, const struct gd_read_limits *limits,
-                                struct gd_detail *detail)
+static enum gd_status read_text(const char *text, enum gd_format format,
+                                const struct gd_read_limits *limits, struct gd_detail *detail)
 {
     struct gd_polygons polygons = {0};
     enum gd_status status = read_copy(text, strlen(text), format, limits, &polygons, detail);
@@ -24,34 +24,45 @@ static void refuses_what_is_no_mesh(void **state)
 
 /* Two quadrilaterals and a triangle on six vertices: five triangles. */
 static const char *const meshes[] = {
-    [GD_FORMAT_OBJ] = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 5 4\nf 2 3 6 5\nf 1 2 3\n",
-    [GD_FORMAT_OFF] = "OFF\n6 3 0\n0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0\n2 1 0\n4 0 1 4 3\n4 1 2 5 4\n3 0 1 2\n",
-    [GD_FORMAT_PLY] =
-        "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\nelement face "
-        "3\n"
-        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0\n2 1 0\n4 0 1 4 3\n"
-        "4 1 2 5 4\n3 0 1 2\n",
-    [GD_FORMAT_JSON] =
-        "{\"vertices\":[[0,0,0],[1,0,0],[2,0,0],[0,1,0],[1,1,0],[2,1,0]],\"faces\":[[0,1,4,3],[1,2,5,4],[0,1,2]]}",
+    [GD_FORMAT_OBJ] =
+        "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 5 4\nf 2 3 6 5\nf 1 2 3\n",
+    [GD_FORMAT_OFF] =
+        "OFF\n6 3 0\n0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0\n2 1 0\n4 0 1 4 3\n4 1 2 5 4\n3 0 1 2\n",
+    [GD_FORMAT_PLY] = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float "
+                      "y\nproperty float z\nelement face "
+                      "3\n"
+                      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n2 0 0\n0 "
+                      "1 0\n1 1 0\n2 1 0\n4 0 1 4 3\n"
+                      "4 1 2 5 4\n3 0 1 2\n",
+    [GD_FORMAT_JSON] = "{\"vertices\":[[0,0,0],[1,0,0],[2,0,0],[0,1,0],[1,1,0],[2,1,0]],\"faces\":["
+                       "[0,1,4,3],[1,2,5,4],[0,1,2]]}",
     [GD_FORMAT_GLTF] =
         "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":33,\"uri\":\"data:;base64,"
-        "AAAAAQAAAgAAAAEAAQEAAgEAAAEEAAQDAQIFAQUEAAEC\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":18},"
-        "{\"buffer\":0,\"byteOffset\":18,\"byteLength\":15}],\"accessors\":[{\"bufferView\":0,\"componentType\":5121,"
-        "\"count\":6,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5121,\"count\":15,\"type\":\"SCALAR\"}],"
+        "AAAAAQAAAgAAAAEAAQEAAgEAAAEEAAQDAQIFAQUEAAEC\"}],\"bufferViews\":[{\"buffer\":0,"
+        "\"byteLength\":18},"
+        "{\"buffer\":0,\"byteOffset\":18,\"byteLength\":15}],\"accessors\":[{\"bufferView\":0,"
+        "\"componentType\":5121,"
+        "\"count\":6,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5121,\"count\":15,"
+        "\"type\":\"SCALAR\"}],"
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]}",
-    [GD_FORMAT_STL] =
-        "solid\n"
-        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"
-        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\n"
-        "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 2 0 0\nvertex 2 1 0\nendloop\nendfacet\n"
-        "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 2 1 0\nvertex 1 1 0\nendloop\nendfacet\n"
-        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloop\nendfacet\nendsolid\n",
+    [GD_FORMAT_STL] = "solid\n"
+                      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 "
+                      "0\nendloop\nendfacet\n"
+                      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex 0 1 "
+                      "0\nendloop\nendfacet\n"
+                      "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 2 0 0\nvertex 2 1 "
+                      "0\nendloop\nendfacet\n"
+                      "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 2 1 0\nvertex 1 1 "
+                      "0\nendloop\nendfacet\n"
+                      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 "
+                      "0\nendloop\nendfacet\nendsolid\n",
 };
 
-static enum gd_status read_within(enum gd_format format, enum gd_format named, uint32_t faces, uint32_t vertices,
-                                  struct gd_detail *detail)
+static enum gd_status read_within(enum gd_format format, enum gd_format named, uint32_t faces,
+                                  uint32_t vertices, struct gd_detail *detail)
 {
-    return read_text(meshes[format], named, &(struct gd_read_limits){.max_faces = faces, .max_vertices = vertices},
+    return read_text(meshes[format], named,
+                     &(struct gd_read_limits){.max_faces = faces, .max_vertices = vertices},
                      detail);
 }
 
@@ -81,13 +92,14 @@ static void refuses_declared_counts(void **state)
 {
     (void)state;
     struct gd_read_limits limits = {.max_faces = 2, .max_vertices = 5};
-    assert_int_equal(
-        read_text("OFF\n6 0 0\nx x x x x x x x x x x x x x x x x x x x x x x x", GD_FORMAT_OFF, &limits, NULL),
-        GD_TOO_LARGE);
-    assert_int_equal(
-        read_text("OFF\n0 3 0\nx x x x x x x x x x x x x x x x x x x x x x x x", GD_FORMAT_OFF, &limits, NULL),
-        GD_TOO_LARGE);
-    assert_int_equal(read_text("ply\nformat ascii 1.0\nelement face 3\nproperty list int int vertex_index\nend_header\n"
+    assert_int_equal(read_text("OFF\n6 0 0\nx x x x x x x x x x x x x x x x x x x x x x x x",
+                               GD_FORMAT_OFF, &limits, NULL),
+                     GD_TOO_LARGE);
+    assert_int_equal(read_text("OFF\n0 3 0\nx x x x x x x x x x x x x x x x x x x x x x x x",
+                               GD_FORMAT_OFF, &limits, NULL),
+                     GD_TOO_LARGE);
+    assert_int_equal(read_text("ply\nformat ascii 1.0\nelement face 3\nproperty list int int "
+                               "vertex_index\nend_header\n"
                                "x x x x x x x x x x x x x x x x x x x x x x x x",
                                GD_FORMAT_PLY, &limits, NULL),
                      GD_TOO_LARGE);
@@ -116,12 +128,13 @@ static void grows_with_the_input(void **state)
     fclose(stream);
     assert_int_equal(read_copy(text, size, GD_FORMAT_ANY, NULL, &polygons, NULL), GD_OK);
     assert_non_null(polygons.first);
-    for (uint32_t i = 0; i <= 2 * STRIP; i++) assert_int_equal(polygons.first[i], i <= STRIP ? 3 * i : 4 * i - STRIP);
+    for (uint32_t i = 0; i <= 2 * STRIP; i++)
+        assert_int_equal(polygons.first[i], i <= STRIP ? 3 * i : 4 * i - STRIP);
     gd_polygons_free(&polygons);
     free(text);
 }
 
-/* --- control ------------------------------------------------------------------------------------------------------ */
+/* --- control ---------------------------------------------------------------------------------- */
 
 /* Lets a call go on for so many looks. */
 struct watch {
@@ -137,12 +150,14 @@ static bool on_progress(void *user, double fraction)
     return watch->looks++ < watch->allowed;
 }
 
-static enum gd_status read_watched(const char *bytes, size_t size, struct watch *watch, uint64_t deadline_ns)
+static enum gd_status read_watched(const char *bytes, size_t size, struct watch *watch,
+                                   uint64_t deadline_ns)
 {
-    const struct gd_control control = {.progress = on_progress, .user = watch, .deadline_ns = deadline_ns};
+    const struct gd_control control = {
+        .progress = on_progress, .user = watch, .deadline_ns = deadline_ns};
     struct gd_polygons polygons = {0};
-    enum gd_status status =
-        read_copy(bytes, size, GD_FORMAT_ANY, &(struct gd_read_limits){.control = &control}, &polygons, NULL);
+    enum gd_status status = read_copy(
+        bytes, size, GD_FORMAT_ANY, &(struct gd_read_limits){.control = &control}, &polygons, NULL);
     if (status != GD_OK) assert_null(polygons.positions);
     gd_polygons_free(&polygons);
     return status;
@@ -195,13 +210,15 @@ static void check_control_of_skipped(const char *begin, const char *repeated, co
 static void obeys_its_control_in_what_it_skips(void **state)
 {
     (void)state;
-    static const char vertices[] =
-        "element vertex 3\nproperty int x\nproperty int y\nproperty int z\nelement face 1\nproperty list int int "
-        "vertex_indices\nend_header\n";
+    static const char vertices[] = "element vertex 3\nproperty int x\nproperty int y\nproperty int "
+                                   "z\nelement face 1\nproperty list int int "
+                                   "vertex_indices\nend_header\n";
     static const char triangle[] = "\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     char records[500], list[500];
-    snprintf(records, sizeof records, "ply\nformat ascii 1.0\nelement dust 200000\nproperty float w\n%s", vertices);
-    snprintf(list, sizeof list, "ply\nformat ascii 1.0\nelement dust 1\nproperty list int int w\n%s200000", vertices);
+    snprintf(records, sizeof records,
+             "ply\nformat ascii 1.0\nelement dust 200000\nproperty float w\n%s", vertices);
+    snprintf(list, sizeof list,
+             "ply\nformat ascii 1.0\nelement dust 1\nproperty list int int w\n%s200000", vertices);
     check_control_of_skipped("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "vn 0.125 0.5 0.25\n", "");
     check_control_of_skipped(records, "0.125 \n", triangle + 1);
     check_control_of_skipped(list, " 12345", triangle);
@@ -216,9 +233,15 @@ static void blanks_end_at_the_deadline(void **state)
     static const struct {
         enum gd_format format;
         const char *begin, fill;
-    } cases[] = {{GD_FORMAT_OBJ, "", ' '},      {GD_FORMAT_OBJ, "#", ' '},       {GD_FORMAT_OBJ, "", '\n'},
-                 {GD_FORMAT_OFF, "", '\n'},     {GD_FORMAT_JSON, "", ' '},       {GD_FORMAT_JSON, "{", '\n'},
-                 {GD_FORMAT_STL, "solid", ' '}, {GD_FORMAT_STL, "solid\n", 'x'}, {GD_FORMAT_PLY, "ply\ncomment", ' '}};
+    } cases[] = {{GD_FORMAT_OBJ, "", ' '},
+                 {GD_FORMAT_OBJ, "#", ' '},
+                 {GD_FORMAT_OBJ, "", '\n'},
+                 {GD_FORMAT_OFF, "", '\n'},
+                 {GD_FORMAT_JSON, "", ' '},
+                 {GD_FORMAT_JSON, "{", '\n'},
+                 {GD_FORMAT_STL, "solid", ' '},
+                 {GD_FORMAT_STL, "solid\n", 'x'},
+                 {GD_FORMAT_PLY, "ply\ncomment", ' '}};
     char *text = malloc(size);
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct gd_control late = {.deadline_ns = 1};
@@ -226,12 +249,15 @@ static void blanks_end_at_the_deadline(void **state)
         struct gd_polygons polygons;
         memset(text, cases[i].fill, size);
         memcpy(text, cases[i].begin, strlen(cases[i].begin));
-        assert_int_equal(gd_read_polygons(text, size, cases[i].format, &limits, &polygons, NULL), GD_DEADLINE);
-        assert_true(gd_read_polygons(text, size, cases[i].format, NULL, &polygons, NULL) != GD_DEADLINE);
+        assert_int_equal(gd_read_polygons(text, size, cases[i].format, &limits, &polygons, NULL),
+                         GD_DEADLINE);
+        assert_true(gd_read_polygons(text, size, cases[i].format, NULL, &polygons, NULL) !=
+                    GD_DEADLINE);
     }
     memset(text, ' ', size);
     strcpy(text + size - 20, "\nv 0 0 0\n");
-    assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_ANY); /* not within the first MiB */
+    /* not within the first MiB */
+    assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_ANY);
     memcpy(text + 1000, "\nv 0 0 0\n", 9);
     assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_OBJ);
     free(text);
@@ -240,9 +266,12 @@ static void blanks_end_at_the_deadline(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_what_is_no_mesh),    cmocka_unit_test(keeps_the_limits),
-        cmocka_unit_test(refuses_declared_counts),    cmocka_unit_test(grows_with_the_input),
-        cmocka_unit_test(obeys_its_control),          cmocka_unit_test(obeys_its_control_in_what_it_skips),
+        cmocka_unit_test(refuses_what_is_no_mesh),
+        cmocka_unit_test(keeps_the_limits),
+        cmocka_unit_test(refuses_declared_counts),
+        cmocka_unit_test(grows_with_the_input),
+        cmocka_unit_test(obeys_its_control),
+        cmocka_unit_test(obeys_its_control_in_what_it_skips),
         cmocka_unit_test(blanks_end_at_the_deadline),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,7 +10,8 @@ static uint64_t line_of_mark(const char *text)
     assert_int_equal(gd__scan_fail(&scan, strchr(text, '!'), GD_SYNTAX, "here"), GD_SYNTAX);
     assert_int_equal(detail.kind, GD_ELEMENT_LINE);
     char expected[32];
-    snprintf(expected, sizeof expected, "line %llu: here", (unsigned long long)detail.elements[0][0]);
+    snprintf(expected, sizeof expected, "line %llu: here",
+             (unsigned long long)detail.elements[0][0]);
     assert_string_equal(detail.text, expected);
     return detail.elements[0][0];
 }
@@ -105,7 +106,8 @@ static void shows_no_more_than_printable(void **state)
     const char *word = "a\001\xC3\xA4\x7F~";
     assert_string_equal(gd__excerpt((struct gd__word){word, strlen(word)}).text, "a????~");
     const char *long_word = "0123456789012345678901234567890123456789";
-    assert_string_equal(gd__excerpt((struct gd__word){long_word, 40}).text, "0123456789012345678901234567890");
+    assert_string_equal(gd__excerpt((struct gd__word){long_word, 40}).text,
+                        "0123456789012345678901234567890");
 }
 
 int main(void)

@@ -2,7 +2,8 @@
 
 #include "io/weld.h"
 
-/* Points of a grid in scattered order, each several times, against their numbers in order of first appearance. */
+/* Points of a grid in scattered order, each several times, against their numbers in order of first
+ * appearance. */
 static void numbers_by_first_appearance(void **state)
 {
     (void)state;
@@ -15,7 +16,8 @@ static void numbers_by_first_appearance(void **state)
     uint32_t next = 0;
     for (uint32_t visit = 0; visit < VISITS; visit++) {
         uint32_t point = (visit * 2654435761u >> 7) % POINTS, vertex = GD_NONE;
-        double xyz[3] = {point % SIDE * 0.5, point / SIDE % SIDE - 7.0, point / SIDE / SIDE * 1e-300};
+        double xyz[3] = {point % SIDE * 0.5, point / SIDE % SIDE - 7.0,
+                         point / SIDE / SIDE * 1e-300};
         if (number[point] == GD_NONE) number[point] = next++;
         assert_int_equal(gd__weld_vertex(&weld, xyz, scan.at, &vertex), GD_OK);
         assert_int_equal(vertex, number[point]);

@@ -13,8 +13,11 @@ static uint32_t first[] = {0, 3, 7, 10};
 
 static const struct gd_polygons triangles = {
     .positions = positions, .position_count = 4, .polygon_count = 3, .corners = corners};
-static const struct gd_polygons mixed = {
-    .positions = positions, .position_count = 4, .polygon_count = 3, .corners = corners, .first = first};
+static const struct gd_polygons mixed = {.positions = positions,
+                                         .position_count = 4,
+                                         .polygon_count = 3,
+                                         .corners = corners,
+                                         .first = first};
 
 static void check_equal(const struct gd_polygons *a, const struct gd_polygons *b)
 {
@@ -23,7 +26,8 @@ static void check_equal(const struct gd_polygons *a, const struct gd_polygons *b
     assert_memory_equal(a->positions, b->positions, a->position_count * sizeof *a->positions);
     assert_int_equal(gd_polygons_corner_count(a), gd_polygons_corner_count(b));
     assert_memory_equal(a->corners, b->corners, gd_polygons_corner_count(a) * sizeof *a->corners);
-    for (uint32_t i = 0; i <= a->polygon_count; i++) assert_int_equal(gd_polygons_first(a, i), gd_polygons_first(b, i));
+    for (uint32_t i = 0; i <= a->polygon_count; i++)
+        assert_int_equal(gd_polygons_first(a, i), gd_polygons_first(b, i));
 }
 
 static void check_round_trip(const struct gd_polygons *polygons, enum gd_format format)
@@ -42,7 +46,8 @@ static void check_round_trip(const struct gd_polygons *polygons, enum gd_format 
 static void keeps_every_bit(void **state)
 {
     (void)state;
-    static const enum gd_format exact[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF, GD_FORMAT_JSON};
+    static const enum gd_format exact[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,
+                                           GD_FORMAT_JSON};
     for (size_t i = 0; i < COUNT_OF(exact); i++) {
         check_round_trip(&triangles, exact[i]);
         check_round_trip(&mixed, exact[i]);
@@ -62,8 +67,11 @@ static void keeps_large_polygons(void **state)
         circle[i][1] = 1.0 / (1 + i);
         around[i] = i;
     }
-    struct gd_polygons polygons = {
-        .positions = circle, .position_count = CORNERS, .polygon_count = 1, .corners = around, .first = ends};
+    struct gd_polygons polygons = {.positions = circle,
+                                   .position_count = CORNERS,
+                                   .polygon_count = 1,
+                                   .corners = around,
+                                   .first = ends};
     check_round_trip(&polygons, GD_FORMAT_OBJ);
     check_round_trip(&polygons, GD_FORMAT_PLY);
     check_round_trip(&polygons, GD_FORMAT_OFF);
@@ -95,7 +103,8 @@ static void writes_stl_as_floats(void **state)
     free(bytes);
 }
 
-/* Floats stay as they are, in the file's bytes and in its text; what is no float is told to a part in 2^24 of the mesh's size. */
+/* Floats stay as they are, in the file's bytes and in its text; what is no float is told to a part
+ * in 2^24 of the mesh's size. */
 static void writes_gltf_as_floats(void **state)
 {
     (void)state;
@@ -112,7 +121,8 @@ static void writes_gltf_as_floats(void **state)
         assert_int_equal(gd_write_polygons(&polygons, format, &bytes, &size), GD_OK);
         assert_int_equal(read_copy(bytes, size, GD_FORMAT_ANY, NULL, &back, NULL), GD_OK);
         for (uint32_t i = 0; i < 4; i++)
-            for (int axis = 0; axis < 3; axis++) assert_true(fabs(back.positions[i][axis] - points[i][axis]) <= 0.5);
+            for (int axis = 0; axis < 3; axis++)
+                assert_true(fabs(back.positions[i][axis] - points[i][axis]) <= 0.5);
         gd_polygons_free(&back);
         free(bytes);
     }
@@ -125,12 +135,14 @@ static void refuses_what_stl_cannot_hold(void **state)
     size_t size = 7;
     assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_STL, &bytes, &size), GD_NOT_TRIANGLES);
     assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_STL, &bytes, &size), GD_NON_FINITE);
-    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_ANY, &bytes, &size), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_ANY, &bytes, &size),
+                     GD_INVALID_ARGUMENT);
     for (int axis = 0; axis < 3; axis++) {
         double large[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
         large[2][axis] = 1e39;
         uint32_t all[] = {0, 1, 2};
-        struct gd_polygons polygons = {.positions = large, .position_count = 3, .polygon_count = 1, .corners = all};
+        struct gd_polygons polygons = {
+            .positions = large, .position_count = 3, .polygon_count = 1, .corners = all};
         assert_int_equal(gd_write_polygons(&polygons, GD_FORMAT_STL, &bytes, &size), GD_NON_FINITE);
     }
     assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_GLB, &bytes, &size), GD_NOT_TRIANGLES);
@@ -146,7 +158,8 @@ static void writes_text_as_documented(void **state)
     (void)state;
     static double corner[][3] = {{0, 0, 0}, {1.5, 0, 0}, {0, 0.1, 0}};
     static uint32_t all[] = {0, 1, 2};
-    struct gd_polygons polygons = {.positions = corner, .position_count = 3, .polygon_count = 1, .corners = all};
+    struct gd_polygons polygons = {
+        .positions = corner, .position_count = 3, .polygon_count = 1, .corners = all};
     static const struct {
         enum gd_format format;
         const char *text;
@@ -178,16 +191,21 @@ static void stops_when_it_is_told_to(void **state)
     struct gd_polygons many = {.position_count = count, .polygon_count = count};
     many.positions = calloc(count, sizeof *many.positions);
     many.corners = calloc(count, 3 * sizeof *many.corners);
-    const enum gd_format formats[] = {GD_FORMAT_PLY, GD_FORMAT_OBJ, GD_FORMAT_OFF, GD_FORMAT_JSON, GD_FORMAT_STL};
+    const enum gd_format formats[] = {GD_FORMAT_PLY, GD_FORMAT_OBJ, GD_FORMAT_OFF, GD_FORMAT_JSON,
+                                      GD_FORMAT_STL};
     for (size_t i = 0; i < COUNT_OF(formats); i++) {
         char *bytes;
         size_t size;
         uint32_t turns = 5;
-        const struct gd_control late = {.deadline_ns = 1}, ending = {.progress = stop_later, .user = &turns};
-        assert_int_equal(gd_write_polygons_within(&many, formats[i], &late, &bytes, &size), GD_DEADLINE);
-        assert_int_equal(gd_write_polygons_within(&many, formats[i], &ending, &bytes, &size), GD_CANCELLED);
+        const struct gd_control late = {.deadline_ns = 1},
+                                ending = {.progress = stop_later, .user = &turns};
+        assert_int_equal(gd_write_polygons_within(&many, formats[i], &late, &bytes, &size),
+                         GD_DEADLINE);
+        assert_int_equal(gd_write_polygons_within(&many, formats[i], &ending, &bytes, &size),
+                         GD_CANCELLED);
         turns = UINT32_MAX;
-        assert_int_equal(gd_write_polygons_within(&many, formats[i], &ending, &bytes, &size), GD_OK);
+        assert_int_equal(gd_write_polygons_within(&many, formats[i], &ending, &bytes, &size),
+                         GD_OK);
         assert_true(UINT32_MAX - turns > size >> 20);
         free(bytes);
     }

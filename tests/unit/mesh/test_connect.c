@@ -8,7 +8,8 @@ static void a_face_given_twice_is_a_duplicate(void **state)
     uint32_t corners[] = {0, 1, 2, 0, 1, 3, 2, 0, 1};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse(&polygons, GD_DUPLICATE_FACE);
-    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(2, 0), "face 2 has the same vertices as face 0");
+    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(2, 0),
+                    "face 2 has the same vertices as face 0");
 }
 
 static void a_face_and_its_back_are_duplicates(void **state)
@@ -26,7 +27,8 @@ static void a_face_given_three_times_counts_twice(void **state)
     uint32_t corners[] = {0, 1, 2, 0, 2, 1, 1, 0, 2};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse(&polygons, GD_DUPLICATE_FACE);
-    expect_elements(&detail, GD_ELEMENT_FACE, 2, 2, (const uint64_t[][2]){{1, 0}, {2, 0}}, "face 1");
+    expect_elements(&detail, GD_ELEMENT_FACE, 2, 2, (const uint64_t[][2]){{1, 0}, {2, 0}},
+                    "face 1");
 }
 
 static void three_faces_at_an_edge_are_refused(void **state)
@@ -35,7 +37,8 @@ static void three_faces_at_an_edge_are_refused(void **state)
     uint32_t corners[] = {1, 0, 2, 0, 1, 3, 0, 1, 4};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse(&polygons, GD_NON_MANIFOLD_EDGE);
-    expect_elements(&detail, GD_ELEMENT_EDGE, 1, ONE_ELEMENT(0, 1), "edge 0-1 belongs to 3 faces (0, 1, 2)");
+    expect_elements(&detail, GD_ELEMENT_EDGE, 1, ONE_ELEMENT(0, 1),
+                    "edge 0-1 belongs to 3 faces (0, 1, 2)");
 }
 
 static void many_faces_at_an_edge_are_counted(void **state)

@@ -10,7 +10,9 @@ static const double exact = 1e-14;
 static struct gd_point on_edge(const struct gd_mesh *mesh, uint32_t a, uint32_t b)
 {
     struct gd_point point;
-    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, 0.3, &point, NULL), GD_OK);
+    assert_int_equal(
+        gd_point_on_edge(mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, 0.3, &point, NULL),
+        GD_OK);
     return point;
 }
 
@@ -31,7 +33,8 @@ static struct gd_direction at(const struct gd_mesh *mesh, struct gd_point point,
     return direction;
 }
 
-static struct gd_direction along(const struct gd_mesh *mesh, struct gd_point point, struct gd_vec3 v)
+static struct gd_direction along(const struct gd_mesh *mesh, struct gd_point point,
+                                 struct gd_vec3 v)
 {
     struct gd_direction direction = {0};
     struct gd_detail detail = {0};
@@ -43,11 +46,13 @@ static struct gd_direction along(const struct gd_mesh *mesh, struct gd_point poi
 static void expect_vector(struct gd_vec3 actual, double x, double y, double z)
 {
     if (gd_vec3_distance(actual, (struct gd_vec3){x, y, z}) > exact)
-        fail_msg("(%.17g %.17g %.17g) instead of (%.17g %.17g %.17g)", actual.x, actual.y, actual.z, x, y, z);
+        fail_msg("(%.17g %.17g %.17g) instead of (%.17g %.17g %.17g)", actual.x, actual.y, actual.z,
+                 x, y, z);
 }
 
 /* The direction at an angle is that vector, and the vector's angle is that one. */
-static void expect_both(const struct gd_mesh *mesh, struct gd_point point, double angle, double x, double y, double z)
+static void expect_both(const struct gd_mesh *mesh, struct gd_point point, double angle, double x,
+                        double y, double z)
 {
     struct gd_direction direction = at(mesh, point, angle);
     expect_vector(direction.xyz, x, y, z);
@@ -57,7 +62,7 @@ static void expect_both(const struct gd_mesh *mesh, struct gd_point point, doubl
     expect_vector(direction.xyz, x, y, z);
 }
 
-/* --- the plane ----------------------------------------------------------------------------------------------------------- */
+/* --- the plane -------------------------------------------------------------------------------- */
 
 /* A square around its middle, vertex 4; faces 1 and 3 run the other way round in the input. */
 static double square_positions[][3] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}};
@@ -97,7 +102,8 @@ static void in_the_plane(void **state)
     };
     for (uint32_t i = 0; i < COUNT(places); i++) {
         for (int k = 0; k <= 24; k++) {
-            double angle = places[i].from + (places[i].to - places[i].from) * k / 24, plane = places[i].zero + angle;
+            double angle = places[i].from + (places[i].to - places[i].from) * k / 24,
+                   plane = places[i].zero + angle;
             expect_both(mesh, places[i].point, angle, cos(plane), sin(plane), 0);
             struct gd_direction lifted =
                 along(mesh, places[i].point, (struct gd_vec3){cos(plane), sin(plane), k - 12.0});
@@ -111,16 +117,19 @@ static void what_leads_off_the_surface(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
-    const struct gd_point points[] = {on_edge(mesh, 0, 1), test_vertex(mesh, 0), on_edge(mesh, 0, 3)};
+    const struct gd_point points[] = {on_edge(mesh, 0, 1), test_vertex(mesh, 0),
+                                      on_edge(mesh, 0, 3)};
     const double angles[] = {-0.1, -0.1, 0.1}, rounded[] = {M_PI + 1e-10, M_PI_2 + 1e-10, 1e-10},
                  ends[] = {M_PI, M_PI_2, 0};
     const struct gd_vec3 vectors[] = {{0, -1, 0}, {1, -0.5, 0}, {-1, 0, 0}};
     for (uint32_t i = 0; i < COUNT(points); i++) {
         struct gd_direction direction = {.angle = 7};
         struct gd_detail detail = {0};
-        assert_int_equal(gd_direction_at_angle(mesh, &points[i], angles[i], &direction, &detail), GD_NOT_ON_SURFACE);
+        assert_int_equal(gd_direction_at_angle(mesh, &points[i], angles[i], &direction, &detail),
+                         GD_NOT_ON_SURFACE);
         assert_non_null(strstr(detail.text, "boundary"));
-        assert_int_equal(gd_direction_along(mesh, &points[i], vectors[i], &direction, NULL), GD_NOT_ON_SURFACE);
+        assert_int_equal(gd_direction_along(mesh, &points[i], vectors[i], &direction, NULL),
+                         GD_NOT_ON_SURFACE);
         assert_true(direction.angle == 7);
         expect_near(remainder(at(mesh, points[i], rounded[i]).angle - ends[i], 2 * M_PI), 0, exact);
     }
@@ -133,13 +142,17 @@ static void what_is_no_direction(void **state)
     struct gd_mesh *mesh = new_square();
     const struct gd_point points[] = {in_face(mesh, 0), on_edge(mesh, 0, 4), test_vertex(mesh, 4),
                                       test_vertex(mesh, 0)};
-    const struct gd_vec3 vectors[] = {{0, 0, 0}, {0, 0, 1}, {0, 0, -1e300}, {NAN, 0, 0}, {INFINITY, 1, 0}};
+    const struct gd_vec3 vectors[] = {
+        {0, 0, 0}, {0, 0, 1}, {0, 0, -1e300}, {NAN, 0, 0}, {INFINITY, 1, 0}};
     for (uint32_t i = 0; i < COUNT(points); i++) {
         struct gd_direction direction = {.angle = 7};
         for (uint32_t k = 0; k < COUNT(vectors); k++)
-            assert_int_equal(gd_direction_along(mesh, &points[i], vectors[k], &direction, NULL), GD_INVALID_ARGUMENT);
-        assert_int_equal(gd_direction_at_angle(mesh, &points[i], NAN, &direction, NULL), GD_INVALID_ARGUMENT);
-        assert_int_equal(gd_direction_at_angle(mesh, &points[i], -INFINITY, &direction, NULL), GD_INVALID_ARGUMENT);
+            assert_int_equal(gd_direction_along(mesh, &points[i], vectors[k], &direction, NULL),
+                             GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_direction_at_angle(mesh, &points[i], NAN, &direction, NULL),
+                         GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_direction_at_angle(mesh, &points[i], -INFINITY, &direction, NULL),
+                         GD_INVALID_ARGUMENT);
         assert_true(direction.angle == 7);
     }
     expect_near(along(mesh, points[0], (struct gd_vec3){1e-300, 1e-300, 0}).angle, M_PI_4, exact);
@@ -151,7 +164,8 @@ static void whole_turns_do_not_count(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
-    const struct gd_point points[] = {in_face(mesh, 3), on_edge(mesh, 1, 4), on_edge(mesh, 0, 1), test_vertex(mesh, 4)};
+    const struct gd_point points[] = {in_face(mesh, 3), on_edge(mesh, 1, 4), on_edge(mesh, 0, 1),
+                                      test_vertex(mesh, 4)};
     for (uint32_t i = 0; i < COUNT(points); i++) {
         struct gd_direction once = at(mesh, points[i], 1);
         assert_true(once.angle == 1);
@@ -169,10 +183,10 @@ static void whole_turns_do_not_count(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- solid corners ------------------------------------------------------------------------------------------------------- */
+/* --- solid corners ---------------------------------------------------------------------------- */
 
-/* Vertex 0 of a cube, where three right angles meet; its lowest neighbour is 1, on the x axis. Seen from outside y, then z, then x follow the
- * x axis clockwise: the order is x, z, y. */
+/* Vertex 0 of a cube, where three right angles meet; its lowest neighbour is 1, on the x axis. Seen
+ * from outside y, then z, then x follow the x axis clockwise: the order is x, z, y. */
 static void at_the_corner_of_a_cube(void **state)
 {
     (void)state;
@@ -220,7 +234,8 @@ static void on_the_edge_of_a_cube(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A pyramid's mantle: at its apex angles go round in proportion; along the rim they are as they are. */
+/* A pyramid's mantle: at its apex angles go round in proportion; along the rim they are as they
+ * are. */
 static void on_a_cone(void **state)
 {
     (void)state;
@@ -246,17 +261,20 @@ static void on_a_cone(void **state)
                                  flat * cos(M_PI / SECTORS) * sin(start + next), down.z};
         middle = gd_vec3_scale(middle, 1 / gd_vec3_length(middle));
         expect_both(mesh, apex, next, middle.x, middle.y, middle.z);
-        struct gd_direction ridge = at(mesh, apex, turn), ahead = gd_direction_opposite(mesh, &apex, &ridge);
-        double reach = -hypot(middle.x, middle.y); /* over against a ridge lies the middle of a sector */
+        struct gd_direction ridge = at(mesh, apex, turn),
+                            ahead = gd_direction_opposite(mesh, &apex, &ridge);
+        /* over against a ridge lies the middle of a sector */
+        double reach = -hypot(middle.x, middle.y);
         expect_vector(ahead.xyz, reach * cos(start + turn), reach * sin(start + turn), middle.z);
     }
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
 }
 
-/* --- at the boundary ----------------------------------------------------------------------------------------------------- */
+/* --- at the boundary -------------------------------------------------------------------------- */
 
-/* Three quarters of a turn around vertex 0, in the plane; beyond half a turn both ways round are straight on. */
+/* Three quarters of a turn around vertex 0, in the plane; beyond half a turn both ways round are
+ * straight on. */
 static void straight_on_at_a_boundary_vertex(void **state)
 {
     (void)state;
@@ -271,21 +289,24 @@ static void straight_on_at_a_boundary_vertex(void **state)
     const double back[] = {0, M_PI_4, M_PI_2, 3 * M_PI_4, M_PI, 1.5 * M_PI},
                  ahead[] = {M_PI, 1.25 * M_PI, 1.5 * M_PI, 1.75 * M_PI, 0, M_PI_2};
     for (uint32_t i = 0; i < COUNT(back); i++) {
-        struct gd_direction here = at(mesh, corner, back[i]), there = gd_direction_opposite(mesh, &corner, &here);
+        struct gd_direction here = at(mesh, corner, back[i]),
+                            there = gd_direction_opposite(mesh, &corner, &here);
         expect_near(there.angle, ahead[i], exact);
         expect_vector(there.xyz, -here.xyz.x, -here.xyz.y, 0);
     }
     struct gd_point rim = on_edge(mesh, 1, 2);
-    struct gd_direction inward = at(mesh, rim, M_PI_2), outward = gd_direction_opposite(mesh, &rim, &inward);
+    struct gd_direction inward = at(mesh, rim, M_PI_2),
+                        outward = gd_direction_opposite(mesh, &rim, &inward);
     expect_near(outward.angle, 1.5 * M_PI, exact);
     expect_vector(outward.xyz, sqrt(0.5), sqrt(0.5), 0);
     assert_int_equal(outward.face.index, 0);
     gd_mesh_release(mesh);
 }
 
-/* --- any surface --------------------------------------------------------------------------------------------------------- */
+/* --- any surface ------------------------------------------------------------------------------ */
 
-/* Angles come back from their vectors, vectors from their angles; vectors are tangent to their face. */
+/* Angles come back from their vectors, vectors from their angles; vectors are tangent to their
+ * face. */
 static double check_round_trips(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     double worst = 0;
@@ -313,7 +334,8 @@ static void there_and_back(void **state)
                     {"box", {1, 1, 1, 2}},   {"cylinder", {0.1, 3, 9, 5}}, {"icosphere", {2, 1}}};
     for (size_t s = 0; s < COUNT(surfaces); s++) {
         struct gd_polygons polygons;
-        assert_int_equal(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons), GD_OK);
+        assert_int_equal(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons),
+                         GD_OK);
         struct gd_mesh *mesh = build(&polygons);
         struct rng rng = {s};
         double worst = 0;

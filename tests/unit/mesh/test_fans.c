@@ -5,8 +5,10 @@
 
 static double angle_at(const struct gd_mesh *mesh, uint32_t h)
 {
-    struct gd_vec3 a = mesh->position[mesh->origin[h]], b = mesh->position[gd__side_destination(mesh, h)];
-    struct gd_vec3 p = mesh->position[gd__side_apex(mesh, h)], u = gd_vec3_sub(b, a), v = gd_vec3_sub(p, a);
+    struct gd_vec3 a = mesh->position[mesh->origin[h]],
+                   b = mesh->position[gd__side_destination(mesh, h)];
+    struct gd_vec3 p = mesh->position[gd__side_apex(mesh, h)], u = gd_vec3_sub(b, a),
+                   v = gd_vec3_sub(p, a);
     return atan2(gd_vec3_length(gd_vec3_cross(u, v)), gd_vec3_dot(u, v));
 }
 

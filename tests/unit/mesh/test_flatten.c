@@ -34,8 +34,9 @@ static void expect_same_distances(const struct gd_mesh *a, const struct gd_mesh 
 
 enum { CUBE_FACES = 12, MOST = 40 };
 
-/* The cube in triangles, its edge 0-1 (z = 0, y = 0) with `points` on it: seen from the one side all of them lead to
- * the face below, seen from the other the edge is straight, and caps fill the gap as `fan` says. */
+/* The cube in triangles, its edge 0-1 (z = 0, y = 0) with `points` on it: seen from the one side
+ * all of them lead to the face below, seen from the other the edge is straight, and caps fill the
+ * gap as `fan` says. */
 struct gapped_cube {
     double positions[MOST][3];
     uint32_t corners[3 * MOST];
@@ -44,28 +45,33 @@ struct gapped_cube {
 
 static void add_face(struct gd_polygons *polygons, uint32_t a, uint32_t b, uint32_t c)
 {
-    memcpy(polygons->corners + 3 * (size_t)polygons->polygon_count++, (uint32_t[3]){a, b, c}, 3 * sizeof a);
+    memcpy(polygons->corners + 3 * (size_t)polygons->polygon_count++, (uint32_t[3]){a, b, c},
+           3 * sizeof a);
 }
 
 static void start_cube(struct gapped_cube *cube_, bool with_front_bottom)
 {
-    static const uint32_t faces[CUBE_FACES][3] = {{0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4}, {1, 2, 6},
-                                                  {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {0, 2, 1}};
+    static const uint32_t faces[CUBE_FACES][3] = {{0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5},
+                                                  {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
+                                                  {2, 7, 6}, {3, 0, 4}, {3, 4, 7}, {0, 2, 1}};
     memcpy(cube_->positions, cube_positions, sizeof cube_positions);
-    cube_->polygons = (struct gd_polygons){
-        .positions = cube_->positions, .position_count = 8, .corners = cube_->corners, .polygon_count = 0};
+    cube_->polygons = (struct gd_polygons){.positions = cube_->positions,
+                                           .position_count = 8,
+                                           .corners = cube_->corners,
+                                           .polygon_count = 0};
     for (int f = 0; f < CUBE_FACES - !with_front_bottom; f++)
         add_face(&cube_->polygons, faces[f][0], faces[f][1], faces[f][2]);
 }
 
 static uint32_t add_point(struct gapped_cube *cube_, double x)
 {
-    memcpy(cube_->positions[cube_->polygons.position_count], (double[3]){x, 0, 0}, sizeof *cube_->positions);
+    memcpy(cube_->positions[cube_->polygons.position_count], (double[3]){x, 0, 0},
+           sizeof *cube_->positions);
     return cube_->polygons.position_count++;
 }
 
-/* Points at x = 1/(n+1) ... n/(n+1) on the edge, the bottom fanned out to them from vertex 2, caps from 0 or from both
- * ends in turn. */
+/* Points at x = 1/(n+1) ... n/(n+1) on the edge, the bottom fanned out to them from vertex 2, caps
+ * from 0 or from both ends in turn. */
 static void make_gapped_cube(struct gapped_cube *cube_, uint32_t points, bool zigzag)
 {
     start_cube(cube_, false);
@@ -132,7 +138,8 @@ static void the_faces_of_a_flipped_edge_stand_at_their_old_indices(void **state)
 static void caps_at_the_border_are_dropped(void **state)
 {
     (void)state;
-    double positions[][3] = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+    double positions[][3] = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0},
+                             {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
     uint32_t corners[] = {0, 4, 3, 4, 5, 3, 5, 6, 3, 6, 1, 3, 1, 2, 3, 4, 0, 5, 5, 0, 6, 6, 0, 1};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = mend(&polygons);
@@ -190,7 +197,8 @@ static void needles_collapse(void **state)
 static void what_is_thin_but_not_flat_stays(void **state)
 {
     (void)state;
-    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 2 * GD_TOL_FLAT, 0}, {1, 3 * GD_TOL_FLAT, 0}};
+    double positions[][3] = {
+        {0, 0, 0}, {1, 0, 0}, {0.5, 2 * GD_TOL_FLAT, 0}, {1, 3 * GD_TOL_FLAT, 0}};
     uint32_t corners[] = {0, 1, 2, 1, 3, 2};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = mend(&polygons);
@@ -227,8 +235,8 @@ static void scale_does_not_matter(void **state)
     }
 }
 
-/* Random points of a line, triangulated at random, between two walls: hard on the order of flips. Answered, or refused
- * by name, in bounded time. */
+/* Random points of a line, triangulated at random, between two walls: hard on the order of flips.
+ * Answered, or refused by name, in bounded time. */
 static void any_heap_of_caps_ends(void **state)
 {
     (void)state;
@@ -245,18 +253,22 @@ static void any_heap_of_caps_ends(void **state)
     while (left > 2) {
         random = random * 6364136223846793005u + 1442695040888963407u;
         uint32_t at = 1 + (uint32_t)(random >> 33) % (left - 2);
-        memcpy(corners + 3 * (size_t)faces++, (uint32_t[3]){ring[at], ring[at - 1], ring[at + 1]}, 3 * sizeof *corners);
+        memcpy(corners + 3 * (size_t)faces++, (uint32_t[3]){ring[at], ring[at - 1], ring[at + 1]},
+               3 * sizeof *corners);
         memmove(ring + at, ring + at + 1, (left - at - 1) * sizeof *ring);
         left--;
     }
     memcpy(positions[POINTS + 1], (double[3]){POINTS / 2, -POINTS, 0}, sizeof *positions);
-    memcpy(corners + 3 * (size_t)faces++, (uint32_t[3]){POINTS - 1, 0, POINTS + 1}, 3 * sizeof *corners);
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = POINTS + 2, .corners = corners, .polygon_count = faces};
+    memcpy(corners + 3 * (size_t)faces++, (uint32_t[3]){POINTS - 1, 0, POINTS + 1},
+           3 * sizeof *corners);
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = POINTS + 2,
+                                   .corners = corners,
+                                   .polygon_count = faces};
     uint64_t begun = gd_now_ns();
     struct gd_mesh *mesh = mend(&polygons);
-    print_message("# %u caps: %u flips, %.1f ms\n", POINTS - 2, gd_mesh_repair(mesh)->edges_flipped.count,
-                  (double)(gd_now_ns() - begun) * 1e-6);
+    print_message("# %u caps: %u flips, %.1f ms\n", POINTS - 2,
+                  gd_mesh_repair(mesh)->edges_flipped.count, (double)(gd_now_ns() - begun) * 1e-6);
     assert_int_equal(gd_mesh_summary(mesh)->boundaries, 1);
     assert_int_equal(gd_mesh_repair(mesh)->edges_split.count, 0);
     gd_mesh_release(mesh);

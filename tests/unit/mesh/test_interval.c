@@ -6,15 +6,17 @@ enum { MOST = 12 };
 
 static struct gd__interval_table table;
 
-/* Unsigned area of the triangles that the ring of these points in z = 0 is cut into, -1: it can't be. Diagonals in
- * `taken` are forbidden. */
-static double cut(double (*positions)[3], uint32_t count, const uint32_t (*taken)[2], uint32_t taken_count)
+/* Unsigned area of the triangles that the ring of these points in z = 0 is cut into, -1: it can't
+ * be. Diagonals in `taken` are forbidden. */
+static double cut(double (*positions)[3], uint32_t count, const uint32_t (*taken)[2],
+                  uint32_t taken_count)
 {
     uint32_t vertex[MOST], triangle[MOST][3];
     struct gd__ring_corner corner[MOST];
     struct gd__edge_set edges;
     assert_int_equal(gd__edge_set_create(MOST, &edges), GD_OK);
-    for (uint32_t i = 0; i < taken_count; i++) gd__edge_set_insert(&edges, taken[i][0], taken[i][1]);
+    for (uint32_t i = 0; i < taken_count; i++)
+        gd__edge_set_insert(&edges, taken[i][0], taken[i][1]);
     for (uint32_t i = 0; i < count; i++) vertex[i] = i;
     gd__ring_make((const double(*)[3])positions, vertex, count, corner);
     bool done = gd__interval_cut(&table, corner, 0, count, &edges, triangle);
@@ -22,7 +24,8 @@ static double cut(double (*positions)[3], uint32_t count, const uint32_t (*taken
     if (!done) return -1;
     double area = 0;
     for (uint32_t i = 0; i + 2 < count; i++) {
-        const double *a = positions[triangle[i][0]], *b = positions[triangle[i][1]], *c = positions[triangle[i][2]];
+        const double *a = positions[triangle[i][0]], *b = positions[triangle[i][1]],
+                     *c = positions[triangle[i][2]];
         area += fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
     }
     return area;
@@ -60,7 +63,8 @@ static void forbidden_diagonals_are_avoided_as_long_as_there_is_a_way(void **sta
 {
     (void)state;
     double pentagon[5][3] = {{0}};
-    for (int i = 0; i < 5; i++) pentagon[i][0] = cos(i * 0.4 * M_PI), pentagon[i][1] = sin(i * 0.4 * M_PI);
+    for (int i = 0; i < 5; i++)
+        pentagon[i][0] = cos(i * 0.4 * M_PI), pentagon[i][1] = sin(i * 0.4 * M_PI);
     double area = 2.5 * sin(0.4 * M_PI);
     const uint32_t taken[][2] = {{1, 3}, {2, 4}, {0, 3}, {0, 2}};
     expect_near(cut(pentagon, 5, taken, 2), area, 1e-14);

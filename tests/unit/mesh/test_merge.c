@@ -22,7 +22,8 @@ static void a_surface_stays_as_it_is(void **state)
         const struct gd_mesh_repair nothing = {0};
         assert_memory_equal(gd_mesh_repair(plain), &nothing, sizeof nothing);
         assert_memory_equal(gd_mesh_repair(mended), &nothing, sizeof nothing);
-        assert_memory_equal(gd_mesh_summary(plain), gd_mesh_summary(mended), sizeof(struct gd_mesh_summary));
+        assert_memory_equal(gd_mesh_summary(plain), gd_mesh_summary(mended),
+                            sizeof(struct gd_mesh_summary));
         gd_mesh_release(plain);
         gd_mesh_release(mended);
     }
@@ -32,7 +33,8 @@ static void a_surface_stays_as_it_is(void **state)
 static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
 {
     (void)state;
-    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 2, 0}, {1, 0, -0.0}, {0, 1, 0}, {3, 0, 0}};
+    double positions[][3] = {{0, 0, 0},    {1, 0, 0}, {0, 1, 0}, {2, 2, 0},
+                             {1, 0, -0.0}, {0, 1, 0}, {3, 0, 0}};
     uint32_t corners[] = {0, 1, 2, 1, 4, 3, 4, 6, 3, 1, 3, 5};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = mend(&polygons);
@@ -46,9 +48,11 @@ static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){4}, &q, NULL), GD_OK);
     assert_true(gd_point_equal(&p, &q));
     struct gd_detail detail = {0};
-    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){1}, (double[3]){1, 0, 0}, &p, &detail), GD_OUT_OF_RANGE);
+    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){1}, (double[3]){1, 0, 0}, &p, &detail),
+                     GD_OUT_OF_RANGE);
     assert_non_null(strstr(detail.text, "face 1 was removed"));
-    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){4}, (double[3]){1, 0, 0}, &p, &detail), GD_OUT_OF_RANGE);
+    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){4}, (double[3]){1, 0, 0}, &p, &detail),
+                     GD_OUT_OF_RANGE);
     assert_non_null(strstr(detail.text, "there is no face 4"));
     gd_mesh_release(mesh);
 }
@@ -56,7 +60,8 @@ static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
 static void rings_lose_what_encloses_nothing(void **state)
 {
     (void)state;
-    static double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 2, 0}, {3, 3, 0}};
+    static double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0},
+                                    {0, 1, 0}, {2, 2, 0}, {3, 3, 0}};
     static const struct {
         uint32_t count, ring[8], faces;
     } cases[] = {
@@ -75,13 +80,15 @@ static void rings_lose_what_encloses_nothing(void **state)
         {7, {5, 4, 2, 0, 1, 2, 4}, 1},
     };
     for (uint32_t i = 0; i < COUNT(cases); i++) {
-        uint32_t corners[16] = {0, 3, 5}, first[] = {0, 3, 3 + cases[i].count}; /* one face that stays */
+        /* one face that stays */
+        uint32_t corners[16] = {0, 3, 5}, first[] = {0, 3, 3 + cases[i].count};
         memcpy(corners + 3, cases[i].ring, cases[i].count * sizeof *corners);
         struct gd_polygons polygons = POLYGONS(positions, corners, first);
         struct gd_mesh *mesh = mend(&polygons);
         assert_int_equal(gd_mesh_summary(mesh)->faces, 1 + cases[i].faces);
         assert_int_equal(gd_mesh_summary(mesh)->face_index_count, cases[i].count - 1);
-        assert_int_equal(gd_mesh_repair(mesh)->degenerate_faces.count, cases[i].count - 2 - cases[i].faces);
+        assert_int_equal(gd_mesh_repair(mesh)->degenerate_faces.count,
+                         cases[i].count - 2 - cases[i].faces);
         gd_mesh_release(mesh);
     }
 }
@@ -93,7 +100,8 @@ static void a_ring_that_passes_a_vertex_twice_is_refused(void **state)
     uint32_t corners[] = {0, 1, 2, 0, 3, 4}, first[] = {0, 6};
     struct gd_polygons polygons = POLYGONS(positions, corners, first);
     struct gd_detail detail = refuse_mending(&polygons, GD_DEGENERATE_FACE);
-    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(0, 0), "face 0 has vertex 0 as two of its corners");
+    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(0, 0),
+                    "face 0 has vertex 0 as two of its corners");
 }
 
 static void of_duplicates_the_first_stays(void **state)
@@ -105,8 +113,10 @@ static void of_duplicates_the_first_stays(void **state)
     struct gd_mesh *mesh = mend(&polygons);
     expect_mended(&gd_mesh_repair(mesh)->duplicate_faces, MENDED({1, 0}, {3, 0}));
     assert_int_equal(gd_mesh_summary(mesh)->faces, 2);
-    assert_true(gd_mesh_has_face(mesh, (struct gd_face){0}) && gd_mesh_has_face(mesh, (struct gd_face){2}));
-    assert_false(gd_mesh_has_face(mesh, (struct gd_face){1}) || gd_mesh_has_face(mesh, (struct gd_face){3}));
+    assert_true(gd_mesh_has_face(mesh, (struct gd_face){0}) &&
+                gd_mesh_has_face(mesh, (struct gd_face){2}));
+    assert_false(gd_mesh_has_face(mesh, (struct gd_face){1}) ||
+                 gd_mesh_has_face(mesh, (struct gd_face){3}));
     struct gd_polygons left = {0};
     assert_int_equal(gd_mesh_polygons(mesh, &left), GD_OK);
     assert_int_equal(left.polygon_count, 2);

@@ -6,7 +6,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* Distance from q to the segment ab, and to the triangle abc: by bisection, without any of the engine's formulas. */
+/* Distance from q to the segment ab, and to the triangle abc: by bisection, without any of the
+ * engine's formulas. */
 static double segment_distance(struct gd_vec3 q, struct gd_vec3 a, struct gd_vec3 b)
 {
     double low = 0, high = 1;
@@ -23,8 +24,8 @@ static double segment_distance(struct gd_vec3 q, struct gd_vec3 a, struct gd_vec
 
 static double triangle_distance(struct gd_vec3 q, const struct gd_vec3 p[3])
 {
-    double best =
-        fmin(fmin(segment_distance(q, p[0], p[1]), segment_distance(q, p[1], p[2])), segment_distance(q, p[2], p[0]));
+    double best = fmin(fmin(segment_distance(q, p[0], p[1]), segment_distance(q, p[1], p[2])),
+                       segment_distance(q, p[2], p[0]));
     struct gd_vec3 n = gd_vec3_cross(gd_vec3_sub(p[1], p[0]), gd_vec3_sub(p[2], p[0]));
     double size = gd_vec3_length(n);
     if (size == 0) return best;
@@ -59,7 +60,8 @@ static struct gd_point nearest(const struct gd_mesh *mesh, struct gd_vec3 q, dou
     return point;
 }
 
-static void expect_agreement(const struct gd_polygons *polygons, double reach, uint32_t queries, uint64_t seed)
+static void expect_agreement(const struct gd_polygons *polygons, double reach, uint32_t queries,
+                             uint64_t seed)
 {
     struct gd_mesh *mesh = build(polygons);
     struct rng rng = {seed};
@@ -97,12 +99,16 @@ static void a_vertex_is_found_at_its_own_position(void **state)
     for (uint32_t i = 0; i < COUNT(offsets); i++) {
         struct gd_polygons polygons;
         assert_int_equal(sample_icosphere(2, 0.7, &polygons), GD_OK);
-        for (uint32_t v = 0; v < polygons.position_count; v++) polygons.positions[v][1] += offsets[i];
+        for (uint32_t v = 0; v < polygons.position_count; v++)
+            polygons.positions[v][1] += offsets[i];
         struct gd_mesh *mesh = build(&polygons);
         for (uint32_t v = 0; v < polygons.position_count; v++) {
             double distance;
-            struct gd_point found = nearest(mesh, gd_mesh_position(mesh, (struct gd_vertex){v}), &distance), expected;
-            assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){v}, &expected, NULL), GD_OK);
+            struct gd_point found = nearest(mesh, gd_mesh_position(mesh, (struct gd_vertex){v}),
+                                            &distance),
+                            expected;
+            assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){v}, &expected, NULL),
+                             GD_OK);
             assert_true(gd_point_equal(&found, &expected));
             assert_true(distance == 0);
         }
@@ -120,17 +126,21 @@ static void a_position_leads_back_to_its_point(void **state)
         struct gd_polygons polygons;
         struct rng rng = {8};
         assert_int_equal(sample_icosphere(2, 0.7, &polygons), GD_OK);
-        for (uint32_t v = 0; v < polygons.position_count; v++) polygons.positions[v][2] += offsets[i];
+        for (uint32_t v = 0; v < polygons.position_count; v++)
+            polygons.positions[v][2] += offsets[i];
         struct gd_mesh *mesh = build(&polygons);
         for (uint32_t n = 0; n < 1000; n++) {
-            double t = rng_between(&rng, 0.01, 0.99), s = n % 2 ? 0 : rng_between(&rng, 0.01, 0.9) * (1 - t);
+            double t = rng_between(&rng, 0.01, 0.99),
+                   s = n % 2 ? 0 : rng_between(&rng, 0.01, 0.9) * (1 - t);
             struct gd_point point;
             struct gd_face face = {rng_below(&rng, mesh->face_count)};
-            assert_int_equal(gd_point_in_face(mesh, face, (double[3]){1 - t - s, t, s}, &point, NULL), GD_OK);
+            assert_int_equal(
+                gd_point_in_face(mesh, face, (double[3]){1 - t - s, t, s}, &point, NULL), GD_OK);
             double distance;
             struct gd_point found = nearest(mesh, gd_point_position(mesh, &point), &distance);
             assert_true(found.kind == point.kind && found.element == point.element);
-            for (int k = 0; k < 3; k++) expect_near(found.weight[k], point.weight[k], 1e-14 + 1e-14 * offsets[i]);
+            for (int k = 0; k < 3; k++)
+                expect_near(found.weight[k], point.weight[k], 1e-14 + 1e-14 * offsets[i]);
             expect_near(distance, 0, 1e-15 + 1e-15 * offsets[i]);
         }
         gd_mesh_release(mesh);
@@ -148,7 +158,8 @@ static void ties_go_to_the_lowest_face(void **state)
     for (uint64_t seed = 0; seed < 20; seed++) {
         assert_int_equal(sample_renumber(&polygons, seed, NULL, NULL), GD_OK);
         struct gd_mesh *mesh = build(&polygons);
-        struct gd_point point = nearest(mesh, (struct gd_vec3){1, 1, 1}, NULL); /* six centres are equally near */
+        /* six centres are equally near */
+        struct gd_point point = nearest(mesh, (struct gd_vec3){1, 1, 1}, NULL);
         struct gd_point_description found;
         gd_point_describe(mesh, &point, &found);
         assert_int_equal(found.kind, GD_POINT_VERTEX);
@@ -172,14 +183,18 @@ static void max_snap_bounds_the_distance(void **state)
     struct gd_detail detail = {0};
     double distance = -7;
     struct gd_vec3 q = {0.25, 0.5, 1.5};
-    assert_int_equal(gd_locate_nearest(mesh, q, 0.4, &point, &distance, &detail), GD_NOT_ON_SURFACE);
+    assert_int_equal(gd_locate_nearest(mesh, q, 0.4, &point, &distance, &detail),
+                     GD_NOT_ON_SURFACE);
     assert_true(strstr(detail.text, "0.5") && distance == -7);
     assert_int_equal(gd_locate_nearest(mesh, q, 0.5, &point, &distance, &detail), GD_OK);
     assert_true(distance == 0.5);
-    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){0, 0, 0}, 0, &point, NULL, NULL), GD_OK);
-    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){NAN, 0, 0}, -1, &point, NULL, NULL), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){0, INFINITY, 0}, -1, &point, NULL, NULL),
+    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){0, 0, 0}, 0, &point, NULL, NULL),
+                     GD_OK);
+    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){NAN, 0, 0}, -1, &point, NULL, NULL),
                      GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_locate_nearest(mesh, (struct gd_vec3){0, INFINITY, 0}, -1, &point, NULL, NULL),
+        GD_INVALID_ARGUMENT);
     assert_int_equal(gd_locate_nearest(mesh, q, NAN, &point, NULL, NULL), GD_INVALID_ARGUMENT);
     gd_mesh_release(mesh);
 }

@@ -14,14 +14,16 @@ static struct gd_mesh *shuffled(uint64_t seed)
     return mesh;
 }
 
-/* Vertices stand in the same order however the input numbered them, and neighbours stand near each other. */
+/* Vertices stand in the same order however the input numbered them, and neighbours stand near each
+ * other. */
 static void the_order_inside_is_that_of_space(void **state)
 {
     (void)state;
     struct gd_mesh *a = shuffled(0), *b = shuffled(17);
     assert_memory_equal(a->position, b->position, a->vertex_count * sizeof *a->position);
     double apart = 0;
-    for (uint32_t e = 0; e < a->edge_count; e++) apart += fabs((double)a->origin[2 * e] - a->origin[2 * e + 1]);
+    for (uint32_t e = 0; e < a->edge_count; e++)
+        apart += fabs((double)a->origin[2 * e] - a->origin[2 * e + 1]);
     assert_true(apart / a->edge_count < 0.15 * a->vertex_count); /* at random: a third */
     gd_mesh_release(a);
     gd_mesh_release(b);
@@ -33,7 +35,8 @@ static void the_maps_are_inverse(void **state)
     struct gd_mesh *mesh = shuffled(3);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         assert_int_equal(mesh->vertex_of_index[mesh->index_of_vertex[v]], v);
-    for (uint32_t f = 0; f < mesh->face_count; f++) assert_int_equal(mesh->face_of_index[mesh->index_of_face[f]], f);
+    for (uint32_t f = 0; f < mesh->face_count; f++)
+        assert_int_equal(mesh->face_of_index[mesh->index_of_face[f]], f);
     gd_mesh_release(mesh);
 }
 

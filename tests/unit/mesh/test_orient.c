@@ -2,29 +2,35 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* A band of `n` quads, twisted half a turn before its ends are joined if `twisted`; closed across, too, if `closed`. */
+/* A band of `n` quads, twisted half a turn before its ends are joined if `twisted`; closed across,
+ * too, if `closed`. */
 enum { BAND = 12 };
 
-static struct gd_polygons band(bool twisted, bool closed, double positions[3 * BAND][3], uint32_t corners[18 * BAND])
+static struct gd_polygons band(bool twisted, bool closed, double positions[3 * BAND][3],
+                               uint32_t corners[18 * BAND])
 {
     uint32_t rows = closed ? 3 : 2, n = 0;
     for (uint32_t i = 0; i < BAND; i++) {
         for (uint32_t j = 0; j < rows; j++) {
             double a = 2 * M_PI * i / BAND, r = 3 + cos(a / 2 + 2 * j) * 0.7;
-            memcpy(positions[rows * i + j], (double[3]){r * cos(a), r * sin(a), sin(a / 2 + 2 * j)}, sizeof *positions);
+            memcpy(positions[rows * i + j], (double[3]){r * cos(a), r * sin(a), sin(a / 2 + 2 * j)},
+                   sizeof *positions);
         }
     }
     for (uint32_t i = 0; i < BAND; i++) {
         for (uint32_t j = 0; j < (closed ? 3u : 1u); j++) {
-            uint32_t k = (j + 1) % rows, last = i + 1 == BAND && twisted, next = rows * ((i + 1) % BAND);
+            uint32_t k = (j + 1) % rows, last = i + 1 == BAND && twisted,
+                     next = rows * ((i + 1) % BAND);
             uint32_t a = rows * i + j, b = rows * i + k;
             uint32_t c = next + (last ? rows - 1 - k : k), d = next + (last ? rows - 1 - j : j);
             memcpy(corners + n, (uint32_t[6]){a, b, c, a, c, d}, 6 * sizeof *corners);
             n += 6;
         }
     }
-    return (struct gd_polygons){
-        .positions = positions, .position_count = rows * BAND, .corners = corners, .polygon_count = n / 3};
+    return (struct gd_polygons){.positions = positions,
+                                .position_count = rows * BAND,
+                                .corners = corners,
+                                .polygon_count = n / 3};
 }
 
 static void moebius_strip_and_klein_bottle_are_refused(void **state)

@@ -17,7 +17,8 @@ static struct gd_mesh *sample_mesh(void)
     return mesh;
 }
 
-static struct gd_point in_face(const struct gd_mesh *mesh, uint32_t face, double a, double b, double c)
+static struct gd_point in_face(const struct gd_mesh *mesh, uint32_t face, double a, double b,
+                               double c)
 {
     struct gd_point point;
     struct gd_detail detail = {0};
@@ -56,8 +57,8 @@ static void input_corners(const struct gd_mesh *mesh, uint32_t face, uint32_t ou
 static void expect_equal(struct gd_point a, struct gd_point b)
 {
     if (!gd_point_equal(&a, &b))
-        fail_msg("kind %d element %u weight %.17g, %d %u %.17g", a.kind, a.element, a.weight[0], b.kind, b.element,
-                 b.weight[0]);
+        fail_msg("kind %d element %u weight %.17g, %d %u %.17g", a.kind, a.element, a.weight[0],
+                 b.kind, b.element, b.weight[0]);
 }
 
 static void a_place_is_one_point_however_it_is_named(void **state)
@@ -80,7 +81,8 @@ static void a_place_is_one_point_however_it_is_named(void **state)
                 e[(k + 1) % 3] = ts[i];
                 struct gd_point p = on_edge(mesh, a, b, ts[i]);
                 assert_int_equal(p.kind, GD_POINT_EDGE);
-                assert_true((p.weight[0] == 1 - p.weight[1] || p.weight[1] == 1 - p.weight[0]) && p.weight[2] == 0);
+                assert_true((p.weight[0] == 1 - p.weight[1] || p.weight[1] == 1 - p.weight[0]) &&
+                            p.weight[2] == 0);
                 expect_equal(in_face(mesh, f, e[0], e[1], e[2]), p);
                 expect_equal(on_edge(mesh, b, a, 1 - ts[i]), on_edge(mesh, a, b, 1 - (1 - ts[i])));
             }
@@ -119,17 +121,20 @@ static void what_is_no_point_is_refused_by_name(void **state)
     const struct {
         double b[3];
         enum gd_status status;
-    } faces[] = {{{0.5, 0.5, 1e-8}, GD_NOT_ON_SURFACE},   {{0.5, 0.6, -0.1}, GD_NOT_ON_SURFACE},
-                 {{0, 0, 0}, GD_NOT_ON_SURFACE},          {{NAN, 0.5, 0.5}, GD_INVALID_ARGUMENT},
-                 {{INFINITY, 0, 0}, GD_INVALID_ARGUMENT}, {{1e308, 1e308, -1e308}, GD_NOT_ON_SURFACE}};
+    } faces[] = {
+        {{0.5, 0.5, 1e-8}, GD_NOT_ON_SURFACE},   {{0.5, 0.6, -0.1}, GD_NOT_ON_SURFACE},
+        {{0, 0, 0}, GD_NOT_ON_SURFACE},          {{NAN, 0.5, 0.5}, GD_INVALID_ARGUMENT},
+        {{INFINITY, 0, 0}, GD_INVALID_ARGUMENT}, {{1e308, 1e308, -1e308}, GD_NOT_ON_SURFACE}};
     for (uint32_t i = 0; i < COUNT(faces); i++) {
         struct gd_detail detail = {0};
-        assert_int_equal(gd_point_in_face(mesh, (struct gd_face){0}, faces[i].b, &out, &detail), faces[i].status);
+        assert_int_equal(gd_point_in_face(mesh, (struct gd_face){0}, faces[i].b, &out, &detail),
+                         faces[i].status);
         assert_true(strlen(detail.text) > 0);
     }
     const double third[3] = {0.4, 0.3, 0.3};
     struct gd_vertex v0 = {0}, v1 = {1}, v3 = {3}, v4 = {4}, v9 = {9};
-    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){2}, third, &out, NULL), GD_OUT_OF_RANGE);
+    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){2}, third, &out, NULL),
+                     GD_OUT_OF_RANGE);
     assert_int_equal(gd_point_at_vertex(mesh, v9, &out, NULL), GD_OUT_OF_RANGE);
     assert_int_equal(gd_point_at_vertex(mesh, v3, &out, NULL), GD_UNREFERENCED_VERTEX);
     assert_int_equal(gd_point_on_edge(mesh, v0, v4, 0.5, &out, NULL), GD_NO_SUCH_EDGE);
@@ -150,13 +155,15 @@ static void expect_lowest_face(const struct gd_mesh *mesh, const struct gd_point
         uint32_t met = 0;
         for (int k = 0; k < 3; k++) {
             met += d->kind == GD_POINT_VERTEX && v[k] == d->vertex.index;
-            met += d->kind == GD_POINT_EDGE && (v[k] == d->edge[0].index || v[k] == d->edge[1].index);
+            met +=
+                d->kind == GD_POINT_EDGE && (v[k] == d->edge[0].index || v[k] == d->edge[1].index);
         }
         assert_true(met < (d->kind == GD_POINT_EDGE ? 2u : 1u));
     }
 }
 
-/* Description -> point gives the same point, and the description's own numbers place it in space. */
+/* Description -> point gives the same point, and the description's own numbers place it in space.
+ */
 static void a_description_leads_back(void **state)
 {
     (void)state;
@@ -171,13 +178,15 @@ static void a_description_leads_back(void **state)
         struct gd_point_description d;
         gd_point_describe(mesh, &p, &d);
         assert_int_equal(d.kind, p.kind);
-        expect_equal(in_face(mesh, d.face.index, d.barycentric[0], d.barycentric[1], d.barycentric[2]), p);
+        expect_equal(
+            in_face(mesh, d.face.index, d.barycentric[0], d.barycentric[1], d.barycentric[2]), p);
         expect_lowest_face(mesh, &d);
         uint32_t v[3];
         input_corners(mesh, d.face.index, v);
         struct gd_vec3 at = {0, 0, 0};
         for (int k = 0; k < 3; k++)
-            at = gd_vec3_along(at, d.barycentric[k], gd_mesh_position(mesh, (struct gd_vertex){v[k]}));
+            at = gd_vec3_along(at, d.barycentric[k],
+                               gd_mesh_position(mesh, (struct gd_vertex){v[k]}));
         expect_near(gd_vec3_distance(at, d.xyz), 0, 1e-14);
         if (d.kind == GD_POINT_EDGE) {
             assert_true(d.edge[0].index < d.edge[1].index);
@@ -203,8 +212,10 @@ static void points_know_their_component(void **state)
     struct gd_mesh *mesh = build(&polygons);
     for (uint32_t f = 0; f < 2; f++) {
         struct gd_point points[] = {at_vertex(mesh, 3 * f), at_vertex(mesh, 3 * f + 2),
-                                    on_edge(mesh, 3 * f + 1, 3 * f + 2, 0.25), in_face(mesh, f, 0.2, 0.3, 0.5)};
-        for (uint32_t i = 0; i < COUNT(points); i++) assert_int_equal(gd_point_component(mesh, &points[i]), f);
+                                    on_edge(mesh, 3 * f + 1, 3 * f + 2, 0.25),
+                                    in_face(mesh, f, 0.2, 0.3, 0.5)};
+        for (uint32_t i = 0; i < COUNT(points); i++)
+            assert_int_equal(gd_point_component(mesh, &points[i]), f);
     }
     gd_mesh_release(mesh);
 }
@@ -214,14 +225,16 @@ static void positions_of_many_are_those_of_each(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh();
-    const struct gd_point points[] = {at_vertex(mesh, 3), in_face(mesh, 5, 0.2, 0.3, 0.5), on_edge(mesh, 0, 1, 0.375),
-                                      in_face(mesh, 0, 0.6, 0.3, 0.1), at_vertex(mesh, 0)};
+    const struct gd_point points[] = {at_vertex(mesh, 3), in_face(mesh, 5, 0.2, 0.3, 0.5),
+                                      on_edge(mesh, 0, 1, 0.375), in_face(mesh, 0, 0.6, 0.3, 0.1),
+                                      at_vertex(mesh, 0)};
     enum { COUNT = sizeof points / sizeof points[0] };
     double xyz[COUNT][3];
     gd_points_positions(mesh, points, COUNT, xyz);
     for (int i = 0; i < COUNT; i++) {
         struct gd_vec3 position = gd_point_position(mesh, &points[i]);
-        assert_memory_equal(xyz[i], ((double[]){position.x, position.y, position.z}), sizeof xyz[i]);
+        assert_memory_equal(xyz[i], ((double[]){position.x, position.y, position.z}),
+                            sizeof xyz[i]);
     }
     gd_mesh_release(mesh);
 }

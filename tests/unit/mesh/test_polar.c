@@ -35,7 +35,8 @@ static void radius_and_angle_keep_their_digits(void **state)
     struct gd_mesh *mesh = open_torus();
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         for (uint32_t i = mesh->fan_first[v]; i < mesh->fan_first[v + 1]; i++) {
-            double radius = pow(10, -3 - (int)(i % 12)), turn = 0.4 * (gd__fan_end(mesh, v, i) - mesh->fan[i].angle);
+            double radius = pow(10, -3 - (int)(i % 12)),
+                   turn = 0.4 * (gd__fan_end(mesh, v, i) - mesh->fan[i].angle);
             struct gd_point point = place(mesh, i, radius, turn);
             struct gd__polar polar;
             assert_true(gd__polar_about(mesh, &point, v, &polar));
@@ -78,7 +79,8 @@ static void the_last_edge_of_a_boundary_ends_the_fan(void **state)
         struct gd__polar polar;
         uint32_t vertex = mesh->origin[side];
         assert_true(gd__polar_about(mesh, &point, vertex, &polar));
-        assert_true(polar.angle == mesh->total_angle[vertex] && polar.entry + 1 == mesh->fan_first[vertex + 1]);
+        assert_true(polar.angle == mesh->total_angle[vertex] &&
+                    polar.entry + 1 == mesh->fan_first[vertex + 1]);
         seen++;
     }
     assert_int_equal(seen, 8);
@@ -107,9 +109,10 @@ static void points_elsewhere_are_beside_none(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(radius_and_angle_keep_their_digits),
-                                       cmocka_unit_test(a_point_of_an_edge_lies_where_its_entry_begins),
-                                       cmocka_unit_test(the_last_edge_of_a_boundary_ends_the_fan),
-                                       cmocka_unit_test(points_elsewhere_are_beside_none)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(radius_and_angle_keep_their_digits),
+        cmocka_unit_test(a_point_of_an_edge_lies_where_its_entry_begins),
+        cmocka_unit_test(the_last_edge_of_a_boundary_ends_the_fan),
+        cmocka_unit_test(points_elsewhere_are_beside_none)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

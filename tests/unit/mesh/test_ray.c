@@ -6,8 +6,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-static enum gd_status shoot(const struct gd_mesh *mesh, struct gd_vec3 origin, struct gd_vec3 direction,
-                            struct gd_point *out)
+static enum gd_status shoot(const struct gd_mesh *mesh, struct gd_vec3 origin,
+                            struct gd_vec3 direction, struct gd_point *out)
 {
     return gd_locate_first_hit(mesh, origin, direction, out, NULL);
 }
@@ -22,8 +22,8 @@ static double brute_force(const struct gd_polygons *polygons, struct gd_vec3 o, 
             const double *c = polygons->positions[polygons->corners[3 * f + k]];
             p[k] = (struct gd_vec3){c[0], c[1], c[2]};
         }
-        struct gd_vec3 u = gd_vec3_sub(p[1], p[0]), v = gd_vec3_sub(p[2], p[0]), h = gd_vec3_cross(d, v),
-                       s = gd_vec3_sub(o, p[0]);
+        struct gd_vec3 u = gd_vec3_sub(p[1], p[0]), v = gd_vec3_sub(p[2], p[0]),
+                       h = gd_vec3_cross(d, v), s = gd_vec3_sub(o, p[0]);
         double det = gd_vec3_dot(u, h), a = gd_vec3_dot(s, h) / det;
         struct gd_vec3 q = gd_vec3_cross(s, u);
         double b = gd_vec3_dot(d, q) / det, t = gd_vec3_dot(v, q) / det;
@@ -42,13 +42,16 @@ static void agrees_with_brute_force(void **state)
     struct rng rng = {5};
     uint32_t hits = 0;
     for (int i = 0; i < 2000; i++) {
-        struct gd_vec3 o = {rng_between(&rng, -5, 5), rng_between(&rng, -5, 5), rng_between(&rng, -5, 5)};
-        struct gd_vec3 d = {rng_between(&rng, -1, 1), rng_between(&rng, -1, 1), rng_between(&rng, -1, 1)};
+        struct gd_vec3 o = {rng_between(&rng, -5, 5), rng_between(&rng, -5, 5),
+                            rng_between(&rng, -5, 5)};
+        struct gd_vec3 d = {rng_between(&rng, -1, 1), rng_between(&rng, -1, 1),
+                            rng_between(&rng, -1, 1)};
         struct gd_point point;
         double t = brute_force(&polygons, o, d);
         assert_int_equal(shoot(mesh, o, d, &point), t < INFINITY ? GD_OK : GD_NOT_ON_SURFACE);
         if (t == INFINITY) continue;
-        expect_near(gd_vec3_distance(gd_point_position(mesh, &point), gd_vec3_along(o, t, d)), 0, 1e-12);
+        expect_near(gd_vec3_distance(gd_point_position(mesh, &point), gd_vec3_along(o, t, d)), 0,
+                    1e-12);
         hits++;
     }
     assert_true(hits > 300);
@@ -56,7 +59,8 @@ static void agrees_with_brute_force(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* From within a closed surface every ray hits, wherever it is aimed: at vertices, at edges, between them. */
+/* From within a closed surface every ray hits, wherever it is aimed: at vertices, at edges, between
+ * them. */
 static void no_ray_slips_out_of_a_closed_surface(void **state)
 {
     (void)state;
@@ -69,7 +73,8 @@ static void no_ray_slips_out_of_a_closed_surface(void **state)
         uint32_t a = polygons.corners[c], b = polygons.corners[c % 3 == 2 ? c - 2 : c + 1];
         struct gd_vec3 p = gd_mesh_position(mesh, (struct gd_vertex){a}),
                        q = gd_mesh_position(mesh, (struct gd_vertex){b});
-        struct gd_vec3 o = {rng_between(&rng, -0.2, 0.2), rng_between(&rng, -0.2, 0.2), rng_between(&rng, -0.2, 0.2)};
+        struct gd_vec3 o = {rng_between(&rng, -0.2, 0.2), rng_between(&rng, -0.2, 0.2),
+                            rng_between(&rng, -0.2, 0.2)};
         struct gd_vec3 on_edge = gd_vec3_along(p, rng_unit(&rng), gd_vec3_sub(q, p));
         struct gd_point point;
         assert_int_equal(shoot(mesh, o, gd_vec3_sub(p, o), &point), GD_OK);
@@ -92,14 +97,16 @@ static void a_hit_on_a_vertex_or_an_edge_is_that_vertex_or_edge(void **state)
         for (int y = 0; y <= 8; y++) {
             struct gd_point point;
             struct gd_point_description d;
-            assert_int_equal(shoot(mesh, (struct gd_vec3){x / 2.0, y / 2.0, 7}, down, &point), GD_OK);
+            assert_int_equal(shoot(mesh, (struct gd_vec3){x / 2.0, y / 2.0, 7}, down, &point),
+                             GD_OK);
             gd_point_describe(mesh, &point, &d);
             assert_true(d.xyz.x == x / 2.0 && d.xyz.y == y / 2.0 && d.xyz.z == 0);
             assert_int_equal(d.kind, x % 2 == 0 && y % 2 == 0 ? GD_POINT_VERTEX : GD_POINT_EDGE);
         }
     }
     struct gd_point point;
-    assert_int_equal(shoot(mesh, (struct gd_vec3){4.0000001, 2, 7}, down, &point), GD_NOT_ON_SURFACE);
+    assert_int_equal(shoot(mesh, (struct gd_vec3){4.0000001, 2, 7}, down, &point),
+                     GD_NOT_ON_SURFACE);
     assert_int_equal(shoot(mesh, (struct gd_vec3){2, 2, -7}, down, &point), GD_NOT_ON_SURFACE);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
@@ -134,11 +141,15 @@ static void the_first_of_several_hits_counts_from_either_side(void **state)
     struct gd_polygons polygons = cube();
     struct gd_mesh *mesh = build(&polygons);
     struct gd_point point;
-    assert_int_equal(shoot(mesh, (struct gd_vec3){0.3, 0.6, 5}, (struct gd_vec3){0, 0, -0.001}, &point), GD_OK);
+    assert_int_equal(
+        shoot(mesh, (struct gd_vec3){0.3, 0.6, 5}, (struct gd_vec3){0, 0, -0.001}, &point), GD_OK);
     assert_true(gd_point_position(mesh, &point).z == 1);
-    assert_int_equal(shoot(mesh, (struct gd_vec3){0.3, 0.6, 0.5}, (struct gd_vec3){0, 0, -1e200}, &point), GD_OK);
+    assert_int_equal(
+        shoot(mesh, (struct gd_vec3){0.3, 0.6, 0.5}, (struct gd_vec3){0, 0, -1e200}, &point),
+        GD_OK);
     assert_true(gd_point_position(mesh, &point).z == 0);
-    assert_int_equal(shoot(mesh, (struct gd_vec3){0.3, 0.6, 1}, (struct gd_vec3){0, 0, 1e-300}, &point), GD_OK);
+    assert_int_equal(
+        shoot(mesh, (struct gd_vec3){0.3, 0.6, 1}, (struct gd_vec3){0, 0, 1e-300}, &point), GD_OK);
     assert_true(gd_point_position(mesh, &point).z == 1); /* it starts there */
     gd_mesh_release(mesh);
 }
@@ -149,7 +160,8 @@ static void what_is_no_ray_is_refused(void **state)
     struct gd_polygons polygons = cube();
     struct gd_mesh *mesh = build(&polygons);
     struct gd_point point;
-    struct gd_vec3 o = {0, 0, 5}, d = {0, 0, -1}, zero = {0, 0, 0}, nan = {0, NAN, 0}, infinite = {INFINITY, 0, 0};
+    struct gd_vec3 o = {0, 0, 5}, d = {0, 0, -1}, zero = {0, 0, 0}, nan = {0, NAN, 0},
+                   infinite = {INFINITY, 0, 0};
     assert_int_equal(shoot(mesh, o, zero, &point), GD_INVALID_ARGUMENT);
     assert_int_equal(shoot(mesh, nan, d, &point), GD_INVALID_ARGUMENT);
     assert_int_equal(shoot(mesh, o, infinite, &point), GD_INVALID_ARGUMENT);

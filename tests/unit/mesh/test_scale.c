@@ -17,7 +17,8 @@ static void the_inside_is_the_same_at_every_scale(void **state)
         sample_scale(&polygons, factor, factor, factor);
         struct gd_mesh *scaled = build(&polygons);
         assert_true(scaled->unit == mesh->unit * factor);
-        assert_memory_equal(scaled->position, mesh->position, mesh->vertex_count * sizeof *mesh->position);
+        assert_memory_equal(scaled->position, mesh->position,
+                            mesh->vertex_count * sizeof *mesh->position);
         assert_memory_equal(scaled->side, mesh->side, 2 * mesh->edge_count * sizeof *mesh->side);
         assert_true(scaled->summary.area == mesh->summary.area * factor * factor);
         gd_mesh_release(scaled);
@@ -63,8 +64,8 @@ static void extents_that_cannot_be_computed_with_are_refused(void **state)
     double uneven[][3] = {{0, 0, 0}, {1e-90, 0, 0}, {0, 1, 0}};
     double far[][3] = {{1e100, 0, 0}, {1e100, 1, 0}, {1e100, 0, 1}};
     uint32_t corners[] = {0, 1, 2};
-    struct gd_polygons polygons[] = {TRIANGLES(small, corners), TRIANGLES(wide, corners), TRIANGLES(uneven, corners),
-                                     TRIANGLES(far, corners)};
+    struct gd_polygons polygons[] = {TRIANGLES(small, corners), TRIANGLES(wide, corners),
+                                     TRIANGLES(uneven, corners), TRIANGLES(far, corners)};
     for (uint32_t i = 0; i < COUNT(polygons); i++) {
         struct gd_detail detail = refuse(&polygons[i], GD_EXTENT);
         assert_true(strlen(detail.text) > 0);

@@ -50,7 +50,8 @@ static void along_edges(void **state)
     assert_true(edge != GD_NONE && between.kind == GD_POINT_EDGE && between.element == edge);
     assert_int_equal(home_of(corner, between).edge, edge);
     assert_int_equal(home_of(between, at(0.75, 0)).edge, edge);
-    double t = gd__edge_parameter(mesh, edge, &between), first = gd__edge_parameter(mesh, edge, &corner);
+    double t = gd__edge_parameter(mesh, edge, &between),
+           first = gd__edge_parameter(mesh, edge, &corner);
     check_close(fabs(t - first), 0.25 / mesh->unit, 1e-15);
 }
 
@@ -61,7 +62,8 @@ static void across_faces(void **state)
     struct gd__home home = home_of(inside, border);
     assert_int_equal(home.edge, GD_NONE);
     assert_int_equal(home.face, inside.element);
-    assert_true(gd__face_contains(mesh, home.face, &border) && gd__face_contains(mesh, home.face, &inside));
+    assert_true(gd__face_contains(mesh, home.face, &border) &&
+                gd__face_contains(mesh, home.face, &inside));
     home = home_of(at(0.3, 0), at(1, 0.6)); /* two edges of a face */
     assert_int_equal(home.edge, GD_NONE);
     assert_int_equal(home.face, inside.element);
@@ -89,7 +91,7 @@ static void nowhere(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(along_edges), cmocka_unit_test(across_faces),
-                                       cmocka_unit_test(nowhere)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(along_edges),
+                                       cmocka_unit_test(across_faces), cmocka_unit_test(nowhere)};
     return cmocka_run_group_tests(tests, make_mesh, drop_mesh);
 }

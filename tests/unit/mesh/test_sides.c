@@ -17,17 +17,22 @@ static void expect_frame(const struct gd_mesh *mesh, uint32_t h)
 {
     const struct gd_side *side = &mesh->side[h];
     uint32_t a = mesh->origin[h], b = gd__side_destination(mesh, h), p = gd__side_apex(mesh, h);
-    expect_near(side->length, gd_vec3_distance(mesh->position[a], mesh->position[b]), 1e-15 * side->length);
-    expect_near(side->left_length, gd_vec3_distance(mesh->position[a], mesh->position[p]), 1e-15 * side->left_length);
-    expect_near(side->right_length, gd_vec3_distance(mesh->position[b], mesh->position[p]), 1e-15 * side->right_length);
+    expect_near(side->length, gd_vec3_distance(mesh->position[a], mesh->position[b]),
+                1e-15 * side->length);
+    expect_near(side->left_length, gd_vec3_distance(mesh->position[a], mesh->position[p]),
+                1e-15 * side->left_length);
+    expect_near(side->right_length, gd_vec3_distance(mesh->position[b], mesh->position[p]),
+                1e-15 * side->right_length);
     expect_near(hypot(side->left_x, side->left_y), 1, 1e-14);
     expect_near(hypot(side->right_x, side->right_y), 1, 1e-14);
     expect_near(side->left_x, gd_vec3_dot(direction(mesh, a, b), direction(mesh, a, p)), 1e-14);
     expect_near(side->right_x, gd_vec3_dot(direction(mesh, a, b), direction(mesh, p, b)), 1e-14);
     assert_true(side->left_y >= 0 && side->right_y <= 0);
     double scale = side->left_length + side->right_length;
-    expect_near(side->left_length * side->left_x + side->right_length * side->right_x, side->length, 1e-14 * scale);
-    expect_near(side->left_length * side->left_y + side->right_length * side->right_y, 0, 1e-14 * scale);
+    expect_near(side->left_length * side->left_x + side->right_length * side->right_x, side->length,
+                1e-14 * scale);
+    expect_near(side->left_length * side->left_y + side->right_length * side->right_y, 0,
+                1e-14 * scale);
 }
 
 /* Left and right lead to the neighbours as topology.h says; the face's sides run around it. */
@@ -53,7 +58,8 @@ static void expect_face(const struct gd_mesh *mesh, const struct gd_polygons *in
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t h = mesh->face_side[face][k], corner = flipped ? (3 - k) % 3 : k;
         assert_int_equal(mesh->side_face[h], face);
-        assert_int_equal(mesh->index_of_vertex[mesh->origin[h]], input->corners[3 * index + corner]);
+        assert_int_equal(mesh->index_of_vertex[mesh->origin[h]],
+                         input->corners[3 * index + corner]);
         assert_int_equal(gd__side_next(mesh, h), mesh->face_side[face][(k + 1) % 3]);
     }
 }
@@ -108,7 +114,8 @@ static void random_surfaces_have_a_sane_topology(void **state)
     }
 }
 
-/* Corners on one line are refused with the face; a face a little higher is accepted and counted, and framed without a NaN. */
+/* Corners on one line are refused with the face; a face a little higher is accepted and counted,
+ * and framed without a NaN. */
 static void faces_without_area_are_refused(void **state)
 {
     (void)state;
@@ -158,7 +165,8 @@ static void no_edge_between_strangers(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Faces in any order around a vertex of all of them: no work of its own for each that is there already. */
+/* Faces in any order around a vertex of all of them: no work of its own for each that is there
+ * already. */
 static void a_shuffled_fan_takes_a_moment(void **state)
 {
     (void)state;
@@ -171,8 +179,10 @@ static void a_shuffled_fan_takes_a_moment(void **state)
         uint32_t at = (uint32_t)(i * UINT64_C(61803) % FACES); /* coprime: a permutation */
         memcpy(corners[at], (uint32_t[3]){0, i + 1, (i + 1) % FACES + 1}, sizeof *corners);
     }
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = FACES + 1, .corners = *corners, .polygon_count = FACES};
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = FACES + 1,
+                                   .corners = *corners,
+                                   .polygon_count = FACES};
     uint64_t begun = gd_now_ns();
     struct gd_mesh *mesh = build(&polygons);
     double seconds = (double)(gd_now_ns() - begun) * 1e-9;

@@ -4,7 +4,8 @@
 
 #include "gd/point.h"
 
-static void expect_corners(const struct gd_mesh *mesh, uint32_t face, uint32_t a, uint32_t b, uint32_t c)
+static void expect_corners(const struct gd_mesh *mesh, uint32_t face, uint32_t a, uint32_t b,
+                           uint32_t c)
 {
     struct gd_vertex corners[3];
     gd_mesh_corners(mesh, (struct gd_face){face}, corners);
@@ -19,7 +20,7 @@ static void expect_pieces(const struct gd_mesh *mesh, uint32_t components, uint3
     assert_int_equal(gd_mesh_summary(mesh)->boundaries, boundaries);
 }
 
-/* --- vertices --- */
+/* --- vertices --------------------------------------------------------------------------------- */
 
 static void an_open_bow_tie_is_cut(void **state)
 {
@@ -46,7 +47,8 @@ static void an_open_bow_tie_is_cut(void **state)
 static void a_closed_bow_tie_is_cut(void **state)
 {
     (void)state;
-    double positions[][3] = {{1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {1, 0, -1}, {-1, 1, -1}, {-1, -1, -1}, {0, 0, 0}};
+    double positions[][3] = {{1, 0, 1},   {-1, 1, 1},   {-1, -1, 1}, {1, 0, -1},
+                             {-1, 1, -1}, {-1, -1, -1}, {0, 0, 0}};
     uint32_t corners[] = {0, 1, 2, 1, 0, 6, 2, 1, 6, 0, 2, 6, 3, 5, 4, 4, 6, 3, 5, 6, 4, 3, 6, 5};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = mend(&polygons);
@@ -59,7 +61,8 @@ static void a_closed_bow_tie_is_cut(void **state)
 static void each_further_fan_gets_a_copy(void **state)
 {
     (void)state;
-    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, 2, 0}, {0, -1, 0}, {0, -1, 1}};
+    double positions[][3] = {{0, 0, 0},  {1, 0, 0},  {1, 1, 0}, {-1, 1, 0},
+                             {-1, 2, 0}, {0, -1, 0}, {0, -1, 1}};
     uint32_t corners[] = {1, 2, 0, 3, 4, 0, 5, 6, 0};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = mend(&polygons);
@@ -69,7 +72,7 @@ static void each_further_fan_gets_a_copy(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- edges --- */
+/* --- edges ------------------------------------------------------------------------------------ */
 
 /* About the x axis counter-clockwise: 2 at 0 degrees, 4 at 90, 3 at 180. */
 static double around_x[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -89,7 +92,8 @@ static void of_three_faces_the_ones_with_the_inside_between_stay_together(void *
     assert_int_equal(gd_mesh_summary(mesh)->flipped_faces, 0);
     gd_mesh_release(mesh);
 
-    uint32_t turned[] = {0, 1, 2, 1, 0, 3, 1, 0, 4}; /* seen from the other side: the inside is between 3 and 2 */
+    /* seen from the other side: the inside is between 3 and 2 */
+    uint32_t turned[] = {0, 1, 2, 1, 0, 3, 1, 0, 4};
     polygons = TRIANGLES(around_x, turned);
     mesh = mend(&polygons);
     expect_corners(mesh, 0, 0, 1, 2);
@@ -110,9 +114,12 @@ static void faces_that_all_run_alike_are_joined_to_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two tetrahedra on both sides of the edge 0-1 that they share, one of them as the caller orients it, and a fin. */
-static double two_solids[][3] = {{0, 0, -1}, {0, 0, 1}, {2, 1, 0}, {2, -1, 0}, {-2, 1, 0}, {-2, -1, 0}, {0, 3, 0}};
-static uint32_t solid_corners[] = {0, 1, 2, 1, 0, 3, 2, 1, 3, 3, 0, 2, 5, 0, 1, 0, 4, 1, 4, 5, 1, 5, 4, 0, 0, 1, 6};
+/* Two tetrahedra on both sides of the edge 0-1 that they share, one of them as the caller orients
+ * it, and a fin. */
+static double two_solids[][3] = {{0, 0, -1}, {0, 0, 1},   {2, 1, 0}, {2, -1, 0},
+                                 {-2, 1, 0}, {-2, -1, 0}, {0, 3, 0}};
+static uint32_t solid_corners[] = {0, 1, 2, 1, 0, 3, 2, 1, 3, 3, 0, 2, 5, 0,
+                                   1, 0, 4, 1, 4, 5, 1, 5, 4, 0, 0, 1, 6};
 
 static void solids_that_share_an_edge_are_taken_apart(void **state)
 {
@@ -155,10 +162,13 @@ static void many_faces_at_an_edge_are_paired_in_a_moment(void **state)
     for (uint32_t i = 0; i < SHEETS; i++) {
         double angle = 2 * M_PI * i / SHEETS;
         memcpy(positions[i + 2], (double[3]){cos(angle), sin(angle), 0.5}, sizeof *positions);
-        memcpy(corners + 3 * (size_t)i, (uint32_t[3]){i % 2, 1 - i % 2, i + 2}, 3 * sizeof *corners);
+        memcpy(corners + 3 * (size_t)i, (uint32_t[3]){i % 2, 1 - i % 2, i + 2},
+               3 * sizeof *corners);
     }
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = SHEETS + 2, .corners = corners, .polygon_count = SHEETS};
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = SHEETS + 2,
+                                   .corners = corners,
+                                   .polygon_count = SHEETS};
     struct gd_mesh *mesh = mend(&polygons);
     expect_pieces(mesh, SHEETS / 2, SHEETS / 2);
     gd_mesh_release(mesh);
@@ -177,9 +187,11 @@ static void a_moebius_strip_is_refused_all_the_same(void **state)
         for (int end = 0; end < 2; end++) {
             double r = 2 + (2 * end - 1) * 0.5 * cos(lean);
             memcpy(positions[2 * i + (uint32_t)end],
-                   (double[3]){r * cos(angle), r * sin(angle), (2 * end - 1) * 0.5 * sin(lean)}, sizeof *positions);
+                   (double[3]){r * cos(angle), r * sin(angle), (2 * end - 1) * 0.5 * sin(lean)},
+                   sizeof *positions);
         }
-        uint32_t a = 2 * i, b = 2 * i + 1, c = i + 1 < TURNS ? a + 2 : 1, d = i + 1 < TURNS ? a + 3 : 0;
+        uint32_t a = 2 * i, b = 2 * i + 1, c = i + 1 < TURNS ? a + 2 : 1,
+                 d = i + 1 < TURNS ? a + 3 : 0;
         memcpy(corners + 6 * (size_t)i, (uint32_t[6]){a, c, b, b, c, d}, 6 * sizeof *corners);
     }
     struct gd_polygons polygons = TRIANGLES(positions, corners);
@@ -190,7 +202,7 @@ static void a_moebius_strip_is_refused_all_the_same(void **state)
     assert_non_null(strstr(detail.text, "one-sided"));
 }
 
-/* --- any triangles --- */
+/* --- any triangles ---------------------------------------------------------------------------- */
 
 static uint32_t next_random(uint64_t *state)
 {
@@ -198,8 +210,9 @@ static uint32_t next_random(uint64_t *state)
     return (uint32_t)(*state >> 33);
 }
 
-/* Random triangles over a few vertices: crowded edges and vertices everywhere, pairs that hang together round about.
- * Each is taken, or refused for being one-sided; its faces have the corners of the input or copies of them. */
+/* Random triangles over a few vertices: crowded edges and vertices everywhere, pairs that hang
+ * together round about. Each is taken, or refused for being one-sided; its faces have the corners
+ * of the input or copies of them. */
 static void whatever_the_triangles_they_become_a_surface(void **state)
 {
     (void)state;
@@ -221,8 +234,10 @@ static void whatever_the_triangles_they_become_a_surface(void **state)
             c += c >= (a < b ? b : a);
             memcpy(corners[f], (uint32_t[3]){a, b, c}, sizeof corners[f]);
         }
-        struct gd_polygons polygons = {
-            .positions = positions, .position_count = vertices, .corners = *corners, .polygon_count = faces};
+        struct gd_polygons polygons = {.positions = positions,
+                                       .position_count = vertices,
+                                       .corners = *corners,
+                                       .polygon_count = faces};
         struct gd_mesh_options options = {.repair_split = true};
         struct gd_mesh *mesh = NULL;
         enum gd_status status = gd_mesh_build(&polygons, &options, NULL, &mesh, NULL);
@@ -241,7 +256,8 @@ static void whatever_the_triangles_they_become_a_surface(void **state)
         }
         gd_mesh_release(mesh);
     }
-    print_message("# %u random soups became surfaces, %u one-sided ones were refused\n", taken, refused);
+    print_message("# %u random soups became surfaces, %u one-sided ones were refused\n", taken,
+                  refused);
     assert_true(taken > MESHES / 4);
 }
 

@@ -16,8 +16,8 @@ static struct gd_mesh *terrain(uint64_t seed)
     return mesh;
 }
 
-static void check_refusal(const struct gd_mesh *mesh, const struct gd__stamp *stamp, enum gd_status expected,
-                          const char *words)
+static void check_refusal(const struct gd_mesh *mesh, const struct gd__stamp *stamp,
+                          enum gd_status expected, const char *words)
 {
     struct gd_detail detail = {.text = ""};
     assert_int_equal(gd__stamp_check(mesh, stamp, magic, 7, &detail), expected);

@@ -4,8 +4,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-static void expect_counts(const struct gd_polygons *polygons, uint32_t components, uint32_t boundaries, int64_t euler,
-                          int64_t genus)
+static void expect_counts(const struct gd_polygons *polygons, uint32_t components,
+                          uint32_t boundaries, int64_t euler, int64_t genus)
 {
     struct gd_mesh *mesh = build(polygons);
     const struct gd_mesh_summary *s = gd_mesh_summary(mesh);

@@ -1,4 +1,5 @@
-/* Angles between directions: in the plane those of the plane, around a cone's apex as much as there is surface. */
+/* Angles between directions: in the plane those of the plane, around a cone's apex as much as there
+ * is surface. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@ static struct gd_point at(const struct gd_mesh *mesh, double x, double y, double
 static void in_the_plane(void **state)
 {
     (void)state;
-    static const double places[][2] = {{0.5, 0.5}, {0.4, 0.5}, {0.46, 0.53}}; /* a vertex, an edge's point, a face's */
+    /* a vertex, an edge's point, a face's */
+    static const double places[][2] = {{0.5, 0.5}, {0.4, 0.5}, {0.46, 0.53}};
     struct rng rng = {4};
     struct gd_polygons polygons;
     check_ok(sample_grid(10, 10, 1, 1, &polygons), NULL);
@@ -28,10 +30,12 @@ static void in_the_plane(void **state)
             double a = rng_between(&rng, -M_PI, M_PI), b = rng_between(&rng, -M_PI, M_PI), r = 1e-3;
             struct gd_point p = at(mesh, x + r * cos(a), y + r * sin(a), 0),
                             q = at(mesh, x + r * cos(b), y + r * sin(b), 0);
-            assert_true(fabs(gd__angle_between(mesh, &point, &p, &q) - fabs(remainder(a - b, 2 * M_PI))) < 1e-11);
+            assert_true(fabs(gd__angle_between(mesh, &point, &p, &q) -
+                             fabs(remainder(a - b, 2 * M_PI))) < 1e-11);
         }
     }
-    struct gd_point middle = at(mesh, 0.5, 0.5, 0), far = at(mesh, 0.9, 0.1, 0), near = at(mesh, 0.51, 0.5, 0);
+    struct gd_point middle = at(mesh, 0.5, 0.5, 0), far = at(mesh, 0.9, 0.1, 0),
+                    near = at(mesh, 0.51, 0.5, 0);
     assert_true(isnan(gd__angle_between(mesh, &middle, &near, &far)));
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
@@ -49,7 +53,8 @@ static void around_an_apex(void **state)
     double sector = acos(0.5); /* of an equilateral triangle */
     check_close(gd__angle_between(mesh, &apex, &corner[0], &corner[1]), sector, 1e-14);
     check_close(gd__angle_between(mesh, &apex, &corner[0], &corner[2]), 2 * sector, 1e-14);
-    double rim = gd__angle_between(mesh, &corner[1], &corner[0], &corner[2]); /* at the boundary all of it */
+    /* at the boundary all of it */
+    double rim = gd__angle_between(mesh, &corner[1], &corner[0], &corner[2]);
     check_close(rim, 2 * sector, 1e-14);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
@@ -57,6 +62,7 @@ static void around_an_apex(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(in_the_plane), cmocka_unit_test(around_an_apex)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(in_the_plane),
+                                       cmocka_unit_test(around_an_apex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

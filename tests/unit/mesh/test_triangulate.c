@@ -17,8 +17,8 @@ static void concave_polygons_are_cut_along_the_inside(void **state)
     (void)state;
     const double outline[][2] = {{0, 0}, {4, 0}, {4, 3}, {2, 0.5}, {0, 3}},
                  arrow[][2] = {{0, 0}, {4, -3}, {1, 0}, {4, 3}};
-    uint32_t corners[] = {0, 1, 2, 3, 4}, clockwise[] = {4, 3, 2, 1, 0}, quad[] = {0, 1, 2, 3}, first[] = {0, 5},
-             one[] = {0, 4};
+    uint32_t corners[] = {0, 1, 2, 3, 4}, clockwise[] = {4, 3, 2, 1, 0}, quad[] = {0, 1, 2, 3},
+             first[] = {0, 5}, one[] = {0, 4};
     for (int axis = 0; axis < 3; axis++) {
         double positions[5][3] = {{0}}, head[4][3] = {{0}};
         for (int i = 0; i < 10; i++) positions[i / 2][(axis + i % 2) % 3] = outline[i / 2][i % 2];
@@ -62,9 +62,13 @@ static void edges_of_other_faces_are_avoided(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1.2, 1.2, 0}, {0, 1, 0}, {0.5, 0.5, 1}};
-    uint32_t corners[] = {0, 1, 2, 3, 0, 4, 1, 1, 4, 2, 2, 4, 0, 0, 2, 3, 0, 2, 3}, first[] = {0, 4, 7, 10, 13};
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = 5, .corners = corners, .first = first, .polygon_count = 4};
+    uint32_t corners[] = {0, 1, 2, 3, 0, 4, 1, 1, 4, 2, 2, 4, 0, 0, 2, 3, 0, 2, 3},
+             first[] = {0, 4, 7, 10, 13};
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = 5,
+                                   .corners = corners,
+                                   .first = first,
+                                   .polygon_count = 4};
     struct gd_mesh *mesh = build(&polygons);
     struct gd_vertex c[3];
     for (uint32_t f = 0; f < 2; f++) {
@@ -88,7 +92,8 @@ static void a_polygon_without_a_free_diagonal_is_refused(void **state)
     expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(2, 0), "face 2 with 4 corners");
 }
 
-/* Cutting the best-shaped ear first leaves a quad whose diagonals are both taken; another order succeeds. */
+/* Cutting the best-shaped ear first leaves a quad whose diagonals are both taken; another order
+ * succeeds. */
 static void the_order_of_cutting_does_not_decide_whether_it_succeeds(void **state)
 {
     (void)state;
@@ -97,7 +102,8 @@ static void the_order_of_cutting_does_not_decide_whether_it_succeeds(void **stat
     for (uint32_t turn = 0; turn < 5; turn++) {
         uint32_t v[5];
         for (uint32_t i = 0; i < 5; i++) v[i] = (i + turn) % 5;
-        /* edges 2-4 and 0-3 exist: cutting corner 1 (diagonal 0-2) would leave the quad 0 2 3 4 with none */
+        /* edges 2-4 and 0-3 exist: cutting corner 1 (diagonal 0-2) would leave the quad 0 2 3 4
+         * with none */
         uint32_t corners[] = {v[2], v[4], 5, v[0], v[3], 6, 0, 1, 2, 3, 4}, first[] = {0, 3, 6, 11};
         struct gd_polygons polygons = POLYGONS(positions, corners, first);
         struct gd_mesh *mesh = NULL;
@@ -133,8 +139,11 @@ static void a_star_of_thousands_of_corners_is_cut_up(void **state)
         corners[i] = i;
         area += 0.5 * 2 * sin(2 * M_PI / POINTS);
     }
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = POINTS, .corners = corners, .first = first, .polygon_count = 1};
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = POINTS,
+                                   .corners = corners,
+                                   .first = first,
+                                   .polygon_count = 1};
     struct gd_mesh *mesh = build(&polygons);
     expect_near(gd_mesh_summary(mesh)->area, area, 1e-9);
     gd_mesh_release(mesh);
@@ -152,8 +161,11 @@ static void too_many_corners_are_refused_by_name(void **state)
         memcpy(positions[i], (double[3]){cos(i * 6e-5), sin(i * 6e-5), 0}, sizeof *positions);
         corners[i] = i;
     }
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = POINTS, .corners = corners, .first = first, .polygon_count = 1};
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = POINTS,
+                                   .corners = corners,
+                                   .first = first,
+                                   .polygon_count = 1};
     struct gd_detail detail = refuse(&polygons, GD_UNSUPPORTED);
     expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(0, 0), "face 0 has 100000 corners");
     free(positions);

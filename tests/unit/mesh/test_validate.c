@@ -63,7 +63,8 @@ static void a_repeated_corner_is_refused(void **state)
     uint32_t corners[] = {0, 1, 2, 1, 3, 1};
     struct gd_polygons polygons = TRIANGLES(square, corners);
     struct gd_detail detail = refuse(&polygons, GD_DEGENERATE_FACE);
-    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(1, 0), "face 1 has vertex 1 as two of its corners");
+    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(1, 0),
+                    "face 1 has vertex 1 as two of its corners");
 
     uint32_t bow_tie[] = {0, 1, 2, 0, 3}, first[] = {0, 5};
     polygons = POLYGONS(square, bow_tie, first);
@@ -78,7 +79,8 @@ static void an_edge_of_length_zero_is_refused(void **state)
     uint32_t corners[] = {0, 1, 2, 1, 3, 2};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse(&polygons, GD_DEGENERATE_FACE);
-    expect_elements(&detail, GD_ELEMENT_EDGE, 1, ONE_ELEMENT(1, 3), "edge 1-3 of face 1 has length zero");
+    expect_elements(&detail, GD_ELEMENT_EDGE, 1, ONE_ELEMENT(1, 3),
+                    "edge 1-3 of face 1 has length zero");
 
     uint32_t signed_zero[] = {0, 2, 4};
     polygons = TRIANGLES(positions, signed_zero);
@@ -89,7 +91,8 @@ static void the_first_offenders_are_listed_and_all_are_counted(void **state)
 {
     (void)state;
     uint32_t corners[3 * 20];
-    for (uint32_t i = 0; i < 20; i++) memcpy(corners + 3 * i, (uint32_t[3]){0, 1, 100 + i}, 3 * sizeof *corners);
+    for (uint32_t i = 0; i < 20; i++)
+        memcpy(corners + 3 * i, (uint32_t[3]){0, 1, 100 + i}, 3 * sizeof *corners);
     struct gd_polygons polygons = TRIANGLES(square, corners);
     struct gd_detail detail = refuse(&polygons, GD_INDEX);
     const uint64_t first[][2] = {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}, {5, 0}, {6, 0}, {7, 0}};

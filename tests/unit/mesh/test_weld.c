@@ -6,10 +6,12 @@
 
 static struct gd_mesh *weld(const struct gd_polygons *polygons, double tolerance)
 {
-    return build_with(polygons, (struct gd_mesh_options){.weld = true, .weld_tolerance = tolerance});
+    return build_with(polygons,
+                      (struct gd_mesh_options){.weld = true, .weld_tolerance = tolerance});
 }
 
-static struct gd_detail refuse_weld(const struct gd_polygons *polygons, double tolerance, enum gd_status status)
+static struct gd_detail refuse_weld(const struct gd_polygons *polygons, double tolerance,
+                                    enum gd_status status)
 {
     struct gd_mesh_options options = {.weld = true, .weld_tolerance = tolerance};
     struct gd_mesh *mesh = NULL;
@@ -28,17 +30,20 @@ static void expect_same_vertex(const struct gd_mesh *mesh, uint32_t i, uint32_t 
     assert_int_equal(gd_point_equal(&p, &q), same);
 }
 
-/* The cube's twelve triangles, each with corners of its own, moved by up to `jitter` in each coordinate. */
+/* The cube's twelve triangles, each with corners of its own, moved by up to `jitter` in each
+ * coordinate. */
 static void make_soup(double jitter, double (*positions)[3], uint32_t *corners)
 {
     uint64_t random = 1;
     for (uint32_t i = 0, n = 0; i < 6; i++) {
-        const uint32_t *q = cube_corners + 4 * (size_t)i, six[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
+        const uint32_t *q = cube_corners + 4 * (size_t)i,
+                       six[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
         for (uint32_t k = 0; k < 6; k++, n++) {
             corners[n] = n;
             for (int c = 0; c < 3; c++) {
                 random = random * 6364136223846793005u + 1442695040888963407u;
-                positions[n][c] = cube_positions[six[k]][c] + jitter * ((double)(random >> 33) / (1u << 30) - 1);
+                positions[n][c] =
+                    cube_positions[six[k]][c] + jitter * ((double)(random >> 33) / (1u << 30) - 1);
             }
         }
     }
@@ -96,11 +101,13 @@ static void the_tolerance_itself_is_within_reach(void **state)
     uint32_t corners[] = {0, 1, 2, 3, 4, 5};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse_weld(&polygons, 1, GD_NON_MANIFOLD_VERTEX);
-    expect_elements(&detail, GD_ELEMENT_VERTEX, 1, ONE_ELEMENT(0, 0), "the weld brought vertex 3 to vertex 0");
+    expect_elements(&detail, GD_ELEMENT_VERTEX, 1, ONE_ELEMENT(0, 0),
+                    "the weld brought vertex 3 to vertex 0");
     struct gd_mesh *mesh = weld(&polygons, 0.999);
     expect_mended(&gd_mesh_repair(mesh)->vertices_welded, UNTOUCHED);
     gd_mesh_release(mesh);
-    mesh = build_with(&polygons, (struct gd_mesh_options){.weld = true, .weld_tolerance = 1, .repair_split = true});
+    mesh = build_with(&polygons, (struct gd_mesh_options){
+                                     .weld = true, .weld_tolerance = 1, .repair_split = true});
     expect_mended(&gd_mesh_repair(mesh)->vertices_welded, MENDED({3, 0}));
     expect_mended(&gd_mesh_repair(mesh)->vertices_split, MENDED({0, 1}));
     assert_int_equal(gd_mesh_summary(mesh)->components, 2);
@@ -110,11 +117,13 @@ static void the_tolerance_itself_is_within_reach(void **state)
 static void an_edge_of_three_faces_names_the_weld(void **state)
 {
     (void)state;
-    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {1e-3, 0, 0}, {1, 1e-3, 0}, {0, 0, 1}};
+    double positions[][3] = {{0, 0, 0},    {1, 0, 0},    {0, 1, 0}, {0, -1, 0},
+                             {1e-3, 0, 0}, {1, 1e-3, 0}, {0, 0, 1}};
     uint32_t corners[] = {1, 0, 2, 0, 1, 3, 4, 5, 6};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse_weld(&polygons, 1e-2, GD_NON_MANIFOLD_EDGE);
-    expect_elements(&detail, GD_ELEMENT_EDGE, 1, ONE_ELEMENT(0, 1), "the weld brought vertex 4 to vertex 0");
+    expect_elements(&detail, GD_ELEMENT_EDGE, 1, ONE_ELEMENT(0, 1),
+                    "the weld brought vertex 4 to vertex 0");
 }
 
 static void what_the_file_itself_holds_is_not_blamed_on_the_weld(void **state)
@@ -130,14 +139,17 @@ static void what_the_file_itself_holds_is_not_blamed_on_the_weld(void **state)
 static void faces_brought_upon_each_other_name_the_weld(void **state)
 {
     (void)state;
-    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-3}, {1, 0, 1e-3}, {0, 1, 1e-3}};
+    double positions[][3] = {{0, 0, 0},    {1, 0, 0},    {0, 1, 0},
+                             {0, 0, 1e-3}, {1, 0, 1e-3}, {0, 1, 1e-3}};
     uint32_t corners[] = {0, 1, 2, 3, 5, 4};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_detail detail = refuse_weld(&polygons, 1e-2, GD_DUPLICATE_FACE);
-    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(1, 0), "the weld brought vertex 3 to vertex 0");
+    expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(1, 0),
+                    "the weld brought vertex 3 to vertex 0");
 }
 
-/* A quad with a short side becomes a triangle, the sliver beside it vanishes; indices after it stay. */
+/* A quad with a short side becomes a triangle, the sliver beside it vanishes; indices after it
+ * stay. */
 static void faces_that_fall_together_are_removed(void **state)
 {
     (void)state;
@@ -150,13 +162,17 @@ static void faces_that_fall_together_are_removed(void **state)
     assert_int_equal(gd_mesh_summary(mesh)->face_index_count, 5);
     assert_int_equal(gd_mesh_summary(mesh)->faces, 3);
     const uint32_t sources[] = {0, 0, 1, 2, 3};
-    for (uint32_t f = 0; f < 5; f++) assert_int_equal(gd_mesh_source_face(mesh, (struct gd_face){f}), sources[f]);
+    for (uint32_t f = 0; f < 5; f++)
+        assert_int_equal(gd_mesh_source_face(mesh, (struct gd_face){f}), sources[f]);
     struct gd_point point;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){2}, (double[3]){0.5, 0.25, 0.25}, &point, &detail),
-                     GD_OUT_OF_RANGE);
+    assert_int_equal(
+        gd_point_in_face(mesh, (struct gd_face){2}, (double[3]){0.5, 0.25, 0.25}, &point, &detail),
+        GD_OUT_OF_RANGE);
     assert_non_null(strstr(detail.text, "face 2 was removed"));
-    assert_int_equal(gd_point_in_face(mesh, (struct gd_face){4}, (double[3]){0.5, 0.25, 0.25}, &point, &detail), GD_OK);
+    assert_int_equal(
+        gd_point_in_face(mesh, (struct gd_face){4}, (double[3]){0.5, 0.25, 0.25}, &point, &detail),
+        GD_OK);
     struct gd_point_description description;
     gd_point_describe(mesh, &point, &description);
     assert_int_equal(description.face.index, 4);
@@ -201,7 +217,8 @@ static void a_tolerance_beyond_the_mesh_leaves_nothing(void **state)
     }
 }
 
-/* Against the rule itself, tried on all pairs. Faces are far away from what is welded but for one corner. */
+/* Against the rule itself, tried on all pairs. Faces are far away from what is welded but for one
+ * corner. */
 static void the_hash_finds_what_trying_all_finds(void **state)
 {
     (void)state;
@@ -209,7 +226,8 @@ static void the_hash_finds_what_trying_all_finds(void **state)
     const double scales[] = {1, 1e-140, 1e140, 1e-7};
     uint64_t random = 7;
     for (int round = 0; round < 40; round++) {
-        double positions[POINTS][3], scale = scales[round % 4], tolerance = scale * 0.02 * (1 + round % 7);
+        double positions[POINTS][3], scale = scales[round % 4],
+                                     tolerance = scale * 0.02 * (1 + round % 7);
         double offset = round % 3 == 0 ? 1e6 * scale : 0;
         uint32_t corners[POINTS], expected[POINTS], welded = 0;
         for (uint32_t i = 0; i < POINTS; i++) {
@@ -222,13 +240,15 @@ static void the_hash_finds_what_trying_all_finds(void **state)
             for (uint32_t j = 0; j < i && expected[i] == i; j++) {
                 double d[3];
                 for (int k = 0; k < 3; k++) d[k] = (positions[i][k] - positions[j][k]) / tolerance;
-                if (expected[j] == j && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= 1) expected[i] = j;
+                if (expected[j] == j && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= 1)
+                    expected[i] = j;
             }
             welded += expected[i] != i;
         }
         struct gd_polygons polygons = TRIANGLES(positions, corners);
         struct gd_mesh *mesh = build_with(
-            &polygons, (struct gd_mesh_options){.weld = true, .weld_tolerance = tolerance, .repair_split = true});
+            &polygons, (struct gd_mesh_options){
+                           .weld = true, .weld_tolerance = tolerance, .repair_split = true});
         assert_int_equal(gd_mesh_repair(mesh)->vertices_welded.count, welded);
         const struct gd_mended *listed = &gd_mesh_repair(mesh)->vertices_welded;
         for (uint32_t i = 0; i < listed->listed; i++)
@@ -237,7 +257,8 @@ static void the_hash_finds_what_trying_all_finds(void **state)
     }
 }
 
-/* All points in one cell, in a tolerance's reach of each other or hardly out of it: a moment's work. */
+/* All points in one cell, in a tolerance's reach of each other or hardly out of it: a moment's
+ * work. */
 static void no_input_makes_it_slow(void **state)
 {
     (void)state;
@@ -254,14 +275,17 @@ static void no_input_makes_it_slow(void **state)
                 positions[i][k] = (double)(random >> 33) / (1u << 31) * (i % 2 ? 1 : 1e-12);
             }
         }
-        struct gd_polygons polygons = {
-            .positions = positions, .position_count = POINTS, .corners = corners, .polygon_count = POINTS / 3};
+        struct gd_polygons polygons = {.positions = positions,
+                                       .position_count = POINTS,
+                                       .corners = corners,
+                                       .polygon_count = POINTS / 3};
         struct gd_mesh_options options = {.weld = true, .weld_tolerance = tolerances[t]};
         struct gd_mesh *mesh = NULL;
         uint64_t begun = gd_now_ns();
         enum gd_status status = gd_mesh_build(&polygons, &options, NULL, &mesh, NULL);
         double seconds = (double)(gd_now_ns() - begun) * 1e-9;
-        print_message("# 300k points, tolerance %g: %.2f s, %s\n", tolerances[t], seconds, gd_status_name(status));
+        print_message("# 300k points, tolerance %g: %.2f s, %s\n", tolerances[t], seconds,
+                      gd_status_name(status));
         assert_true(seconds < 20);
         gd_mesh_release(mesh);
     }

@@ -1,5 +1,6 @@
-/* Shooting: the geodesic equation on a parametric surface, integrated by the Runge-Kutta pair of Dormand and Prince with step control, and Newton's method
- * on direction and length until it hits a place. Knows nothing of splines and energies: an independent reference for lengths. */
+/* Shooting: the geodesic equation on a parametric surface, integrated by the Runge-Kutta pair of
+ * Dormand and Prince with step control, and Newton's method on direction and length until it hits a
+ * place. Knows nothing of splines and energies: an independent reference for lengths. */
 #ifndef TESTS_UNIT_NURBS_SHOOTING_H
 #define TESTS_UNIT_NURBS_SHOOTING_H
 
@@ -12,17 +13,21 @@
 static const double shooting_tolerance = 1e-15; /* of a step, relative to the domain */
 
 /* The jet at a place; a little outside of the domain, as rounding may lead, that of the border. */
-static inline void shooting_jet(const struct gd_parametric *surface, const double at[2], struct gd_jet *jet)
+static inline void shooting_jet(const struct gd_parametric *surface, const double at[2],
+                                struct gd_jet *jet)
 {
     const struct gd_axis *axes[2] = {gd_parametric_axis_u(surface), gd_parametric_axis_v(surface)};
     double place[2];
-    for (int k = 0; k < 2; k++) place[k] = axes[k]->closed ? at[k] : fmin(fmax(at[k], axes[k]->low), axes[k]->high);
+    for (int k = 0; k < 2; k++)
+        place[k] = axes[k]->closed ? at[k] : fmin(fmax(at[k], axes[k]->low), axes[k]->high);
     enum gd_status status = gd_parametric_evaluate(surface, place[0], place[1], jet);
     (void)status;
 }
 
-/* y = (u, v, u', v'); (u'', v'') = -g^-1 (x_u . a, x_v . a), a = x_uu u'^2 + 2 x_uv u' v' + x_vv v'^2 */
-static inline void shooting_slope(const struct gd_parametric *surface, const double y[4], double out[4])
+/* y = (u, v, u', v'); (u'', v'') = -g^-1 (x_u . a, x_v . a), a = x_uu u'^2 + 2 x_uv u' v' + x_vv
+ * v'^2 */
+static inline void shooting_slope(const struct gd_parametric *surface, const double y[4],
+                                  double out[4])
 {
     struct gd_jet x;
     shooting_jet(surface, y, &x);
@@ -37,16 +42,19 @@ static inline void shooting_slope(const struct gd_parametric *surface, const dou
 }
 
 /* One step of length h; returns the error estimate in (u, v) and their slopes. */
-static inline double shooting_step(const struct gd_parametric *surface, const double y[4], double h, double out[4])
+static inline double shooting_step(const struct gd_parametric *surface, const double y[4], double h,
+                                   double out[4])
 {
-    static const double a[7][6] = {{0},
-                                   {1. / 5},
-                                   {3. / 40, 9. / 40},
-                                   {44. / 45, -56. / 15, 32. / 9},
-                                   {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
-                                   {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
-                                   {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
-    static const double e[7] = {71. / 57600, 0, -71. / 16695, 71. / 1920, -17253. / 339200, 22. / 525, -1. / 40};
+    static const double a[7][6] = {
+        {0},
+        {1. / 5},
+        {3. / 40, 9. / 40},
+        {44. / 45, -56. / 15, 32. / 9},
+        {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
+        {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
+        {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
+    static const double e[7] = {71. / 57600,      0,         -71. / 16695, 71. / 1920,
+                                -17253. / 339200, 22. / 525, -1. / 40};
     double k[7][4], error = 0;
     for (int s = 0; s < 7; s++) {
         double at[4];
@@ -64,14 +72,17 @@ static inline double shooting_step(const struct gd_parametric *surface, const do
     return error;
 }
 
-/* Where the geodesic of a length ends that leaves `from` with the unit tangent cos(angle) e1 + sin(angle) e2, e1 along x_u. */
-static inline void shoot(const struct gd_parametric *surface, const double from[2], double angle, double length,
-                         double to[2], double velocity[2])
+/* Where the geodesic of a length ends that leaves `from` with the unit tangent cos(angle) e1 +
+ * sin(angle) e2, e1 along x_u. */
+static inline void shoot(const struct gd_parametric *surface, const double from[2], double angle,
+                         double length, double to[2], double velocity[2])
 {
     struct gd_jet x;
     shooting_jet(surface, from, &x);
-    double e = gd_vec3_dot(x.u, x.u), f = gd_vec3_dot(x.u, x.v), g = gd_vec3_dot(x.v, x.v), w = sqrt(e * g - f * f);
-    double y[4] = {from[0], from[1], cos(angle) / sqrt(e) - sin(angle) * f / (w * sqrt(e)), sin(angle) * sqrt(e) / w};
+    double e = gd_vec3_dot(x.u, x.u), f = gd_vec3_dot(x.u, x.v), g = gd_vec3_dot(x.v, x.v),
+           w = sqrt(e * g - f * f);
+    double y[4] = {from[0], from[1], cos(angle) / sqrt(e) - sin(angle) * f / (w * sqrt(e)),
+                   sin(angle) * sqrt(e) / w};
     double done = 0, h = length / 64; /* h: the next step */
     for (int i = 0; i < 200000 && done < length; i++) {
         double next[4] = {0}, step = fmin(h, length - done);
@@ -88,8 +99,8 @@ static inline void shoot(const struct gd_parametric *surface, const double from[
 }
 
 /* Newton's method on angle and length; false: it did not arrive. */
-static inline bool shoot_at(const struct gd_parametric *surface, const double from[2], const double target[2],
-                            double *angle, double *length)
+static inline bool shoot_at(const struct gd_parametric *surface, const double from[2],
+                            const double target[2], double *angle, double *length)
 {
     for (int i = 0; i < 12; i++) {
         double at[2], turned[2], longer[2], velocity[2], unused[2], d = 1e-6;
@@ -107,7 +118,8 @@ static inline bool shoot_at(const struct gd_parametric *surface, const double fr
         shoot(surface, from, *angle + d, *length, turned, unused);
         shoot(surface, from, *angle, *length * (1 + d), longer, unused);
         double a = (turned[0] - at[0]) / d, b = (longer[0] - at[0]) / (d * *length);
-        double c = (turned[1] - at[1]) / d, e = (longer[1] - at[1]) / (d * *length), det = a * e - b * c;
+        double c = (turned[1] - at[1]) / d, e = (longer[1] - at[1]) / (d * *length),
+               det = a * e - b * c;
         *angle -= (e * r[0] - b * r[1]) / det;
         *length -= (a * r[1] - c * r[0]) / det;
     }
@@ -115,7 +127,8 @@ static inline bool shoot_at(const struct gd_parametric *surface, const double fr
 }
 
 /* Angle of a path's first leg, from two of its places in the domain. */
-static inline double shooting_angle(const struct gd_parametric *surface, const double from[2], const double next[2])
+static inline double shooting_angle(const struct gd_parametric *surface, const double from[2],
+                                    const double next[2])
 {
     struct gd_jet x;
     shooting_jet(surface, from, &x);
@@ -125,15 +138,18 @@ static inline double shooting_angle(const struct gd_parametric *surface, const d
     return atan2(gd_vec3_dot(t, e2) / gd_vec3_length(e2), gd_vec3_dot(t, x.u) / sqrt(e));
 }
 
-/* --- between two curves ------------------------------------------------------------------------------------------- */
+/* --- between two curves ----------------------------------------------------------------------- */
 
-/* A path from curve to curve: parameters of its ends, its length, the side on which it leaves the first curve. */
+/* A path from curve to curve: parameters of its ends, its length, the side on which it leaves the
+ * first curve. */
 struct shot {
     double s, t, length, side;
 };
 
-/* Place and derivative of a curve; the derivative by differences, as an angle that is off by e changes the length by its square. */
-static inline void shooting_curve(const struct gd_domain_curve *curve, double s, double at[2], double first[2])
+/* Place and derivative of a curve; the derivative by differences, as an angle that is off by e
+ * changes the length by its square. */
+static inline void shooting_curve(const struct gd_domain_curve *curve, double s, double at[2],
+                                  double first[2])
 {
     double low, high, before[2], after[2];
     gd_domain_curve_range(curve, &low, &high);
@@ -144,8 +160,10 @@ static inline void shooting_curve(const struct gd_domain_curve *curve, double s,
     for (int k = 0; k < 2; k++) first[k] = (after[k] - before[k]) / (2 * h);
 }
 
-/* The side of a curve on which a place lies that is near its place at `s`: 1 to the left of its direction, about the surface's normal, or -1. */
-static inline double shooting_side(const struct gd_domain_curve *curve, double s, const double place[2])
+/* The side of a curve on which a place lies that is near its place at `s`: 1 to the left of its
+ * direction, about the surface's normal, or -1. */
+static inline double shooting_side(const struct gd_domain_curve *curve, double s,
+                                   const double place[2])
 {
     const struct gd_parametric *surface = gd_domain_curve_surface(curve);
     double at[2], along[2];
@@ -155,16 +173,18 @@ static inline double shooting_side(const struct gd_domain_curve *curve, double s
     return sin(turn) > 0 ? 1 : -1;
 }
 
-/* What has to vanish: how far the geodesic that leaves `from` at a right angle misses `to` in u and v, and the cosine of the angle there. `*over`: by how much
- * it goes too far. */
-static inline void shooting_miss(const struct gd_domain_curve *from, const struct gd_domain_curve *to,
-                                 const double x[3], double side, double out[3], double *over)
+/* What has to vanish: how far the geodesic that leaves `from` at a right angle misses `to` in u and
+ * v, and the cosine of the angle there. `*over`: by how much it goes too far. */
+static inline void shooting_miss(const struct gd_domain_curve *from,
+                                 const struct gd_domain_curve *to, const double x[3], double side,
+                                 double out[3], double *over)
 {
     const struct gd_parametric *surface = gd_domain_curve_surface(from);
     double begin[2], along[2], end[2], velocity[2], goal[2], across[2];
     shooting_curve(from, x[0], begin, along);
     double ahead[2] = {begin[0] + along[0], begin[1] + along[1]};
-    shoot(surface, begin, shooting_angle(surface, begin, ahead) + side * M_PI_2, x[1], end, velocity);
+    shoot(surface, begin, shooting_angle(surface, begin, ahead) + side * M_PI_2, x[1], end,
+          velocity);
     shooting_curve(to, x[2], goal, across);
     struct gd_jet jet;
     shooting_jet(surface, end, &jet);
@@ -184,16 +204,18 @@ static inline void shooting_solve(struct gd_vec3 c[3], struct gd_vec3 r, double 
     out[2] = gd_vec3_dot(c[0], gd_vec3_cross(c[1], r)) / det;
 }
 
-/* Newton's method on both parameters and the length: the geodesic at right angles to both curves near a first guess. False: it did not arrive. */
-static inline bool shoot_between(const struct gd_domain_curve *from, const struct gd_domain_curve *to,
-                                 struct shot *shot)
+/* Newton's method on both parameters and the length: the geodesic at right angles to both curves
+ * near a first guess. False: it did not arrive. */
+static inline bool shoot_between(const struct gd_domain_curve *from,
+                                 const struct gd_domain_curve *to, struct shot *shot)
 {
     double x[3] = {shot->s, shot->length, shot->t}, f[3], g[3], step[3], over, unused;
     struct gd_vec3 columns[3];
     for (int i = 0; i < 20; i++) {
         shooting_miss(from, to, x, shot->side, f, &over);
         if (fabs(f[0]) + fabs(f[1]) + fabs(f[2]) <= 1e-8) {
-            *shot = (struct shot){x[0], x[2], x[1] - over, shot->side}; /* what is left across counts by its square */
+            /* what is left across counts by its square */
+            *shot = (struct shot){x[0], x[2], x[1] - over, shot->side};
             return true;
         }
         for (int k = 0; k < 3; k++) {

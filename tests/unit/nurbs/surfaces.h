@@ -1,4 +1,5 @@
-/* Surfaces that the tests share: NURBS of known shape and free ones. Each is released by the caller. */
+/* Surfaces that the tests share: NURBS of known shape and free ones. Each is released by the
+ * caller. */
 #ifndef TESTS_UNIT_NURBS_SURFACES_H
 #define TESTS_UNIT_NURBS_SURFACES_H
 
@@ -9,7 +10,8 @@
 #include "gd/nurbs.h"
 #include "tests/support/test.h"
 
-/* The unit circle as a rational quadratic of nine points: corners of a square have weight sqrt(1/2). */
+/* The unit circle as a rational quadratic of nine points: corners of a square have weight
+ * sqrt(1/2). */
 static const double circle_x[9] = {1, 1, 0, -1, -1, -1, 0, 1, 1};
 static const double circle_y[9] = {0, 1, 1, 1, 0, -1, -1, -1, 0};
 static const double circle_knots[12] = {0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1};
@@ -20,11 +22,13 @@ static inline double circle_weight(int i)
     return i % 2 ? M_SQRT1_2 : 1;
 }
 
-/* The parameter of that circle at an angle in [0, 2 pi]: within each quarter tan(angle / 2) is a rational function of it. */
+/* The parameter of that circle at an angle in [0, 2 pi]: within each quarter tan(angle / 2) is a
+ * rational function of it. */
 static inline double circle_parameter(double angle)
 {
     double quarter = fmin(floor(angle / M_PI_2), 3), t = tan(0.5 * (angle - quarter * M_PI_2));
-    /* sin = sqrt2 x(1-x) + x^2, cos = (1-x)^2 + sqrt2 x(1-x); with y = x/(1-x): tan(angle) = (sqrt2 y + y^2)/(1 + sqrt2 y), y = t sqrt2/(1-t) */
+    /* sin = sqrt2 x(1-x) + x^2, cos = (1-x)^2 + sqrt2 x(1-x); with y = x/(1-x): tan(angle) = (sqrt2
+     * y + y^2)/(1 + sqrt2 y), y = t sqrt2/(1-t) */
     double y = M_SQRT2 * t / (1 - t);
     return (quarter + y / (1 + y)) / 4;
 }
@@ -37,8 +41,10 @@ static inline struct gd_parametric *surface_of(const struct gd_nurbs_data *data)
     return surface;
 }
 
-/* The torus of ../shared/data/nurbs_torus.json scaled and moved: u around the axis, v around the tube. */
-static inline struct gd_parametric *nurbs_torus(double major, double minor, double scale, double shift)
+/* The torus of ../shared/data/nurbs_torus.json scaled and moved: u around the axis, v around the
+ * tube. */
+static inline struct gd_parametric *nurbs_torus(double major, double minor, double scale,
+                                                double shift)
 {
     double points[81][3], weights[81];
     for (int i = 0; i < 9; i++) {
@@ -86,8 +92,10 @@ static inline struct gd_parametric *nurbs_sphere(void)
                                               .weights = weights});
 }
 
-/* A ruled surface between two circles: cylinder or cone. v in [0, 1] from the lower one, of radius and height each. */
-static inline struct gd_parametric *nurbs_ruled(double radius0, double height0, double radius1, double height1)
+/* A ruled surface between two circles: cylinder or cone. v in [0, 1] from the lower one, of radius
+ * and height each. */
+static inline struct gd_parametric *nurbs_ruled(double radius0, double height0, double radius1,
+                                                double height1)
 {
     double points[18][3], weights[18];
     static const double knots[4] = {0, 0, 1, 1};
@@ -110,8 +118,10 @@ static inline struct gd_parametric *nurbs_ruled(double radius0, double height0, 
                                               .weights = weights});
 }
 
-/* An open bicubic B-spline of count_u x count_v control points over a grid of cells of size 1, with bumps of a height. */
-static inline struct gd_parametric *nurbs_bumps(int count_u, int count_v, double height, uint64_t seed)
+/* An open bicubic B-spline of count_u x count_v control points over a grid of cells of size 1, with
+ * bumps of a height. */
+static inline struct gd_parametric *nurbs_bumps(int count_u, int count_v, double height,
+                                                uint64_t seed)
 {
     struct rng rng = {seed};
     double(*points)[3] = malloc((size_t)(count_u * count_v) * sizeof *points);
@@ -125,15 +135,16 @@ static inline struct gd_parametric *nurbs_bumps(int count_u, int count_v, double
         points[i][1] = i % count_v;
         points[i][2] = rng_between(&rng, -height, height);
     }
-    struct gd_parametric *surface = surface_of(&(struct gd_nurbs_data){.degree_u = 3,
-                                                                       .degree_v = 3,
-                                                                       .count_u = (uint32_t)count_u,
-                                                                       .count_v = (uint32_t)count_v,
-                                                                       .knots_u = knots[0],
-                                                                       .knots_v = knots[1],
-                                                                       .knot_count_u = (uint32_t)count_u + 4,
-                                                                       .knot_count_v = (uint32_t)count_v + 4,
-                                                                       .points = (const double(*)[3])points});
+    struct gd_parametric *surface =
+        surface_of(&(struct gd_nurbs_data){.degree_u = 3,
+                                           .degree_v = 3,
+                                           .count_u = (uint32_t)count_u,
+                                           .count_v = (uint32_t)count_v,
+                                           .knots_u = knots[0],
+                                           .knots_v = knots[1],
+                                           .knot_count_u = (uint32_t)count_u + 4,
+                                           .knot_count_v = (uint32_t)count_v + 4,
+                                           .points = (const double(*)[3])points});
     free(points);
     return surface;
 }
@@ -156,7 +167,8 @@ static inline struct gd_parametric *plane(double half)
 static inline struct gd_parametric *helicoid(void)
 {
     struct gd_parametric *surface;
-    check_ok(gd_parametric_helicoid(0.5, (double[]){0, 6}, (double[]){-1.5, 2}, &surface, NULL), NULL);
+    check_ok(gd_parametric_helicoid(0.5, (double[]){0, 6}, (double[]){-1.5, 2}, &surface, NULL),
+             NULL);
     return surface;
 }
 
@@ -164,7 +176,8 @@ static inline struct gd_parametric *helicoid(void)
 static inline struct gd_parametric *bilinear(void)
 {
     struct gd_parametric *surface;
-    check_ok(gd_parametric_graph(1, 1, (double[]){0, 0, 0, 1}, (double[]){0, 1}, (double[]){0, 1}, &surface, NULL),
+    check_ok(gd_parametric_graph(1, 1, (double[]){0, 0, 0, 1}, (double[]){0, 1}, (double[]){0, 1},
+                                 &surface, NULL),
              NULL);
     return surface;
 }
@@ -173,14 +186,16 @@ static inline struct gd_parametric *bilinear(void)
 static inline struct gd_parametric *vase(void)
 {
     static const double knots[] = {0, 0, 0, 0, 1, 2, 3, 3, 3, 3};
-    static const double points[6][2] = {{1, 0}, {1.8, 0.7}, {0.6, 1.6}, {0.5, 2.3}, {1.3, 3}, {1.5, 3.4}};
+    static const double points[6][2] = {{1, 0},     {1.8, 0.7}, {0.6, 1.6},
+                                        {0.5, 2.3}, {1.3, 3},   {1.5, 3.4}};
     struct gd_profile profile = {3, 6, knots, points, NULL};
     struct gd_parametric *surface;
     check_ok(gd_parametric_revolution(&profile, &surface, NULL), NULL);
     return surface;
 }
 
-static inline struct gd_domain_curve *point_at(const struct gd_parametric *surface, double u, double v)
+static inline struct gd_domain_curve *point_at(const struct gd_parametric *surface, double u,
+                                               double v)
 {
     struct gd_domain_curve *curve;
     struct gd_detail detail = {0};
@@ -188,7 +203,8 @@ static inline struct gd_domain_curve *point_at(const struct gd_parametric *surfa
     return curve;
 }
 
-static inline struct gd_domain_curve *iso_at(const struct gd_parametric *surface, enum gd_iso fixed, double at)
+static inline struct gd_domain_curve *iso_at(const struct gd_parametric *surface, enum gd_iso fixed,
+                                             double at)
 {
     struct gd_domain_curve *curve;
     struct gd_detail detail = {0};
@@ -197,8 +213,8 @@ static inline struct gd_domain_curve *iso_at(const struct gd_parametric *surface
 }
 
 /* A closed cubic B-spline about a middle, nearly an ellipse with half axes a and b. */
-static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surface, double u, double v, double a,
-                                              double b)
+static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surface, double u,
+                                              double v, double a, double b)
 {
     enum { POINTS = 12, DEGREE = 3, COUNT = POINTS + DEGREE };
     double points[COUNT][2], knots[COUNT + DEGREE + 1];
@@ -209,7 +225,8 @@ static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surfac
     for (int i = 0; i < COUNT + DEGREE + 1; i++) knots[i] = i - DEGREE;
     struct gd_domain_curve *curve;
     struct gd_detail detail = {0};
-    check_ok(gd_domain_curve_bspline(surface, DEGREE, knots, (const double(*)[2])points, COUNT, NULL, &curve, &detail),
+    check_ok(gd_domain_curve_bspline(surface, DEGREE, knots, (const double(*)[2])points, COUNT,
+                                     NULL, &curve, &detail),
              &detail);
     return curve;
 }

@@ -9,7 +9,8 @@ static void iso_lines_and_loops_are_closed(void **state)
     struct gd_domain_curve *line = iso_at(ring, GD_ISO_U, 0.3), *open = iso_at(flat, GD_ISO_V, 0.5),
                            *loop = loop_at(flat, 0, 0, 1, 1);
     double uv[2], low, high;
-    assert_true(gd_domain_curve_is_closed(line) && gd_domain_curve_is_closed(loop) && !gd_domain_curve_is_closed(open));
+    assert_true(gd_domain_curve_is_closed(line) && gd_domain_curve_is_closed(loop) &&
+                !gd_domain_curve_is_closed(open));
     gd_domain_curve_range(line, &low, &high);
     assert_true(low == 0 && high == 1);
     gd_domain_curve_at(line, 1.25, uv); /* goes on around */
@@ -65,22 +66,35 @@ static void wrong_curves_are_refused(void **state)
     struct gd_parametric *flat = plane(1), *sphere = nurbs_sphere();
     struct gd_domain_curve *curve = NULL;
     struct gd_detail detail;
-    const double outside[2][2] = {{0, 0}, {2, 0}}, twice[2][2] = {{0, 0}, {0, 0}}, nowhere[2][2] = {{0, 0}, {NAN, 0}},
-                 good[2][2] = {{0, 0}, {1, 0}}, far[2][2] = {{0, 0.5}, {1e300, 0.5}}, falling[4] = {0, 1, 0, 1},
+    const double outside[2][2] = {{0, 0}, {2, 0}}, twice[2][2] = {{0, 0}, {0, 0}},
+                 nowhere[2][2] = {{0, 0}, {NAN, 0}}, good[2][2] = {{0, 0}, {1, 0}},
+                 far[2][2] = {{0, 0.5}, {1e300, 0.5}}, falling[4] = {0, 1, 0, 1},
                  empty[4] = {0, 1, 1, 2};
-    assert_int_equal(gd_domain_curve_polyline(flat, outside, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, twice, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, nowhere, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, good, 1, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 1, falling, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 1, empty, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 0, empty, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 2, empty, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_point(flat, 0, INFINITY, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, outside, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, twice, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, nowhere, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, good, 1, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 1, falling, good, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 1, empty, good, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 0, empty, good, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 2, empty, good, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_point(flat, 0, INFINITY, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_point(sphere, 1e7, 0.5, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(sphere, far, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_iso(flat, GD_ISO_U, 1.5, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_iso(sphere, GD_ISO_V, 1, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(sphere, far, 2, NULL, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_iso(flat, GD_ISO_U, 1.5, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_iso(sphere, GD_ISO_V, 1, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_null(curve);
     gd_parametric_release(flat);
     gd_parametric_release(sphere);

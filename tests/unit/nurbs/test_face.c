@@ -1,4 +1,5 @@
-/* The paper's second experiment: the shortest way between two holes of a face, against the geodesic equation. */
+/* The paper's second experiment: the shortest way between two holes of a face, against the geodesic
+ * equation. */
 #include "tests/unit/nurbs/face.h"
 
 #include "gd/geodesic_like.h"
@@ -19,7 +20,8 @@ static struct scene open_scene(void)
     struct scene scene;
     struct gd_detail detail = {0};
     check_ok(face_create(&scene.surface, &detail), &detail);
-    check_ok(gd_tessellation_build(scene.surface, NULL, NULL, &scene.tessellation, &detail), &detail);
+    check_ok(gd_tessellation_build(scene.surface, NULL, NULL, &scene.tessellation, &detail),
+             &detail);
     for (int k = 0; k < 2; k++) check_ok(face_eye(scene.surface, k, &scene.eyes[k]), NULL);
     return scene;
 }
@@ -31,11 +33,13 @@ static void close_scene(struct scene *scene)
     gd_parametric_release(scene->surface);
 }
 
-static struct gd_geodesics solve(const struct scene *scene, const struct gd_geodesic_options *options)
+static struct gd_geodesics solve(const struct scene *scene,
+                                 const struct gd_geodesic_options *options)
 {
     struct gd_geodesics found;
     struct gd_detail detail = {0};
-    check_ok(gd_geodesic_solve(scene->tessellation, scene->eyes[0], scene->eyes[1], options, NULL, &found, &detail),
+    check_ok(gd_geodesic_solve(scene->tessellation, scene->eyes[0], scene->eyes[1], options, NULL,
+                               &found, &detail),
              &detail);
     return found;
 }
@@ -45,7 +49,8 @@ static double shot_length(const struct scene *scene, const struct gd_geodesic *p
 {
     double places[257][2];
     check_ok(gd_geodesic_sample(scene->surface, path, 257, places, NULL), NULL);
-    struct shot shot = {path->from_parameter + off, path->to_parameter - off, path->length * (1 + off), 0};
+    struct shot shot = {path->from_parameter + off, path->to_parameter - off,
+                        path->length * (1 + off), 0};
     shot.side = shooting_side(scene->eyes[0], path->from_parameter, places[1]);
     assert_true(shoot_between(scene->eyes[0], scene->eyes[1], &shot));
     return shot.length;
@@ -65,12 +70,15 @@ static void the_shortest_way_is_the_geodesic_that_is_shot(void **state)
     close_scene(&scene);
 }
 
-/* Single splines are too long, the less so the more points they have; with few points they bend, and are answered all the same. */
+/* Single splines are too long, the less so the more points they have; with few points they bend,
+ * and are answered all the same. */
 static void the_papers_table(void **state)
 {
     (void)state;
-    static const uint32_t counts[] = {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 20, 30, 60};
-    static const double most[2][3] = {{1e-4, 1e-5, 1e-6}, {1e-4, 2e-6, 2e-8}}; /* with 20, 30, 60 points */
+    static const uint32_t counts[] = {3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                      12, 13, 14, 15, 16, 17, 20, 30, 60};
+    /* with 20, 30, 60 points */
+    static const double most[2][3] = {{1e-4, 1e-5, 1e-6}, {1e-4, 2e-6, 2e-8}};
     struct scene scene = open_scene();
     struct gd_geodesics found = solve(&scene, NULL);
     double exact = shot_length(&scene, &found.items[0], 0);
@@ -79,11 +87,14 @@ static void the_papers_table(void **state)
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             uint32_t points = counts[i];
             if (points <= degree) continue;
-            found = solve(&scene, &(struct gd_geodesic_options){.degree = degree, .control_points = points});
+            found = solve(
+                &scene, &(struct gd_geodesic_options){.degree = degree, .control_points = points});
             double error = found.items[0].length / exact - 1;
             assert_int_equal(found.items[0].pieces[0].count, points);
-            assert_true(error > -promise && error < 0.1 && !(found.items[0].warnings & GD_GEODESIC_NOT_CONVERGED));
-            if (points >= 20) assert_true(error < most[degree - 2][i - (sizeof counts / sizeof *counts - 3)]);
+            assert_true(error > -promise && error < 0.1 &&
+                        !(found.items[0].warnings & GD_GEODESIC_NOT_CONVERGED));
+            if (points >= 20)
+                assert_true(error < most[degree - 2][i - (sizeof counts / sizeof *counts - 3)]);
             gd_geodesics_free(&found);
         }
     }

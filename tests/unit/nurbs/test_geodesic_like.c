@@ -26,12 +26,14 @@ static void close_scene(struct scene *scene)
 }
 
 /* Solves and releases both ends. */
-static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_curve *from, struct gd_domain_curve *to,
+static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_curve *from,
+                                 struct gd_domain_curve *to,
                                  const struct gd_geodesic_options *options)
 {
     struct gd_geodesics found;
     struct gd_detail detail = {0};
-    check_ok(gd_geodesic_solve(scene->tessellation, from, to, options, NULL, &found, &detail), &detail);
+    check_ok(gd_geodesic_solve(scene->tessellation, from, to, options, NULL, &found, &detail),
+             &detail);
     gd_domain_curve_release(from);
     gd_domain_curve_release(to);
     return found;
@@ -54,7 +56,8 @@ static double length_of(struct gd_geodesics *found)
 
 static double between(const struct scene *scene, double u0, double v0, double u1, double v1)
 {
-    struct gd_geodesics found = solve(scene, point_at(scene->surface, u0, v0), point_at(scene->surface, u1, v1), NULL);
+    struct gd_geodesics found =
+        solve(scene, point_at(scene->surface, u0, v0), point_at(scene->surface, u1, v1), NULL);
     return length_of(&found);
 }
 
@@ -62,12 +65,13 @@ static void torus_values_of_the_notes(void **state)
 {
     (void)state;
     struct scene smooth = open_scene(torus(2, 1)), rational = open_scene(nurbs_torus(2, 1, 1, 0));
-    const double places[2][5] = {{0, 0, M_PI_2, M_PI_2, 4.0618928974654}, {0.3, 2.0, 2.1, 4.0, 2.8552575338283}};
+    const double places[2][5] = {{0, 0, M_PI_2, M_PI_2, 4.0618928974654},
+                                 {0.3, 2.0, 2.1, 4.0, 2.8552575338283}};
     for (int i = 0; i < 2; i++) {
         const double *p = places[i];
         check_close(between(&smooth, p[0], p[1], p[2], p[3]), p[4], promise);
-        check_close(between(&rational, circle_parameter(p[0]), circle_parameter(p[1]), circle_parameter(p[2]),
-                            circle_parameter(p[3])),
+        check_close(between(&rational, circle_parameter(p[0]), circle_parameter(p[1]),
+                            circle_parameter(p[2]), circle_parameter(p[3])),
                     p[4], promise);
         check_close(between(&smooth, p[2], p[3], p[0], p[1]), p[4], promise);
     }
@@ -82,8 +86,8 @@ static void scale_and_place_do_not_matter(void **state)
     const double scales[] = {1e-6, 1e6, 1}, shifts[] = {0, 0, 1e6};
     for (int i = 0; i < 3; i++) {
         struct scene scene = open_scene(nurbs_torus(2, 1, scales[i], shifts[i]));
-        double length =
-            between(&scene, circle_parameter(0.3), circle_parameter(2.0), circle_parameter(2.1), circle_parameter(4.0));
+        double length = between(&scene, circle_parameter(0.3), circle_parameter(2.0),
+                                circle_parameter(2.1), circle_parameter(4.0));
         check_close(length, scales[i] * 2.8552575338283, promise);
         close_scene(&scene);
     }
@@ -111,13 +115,14 @@ static void sphere_away_from_its_poles_and_through_one(void **state)
 {
     (void)state;
     struct scene scene = open_scene(nurbs_sphere());
-    const double places[][4] = {{0.2, -0.3, 1.7, 0.4}, {0.2, 0.9, 2.9, 1.0},   {0.1, 1.2, 0.1 + M_PI, 1.0},
-                                {1, -1.3, 4, -1.2},    {6.2, 0.1, 0.3, -0.2},  {0.5, 1.1, 0.5 + M_PI - 1e-3, 1.2},
-                                {0.4, 0.2, 0.4, 1.4},  {0.3, -M_PI_2, 2, 0.3}, {1, -M_PI_2, 1, M_PI_2 - 0.5}};
+    const double places[][4] = {
+        {0.2, -0.3, 1.7, 0.4}, {0.2, 0.9, 2.9, 1.0},   {0.1, 1.2, 0.1 + M_PI, 1.0},
+        {1, -1.3, 4, -1.2},    {6.2, 0.1, 0.3, -0.2},  {0.5, 1.1, 0.5 + M_PI - 1e-3, 1.2},
+        {0.4, 0.2, 0.4, 1.4},  {0.3, -M_PI_2, 2, 0.3}, {1, -M_PI_2, 1, M_PI_2 - 0.5}};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         const double *p = places[i];
-        double length = between(&scene, circle_parameter(p[0]), latitude_parameter(p[1]), circle_parameter(p[2]),
-                                latitude_parameter(p[3]));
+        double length = between(&scene, circle_parameter(p[0]), latitude_parameter(p[1]),
+                                circle_parameter(p[2]), latitude_parameter(p[3]));
         check_close(length, great_circle(p[0], p[1], p[2], p[3]), promise);
     }
     close_scene(&scene);
@@ -126,18 +131,22 @@ static void sphere_away_from_its_poles_and_through_one(void **state)
 static void cylinder_and_cone_unrolled(void **state)
 {
     (void)state;
-    struct scene cylinder = open_scene(nurbs_ruled(1, 0, 1, 3)), cone = open_scene(nurbs_ruled(2, 0, 0.5, 3));
+    struct scene cylinder = open_scene(nurbs_ruled(1, 0, 1, 3)),
+                 cone = open_scene(nurbs_ruled(2, 0, 0.5, 3));
     struct rng rng = {7};
     for (int i = 0; i < 12; i++) {
-        double a = rng_between(&rng, 0, 2 * M_PI), b = rng_between(&rng, 0, 2 * M_PI), s = rng_unit(&rng),
-               t = rng_unit(&rng), turn = fabs(a - b) > M_PI ? 2 * M_PI - fabs(a - b) : fabs(a - b);
-        check_close(between(&cylinder, circle_parameter(a), s, circle_parameter(b), t), hypot(turn, 3 * (s - t)),
-                    promise);
+        double a = rng_between(&rng, 0, 2 * M_PI), b = rng_between(&rng, 0, 2 * M_PI),
+               s = rng_unit(&rng), t = rng_unit(&rng),
+               turn = fabs(a - b) > M_PI ? 2 * M_PI - fabs(a - b) : fabs(a - b);
+        check_close(between(&cylinder, circle_parameter(a), s, circle_parameter(b), t),
+                    hypot(turn, 3 * (s - t)), promise);
         /* the cone laid flat: slant sqrt(1.5^2 + 3^2) from radius 2 to 0.5 */
-        double slant = hypot(1.5, 3), sine = 1.5 / slant, p = (2 - 1.5 * s) / sine, q = (2 - 1.5 * t) / sine;
+        double slant = hypot(1.5, 3), sine = 1.5 / slant, p = (2 - 1.5 * s) / sine,
+               q = (2 - 1.5 * t) / sine;
         double angle = turn * sine, least = 0.5 / sine;
         double flat = sqrt(p * p + q * q - 2 * p * q * cos(angle));
-        if (p * q * sin(angle) < least * flat) continue; /* the chord would leave the cone at its upper edge */
+        /* the chord would leave the cone at its upper edge */
+        if (p * q * sin(angle) < least * flat) continue;
         check_close(between(&cone, circle_parameter(a), s, circle_parameter(b), t), flat, promise);
     }
     close_scene(&cylinder);
@@ -151,10 +160,12 @@ static void nearly_opposite_points(void **state)
     struct scene cylinder = open_scene(nurbs_ruled(1, 0, 1, 3));
     struct rng rng = {9};
     for (int i = 0; i < 10; i++) {
-        double a = rng_between(&rng, 0, M_PI - 0.1), b = a + M_PI + (i % 2 ? 1e-6 : -1e-6), t = rng_unit(&rng);
-        struct gd_geodesics found = solve(&cylinder, point_at(cylinder.surface, circle_parameter(a), 0.5),
-                                          point_at(cylinder.surface, circle_parameter(b), t),
-                                          &(struct gd_geodesic_options){.all_minima = true});
+        double a = rng_between(&rng, 0, M_PI - 0.1), b = a + M_PI + (i % 2 ? 1e-6 : -1e-6),
+               t = rng_unit(&rng);
+        struct gd_geodesics found =
+            solve(&cylinder, point_at(cylinder.surface, circle_parameter(a), 0.5),
+                  point_at(cylinder.surface, circle_parameter(b), t),
+                  &(struct gd_geodesic_options){.all_minima = true});
         assert_true(found.count >= 2);
         check_close(found.items[0].length, hypot(M_PI - 1e-6, 3 * (t - 0.5)), promise);
         check_close(found.items[1].length, hypot(M_PI + 1e-6, 3 * (t - 0.5)), promise);
@@ -173,8 +184,8 @@ static void feet_beside_a_line(void **state)
     for (double off = 1e-2; off > 1e-10; off /= 10) {
         for (int side = -1; side <= 1; side += 2) {
             double u = circle_parameter(M_PI_2 + side * off), v = circle_parameter(M_PI - 1.5);
-            struct gd_geodesics found =
-                solve(&scene, point_at(scene.surface, u, v), iso_at(scene.surface, GD_ISO_V, 0.5), NULL);
+            struct gd_geodesics found = solve(&scene, point_at(scene.surface, u, v),
+                                              iso_at(scene.surface, GD_ISO_V, 0.5), NULL);
             assert_true(fabs(found.items[0].to_parameter - u) < 1e-9);
             check_close(length_of(&found), 1.5, promise);
         }
@@ -182,7 +193,8 @@ static void feet_beside_a_line(void **state)
     close_scene(&scene);
 }
 
-/* A straight line in the domain is the same curve with two hundred corners, which all are ends of smooth intervals. */
+/* A straight line in the domain is the same curve with two hundred corners, which all are ends of
+ * smooth intervals. */
 static void corners_that_are_none_do_not_matter(void **state)
 {
     (void)state;
@@ -197,10 +209,13 @@ static void corners_that_are_none_do_not_matter(void **state)
     for (int i = 1; i < 8; i++) {
         struct gd_domain_curve *plain, *broken;
         check_ok(gd_domain_curve_polyline(scene.surface, ends, 2, NULL, &plain, NULL), NULL);
-        check_ok(gd_domain_curve_polyline(scene.surface, (const double(*)[2])corners, CORNERS + 1, NULL, &broken, NULL),
+        check_ok(gd_domain_curve_polyline(scene.surface, (const double(*)[2])corners, CORNERS + 1,
+                                          NULL, &broken, NULL),
                  NULL);
-        struct gd_geodesics one = solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), plain, NULL);
-        struct gd_geodesics other = solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), broken, NULL);
+        struct gd_geodesics one =
+            solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), plain, NULL);
+        struct gd_geodesics other =
+            solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), broken, NULL);
         assert_true(fabs(one.items[0].to_parameter * CORNERS - other.items[0].to_parameter) < 1e-4);
         check_close(length_of(&one), length_of(&other), promise);
     }
@@ -212,7 +227,8 @@ static void the_border_is_followed(void **state)
 {
     (void)state;
     struct scene cone = open_scene(nurbs_ruled(2, 0, 1.5, 0.1));
-    double slant = hypot(0.5, 0.1), sine = 0.5 / slant, inner = 1.5 / sine, outer = 2 / sine, turn = 2.5;
+    double slant = hypot(0.5, 0.1), sine = 0.5 / slant, inner = 1.5 / sine, outer = 2 / sine,
+           turn = 2.5;
     double arc = turn * sine - 2 * acos(inner / outer);
     double expected = 2 * sqrt(outer * outer - inner * inner) + inner * arc;
     struct gd_geodesics found = solve(&cone, point_at(cone.surface, circle_parameter(0.1), 0),
@@ -229,10 +245,11 @@ static void meridians_of_a_torus(void **state)
     struct scene scenes[2] = {open_scene(torus(2, 1)), open_scene(nurbs_torus(2, 1, 1, 0))};
     const double meridian[2] = {M_PI_2, 0.25}, inner[2] = {M_PI, 0.5};
     for (int i = 0; i < 2; i++) {
-        struct gd_geodesics found =
-            solve(&scenes[i], iso_at(scenes[i].surface, GD_ISO_U, 0), iso_at(scenes[i].surface, GD_ISO_U, meridian[i]),
-                  &(struct gd_geodesic_options){.all_minima = true});
-        /* the other way round along the inner equator is a minimum too, along the outer one there is none */
+        struct gd_geodesics found = solve(&scenes[i], iso_at(scenes[i].surface, GD_ISO_U, 0),
+                                          iso_at(scenes[i].surface, GD_ISO_U, meridian[i]),
+                                          &(struct gd_geodesic_options){.all_minima = true});
+        /* the other way round along the inner equator is a minimum too, along the outer one there
+         * is none */
         assert_int_equal(found.count, 2);
         for (uint32_t k = 0; k < 2; k++) {
             assert_true(found.items[k].is_minimum);
@@ -271,8 +288,9 @@ static void circles_of_latitude(void **state)
 {
     (void)state;
     struct scene scene = open_scene(nurbs_sphere());
-    struct gd_geodesics found = solve(&scene, iso_at(scene.surface, GD_ISO_V, latitude_parameter(-0.4)),
-                                      iso_at(scene.surface, GD_ISO_V, latitude_parameter(0.9)), NULL);
+    struct gd_geodesics found =
+        solve(&scene, iso_at(scene.surface, GD_ISO_V, latitude_parameter(-0.4)),
+              iso_at(scene.surface, GD_ISO_V, latitude_parameter(0.9)), NULL);
     check_close(length_of(&found), 1.3, promise);
     found = solve(&scene, point_at(scene.surface, 0.1, latitude_parameter(-1.2)),
                   iso_at(scene.surface, GD_ISO_V, latitude_parameter(0.9)), NULL);
@@ -284,16 +302,19 @@ static void curves_that_meet_are_0_apart(void **state)
 {
     (void)state;
     struct scene scene = open_scene(nurbs_torus(2, 1, 1, 0));
-    struct gd_geodesics found =
-        solve(&scene, iso_at(scene.surface, GD_ISO_U, 0.3), iso_at(scene.surface, GD_ISO_V, 0.7), NULL);
+    struct gd_geodesics found = solve(&scene, iso_at(scene.surface, GD_ISO_U, 0.3),
+                                      iso_at(scene.surface, GD_ISO_V, 0.7), NULL);
     assert_true(found.items[0].length == 0 && found.items[0].piece_count == 0);
-    assert_true(fabs(found.items[0].meeting[0] - 0.3) < 1e-12 && fabs(found.items[0].from_parameter - 0.7) < 1e-12);
+    assert_true(fabs(found.items[0].meeting[0] - 0.3) < 1e-12 &&
+                fabs(found.items[0].from_parameter - 0.7) < 1e-12);
     gd_geodesics_free(&found);
     /* by way of the seam, and a point that lies on a curve */
-    found = solve(&scene, point_at(scene.surface, 1, 0.4), iso_at(scene.surface, GD_ISO_U, 0), NULL);
+    found =
+        solve(&scene, point_at(scene.surface, 1, 0.4), iso_at(scene.surface, GD_ISO_U, 0), NULL);
     assert_true(found.items[0].length == 0);
     gd_geodesics_free(&found);
-    found = solve(&scene, loop_at(scene.surface, 0.3, 0.3, 0.1, 0.1), loop_at(scene.surface, 0.4, 0.3, 0.1, 0.1), NULL);
+    found = solve(&scene, loop_at(scene.surface, 0.3, 0.3, 0.1, 0.1),
+                  loop_at(scene.surface, 0.4, 0.3, 0.1, 0.1), NULL);
     assert_true(found.items[0].length == 0);
     gd_geodesics_free(&found);
     close_scene(&scene);
@@ -334,7 +355,8 @@ static void exchange_of_the_ends_changes_nothing(void **state)
     close_scene(&scene);
 }
 
-/* The paper's curves: quadratic and cubic, of so many control points. Errors as the design notes say: about h^4 and h^6. */
+/* The paper's curves: quadratic and cubic, of so many control points. Errors as the design notes
+ * say: about h^4 and h^6. */
 static void the_papers_curves_converge(void **state)
 {
     (void)state;
@@ -343,12 +365,13 @@ static void the_papers_curves_converge(void **state)
     double before[2] = {1, 1};
     for (uint32_t n = 8; n <= 64; n *= 2) {
         for (uint32_t degree = 2; degree <= 3; degree++) {
-            struct gd_geodesics found =
-                solve(&scene, point_at(scene.surface, 0, 0), point_at(scene.surface, M_PI_2, M_PI_2),
-                      &(struct gd_geodesic_options){.degree = degree, .control_points = n});
+            struct gd_geodesics found = solve(
+                &scene, point_at(scene.surface, 0, 0), point_at(scene.surface, M_PI_2, M_PI_2),
+                &(struct gd_geodesic_options){.degree = degree, .control_points = n});
             assert_int_equal(found.items[0].pieces[0].count, n);
             double error = (found.items[0].length - exact) / exact;
-            assert_true(error > -1e-13 && error < before[degree - 2] / (degree == 2 ? 8 : 20) + 1e-12);
+            assert_true(error > -1e-13 &&
+                        error < before[degree - 2] / (degree == 2 ? 8 : 20) + 1e-12);
             before[degree - 2] = error;
             gd_geodesics_free(&found);
         }
@@ -367,12 +390,16 @@ static void wrong_questions_are_refused(void **state)
     struct gd_geodesics found;
     struct gd_detail detail;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, &wrong[i], NULL, &found, &detail),
-                         GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, c, NULL, NULL, &found, &detail), GD_INVALID_ARGUMENT);
+        assert_int_equal(
+            gd_geodesic_solve(scene.tessellation, a, b, &wrong[i], NULL, &found, &detail),
+            GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, c, NULL, NULL, &found, &detail),
+                     GD_INVALID_ARGUMENT);
     struct gd_control late = {.deadline_ns = 1}, poor = {.budget_bytes = 1000};
-    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, NULL, &late, &found, &detail), GD_DEADLINE);
-    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, NULL, &poor, &found, &detail), GD_BUDGET);
+    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, NULL, &late, &found, &detail),
+                     GD_DEADLINE);
+    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, NULL, &poor, &found, &detail),
+                     GD_BUDGET);
     gd_domain_curve_release(a);
     gd_domain_curve_release(b);
     gd_domain_curve_release(c);

@@ -1,4 +1,5 @@
-/* NURBS and other surfaces: values of the notes, derivatives by differences, known curvatures, what is recognised and what refused, nearest points. */
+/* NURBS and other surfaces: values of the notes, derivatives by differences, known curvatures, what
+ * is recognised and what refused, nearest points. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <string.h>
@@ -25,7 +26,8 @@ static void values_of_the_notes(void **state)
     check_vector(jet.u, -10.179771947727, -3.129044383289, 0, 2e-12);
     check_vector(jet.v, -1.752994636132, 5.703046500942, -1.833938738906, 2e-12);
     check_vector(jet.uv, -35.597729586211, -10.941981450229, 0, 2e-12);
-    check_vector(jet_at(sphere, 0.3, 0.7).x, -0.239111804612, 0.777906396586, 0.581108581115, 2e-12);
+    check_vector(jet_at(sphere, 0.3, 0.7).x, -0.239111804612, 0.777906396586, 0.581108581115,
+                 2e-12);
     gd_parametric_release(torus_);
     gd_parametric_release(sphere);
 }
@@ -33,9 +35,11 @@ static void values_of_the_notes(void **state)
 static void check_differences(const struct gd_parametric *surface, double u, double v)
 {
     const double h = 1e-6;
-    struct gd_jet jet = jet_at(surface, u, v), right = jet_at(surface, u + h, v), left = jet_at(surface, u - h, v),
-                  up = jet_at(surface, u, v + h), down = jet_at(surface, u, v - h);
-    double scale = gd_vec3_length(jet.u) + gd_vec3_length(jet.v) + gd_vec3_length(jet.uu) + gd_vec3_length(jet.vv);
+    struct gd_jet jet = jet_at(surface, u, v), right = jet_at(surface, u + h, v),
+                  left = jet_at(surface, u - h, v), up = jet_at(surface, u, v + h),
+                  down = jet_at(surface, u, v - h);
+    double scale = gd_vec3_length(jet.u) + gd_vec3_length(jet.v) + gd_vec3_length(jet.uu) +
+                   gd_vec3_length(jet.vv);
     const struct gd_vec3 pairs[5][3] = {{right.x, left.x, jet.u},
                                         {up.x, down.x, jet.v},
                                         {right.u, left.u, jet.uu},
@@ -50,12 +54,18 @@ static void check_differences(const struct gd_parametric *surface, double u, dou
 static void derivatives_are_those_of_the_values(void **state)
 {
     (void)state;
-    struct gd_parametric *surfaces[] = {
-        nurbs_torus(2, 1, 1, 0),  nurbs_sphere(), nurbs_bumps(8, 4, 1, 3), torus(2, 1), helicoid(), bilinear(), vase(),
-        nurbs_ruled(2, 0, 0.5, 3)};
+    struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0),
+                                        nurbs_sphere(),
+                                        nurbs_bumps(8, 4, 1, 3),
+                                        torus(2, 1),
+                                        helicoid(),
+                                        bilinear(),
+                                        vase(),
+                                        nurbs_ruled(2, 0, 0.5, 3)};
     struct rng rng = {2};
     for (size_t i = 0; i < sizeof surfaces / sizeof *surfaces; i++) {
-        const struct gd_axis *u = gd_parametric_axis_u(surfaces[i]), *v = gd_parametric_axis_v(surfaces[i]);
+        const struct gd_axis *u = gd_parametric_axis_u(surfaces[i]),
+                             *v = gd_parametric_axis_v(surfaces[i]);
         for (int k = 0; k < 50; k++)
             check_differences(surfaces[i], rng_between(&rng, u->low + 1e-3, u->high - 1e-3),
                               rng_between(&rng, v->low + 1e-3, v->high - 1e-3));
@@ -66,8 +76,8 @@ static void derivatives_are_those_of_the_values(void **state)
 static void known_curvatures(void **state)
 {
     (void)state;
-    struct gd_parametric *sphere = nurbs_sphere(), *smooth = torus(2, 1), *cylinder = nurbs_ruled(2, 0, 2, 1),
-                         *screw = helicoid();
+    struct gd_parametric *sphere = nurbs_sphere(), *smooth = torus(2, 1),
+                         *cylinder = nurbs_ruled(2, 0, 2, 1), *screw = helicoid();
     struct rng rng = {5};
     for (int i = 0; i < 50; i++) {
         double u = rng_unit(&rng), v = rng_between(&rng, 0.05, 0.95);
@@ -100,8 +110,8 @@ static void known_curvatures(void **state)
 static void closed_directions_and_poles_are_recognised(void **state)
 {
     (void)state;
-    struct gd_parametric *both = nurbs_torus(2, 1, 1e-6, 1), *sphere = nurbs_sphere(), *open = nurbs_bumps(8, 4, 1, 3),
-                         *cone = nurbs_ruled(1, 0, 0, 1);
+    struct gd_parametric *both = nurbs_torus(2, 1, 1e-6, 1), *sphere = nurbs_sphere(),
+                         *open = nurbs_bumps(8, 4, 1, 3), *cone = nurbs_ruled(1, 0, 0, 1);
     assert_true(gd_parametric_axis_u(both)->closed && gd_parametric_axis_v(both)->closed);
     assert_int_equal(gd_parametric_axis_u(both)->line_count, 3);
     assert_true(gd_parametric_axis_u(sphere)->closed && !gd_parametric_axis_v(sphere)->closed);
@@ -124,12 +134,14 @@ static void conventions_are_one_surface(void **state)
 {
     (void)state;
     const double knots[6] = {0, 0, 0, 1, 1, 1}, line[4] = {0, 0, 1, 1}, h = M_SQRT1_2;
-    double plain[6][3] = {{1, 0, 0}, {1, 0, 1}, {1, 1, 0}, {1, 1, 1}, {0, 1, 0}, {0, 1, 1}}, multiplied[6][3];
+    double plain[6][3] = {{1, 0, 0}, {1, 0, 1}, {1, 1, 0}, {1, 1, 1}, {0, 1, 0}, {0, 1, 1}},
+           multiplied[6][3];
     const double weights[6] = {1, 1, h, h, 1, 1};
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < 3; k++) multiplied[i][k] = plain[i][k] * weights[i];
     for (int convention = GD_NURBS_CANONICAL; convention <= GD_NURBS_RHINO; convention++) {
-        bool is_short = convention == GD_NURBS_RHINO, times = is_short || convention == GD_NURBS_VERB;
+        bool is_short = convention == GD_NURBS_RHINO,
+             times = is_short || convention == GD_NURBS_VERB;
         struct gd_nurbs_data data = {.convention = (enum gd_nurbs_convention)convention,
                                      .degree_u = 2,
                                      .degree_v = 1,
@@ -152,8 +164,9 @@ static void conventions_are_one_surface(void **state)
 static void flaws_are_refused_by_name(void **state)
 {
     (void)state;
-    const double good[6] = {0, 0, 0, 1, 1, 1}, falling[6] = {0, 0, 1, 0, 1, 1}, nan_knot[6] = {0, 0, 0, NAN, 1, 1},
-                 empty[6] = {0, 0, 1, 1, 2, 2}, torn[9] = {0, 0, 0, 1, 1, 1, 2, 2, 2};
+    const double good[6] = {0, 0, 0, 1, 1, 1}, falling[6] = {0, 0, 1, 0, 1, 1},
+                 nan_knot[6] = {0, 0, 0, NAN, 1, 1}, empty[6] = {0, 0, 1, 1, 2, 2},
+                 torn[9] = {0, 0, 0, 1, 1, 1, 2, 2, 2};
     double points[18][3] = {{0}}, broken[9][3] = {{NAN}}, far[9][3] = {{1e80}},
            weights[9] = {1, 1, 1, 1, 0, 1, 1, 1, 1};
     for (int i = 0; i < 18; i++) points[i][0] = i / 3, points[i][1] = i % 3;
@@ -200,36 +213,44 @@ static void wrong_shapes_are_refused(void **state)
     const double range[2] = {0, 1}, back[2] = {1, 0}, bad[1] = {INFINITY};
     assert_int_equal(gd_parametric_torus(1, 1, &surface, &detail), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_parametric_torus(1, NAN, &surface, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_parametric_helicoid(0, range, range, &surface, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_parametric_helicoid(1, back, range, &surface, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_parametric_graph(17, 0, bad, range, range, &surface, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_parametric_graph(0, 0, bad, range, range, &surface, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_parametric_helicoid(0, range, range, &surface, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_parametric_helicoid(1, back, range, &surface, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_parametric_graph(17, 0, bad, range, range, &surface, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_parametric_graph(0, 0, bad, range, range, &surface, &detail),
+                     GD_INVALID_ARGUMENT);
     const double points[3][2] = {{1, 0}, {-1, 1}, {1, 2}}, knots[6] = {0, 0, 0, 1, 1, 1};
     struct gd_profile profile = {2, 3, knots, points, NULL};
     assert_int_equal(gd_parametric_revolution(&profile, &surface, &detail), GD_INVALID_ARGUMENT);
     assert_null(surface);
 }
 
-/* On a torus the foot is known; and no place of a dense grid is nearer than the foot on a free surface. */
+/* On a torus the foot is known; and no place of a dense grid is nearer than the foot on a free
+ * surface. */
 static void nearest_points_are_global(void **state)
 {
     (void)state;
     struct gd_parametric *ring = nurbs_torus(2, 1, 1, 0), *free_form = nurbs_bumps(10, 8, 1.5, 9);
     struct rng rng = {4};
     for (int i = 0; i < 20; i++) {
-        struct gd_vec3 x = {rng_between(&rng, -4, 4), rng_between(&rng, -4, 4), rng_between(&rng, -2, 2)};
+        struct gd_vec3 x = {rng_between(&rng, -4, 4), rng_between(&rng, -4, 4),
+                            rng_between(&rng, -2, 2)};
         struct gd_parametric_foot foot;
         check_ok(gd_parametric_nearest(ring, x, NULL, &foot, NULL), NULL);
         check_close(foot.distance, fabs(hypot(hypot(x.x, x.y) - 2, x.z) - 1), 1e-11);
         check_vector(jet_at(ring, foot.u, foot.v).x, foot.xyz.x, foot.xyz.y, foot.xyz.z, 1e-15);
-        x = (struct gd_vec3){rng_between(&rng, -1, 10), rng_between(&rng, -1, 8), rng_between(&rng, -3, 3)};
+        x = (struct gd_vec3){rng_between(&rng, -1, 10), rng_between(&rng, -1, 8),
+                             rng_between(&rng, -3, 3)};
         check_ok(gd_parametric_nearest(free_form, x, NULL, &foot, NULL), NULL);
         for (int k = 0; k < 90000; k++)
-            assert_true(gd_vec3_distance(jet_at(free_form, (k / 300) / 299.0, (k % 300) / 299.0).x, x) >=
-                        foot.distance - 1e-13);
+            assert_true(gd_vec3_distance(jet_at(free_form, (k / 300) / 299.0, (k % 300) / 299.0).x,
+                                         x) >= foot.distance - 1e-13);
     }
     struct gd_parametric_foot foot;
-    assert_int_equal(gd_parametric_nearest(ring, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_parametric_nearest(ring, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL),
+                     GD_INVALID_ARGUMENT);
     gd_parametric_release(ring);
     gd_parametric_release(free_form);
 }

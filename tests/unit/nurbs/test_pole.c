@@ -1,5 +1,5 @@
-/* Curves that pass a pole or end in one: in the domain their ends there are no places to which a path could slide. And how far lengths of next to nothing are
- * to be trusted. */
+/* Curves that pass a pole or end in one: in the domain their ends there are no places to which a
+ * path could slide. And how far lengths of next to nothing are to be trusted. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
@@ -16,7 +16,8 @@ static struct gd_geodesics solve(const struct gd_tessellation *tessellation, con
     struct gd_geodesics found;
     struct gd_detail detail = {0};
     check_ok(gd_domain_curve_polyline(surface, corners, count, NULL, &line, NULL), NULL);
-    check_ok(gd_geodesic_solve(tessellation, backwards ? line : at, backwards ? at : line, NULL, NULL, &found, &detail),
+    check_ok(gd_geodesic_solve(tessellation, backwards ? line : at, backwards ? at : line, NULL,
+                               NULL, &found, &detail),
              &detail);
     gd_domain_curve_release(at);
     gd_domain_curve_release(line);
@@ -48,7 +49,8 @@ static void a_curve_that_ends_in_a_pole(void **state)
             double parameter = backwards ? path->from_parameter : path->to_parameter;
             double angle = backwards ? M_PI - path->from_angle : path->to_angle;
             assert_true(parameter == 0);
-            assert_true(angle <= M_PI_2 + 1e-8); /* going on along the curve would lead farther away */
+            /* going on along the curve would lead farther away */
+            assert_true(angle <= M_PI_2 + 1e-8);
             gd_geodesics_free(&found);
         }
     }
@@ -64,11 +66,13 @@ static void a_foot_close_to_a_pole(void **state)
     struct gd_tessellation *tessellation;
     check_ok(gd_tessellation_build(sphere, NULL, NULL, &tessellation, NULL), NULL);
     for (double off = 0.05; off > 1e-4; off /= 4) {
-        const double meridian[2][2] = {{0.125, 0}, {0.125, 1}}, point[2] = {circle_parameter(0.75 * M_PI - off), 0.2};
+        const double meridian[2][2] = {{0.125, 0}, {0.125, 1}},
+                     point[2] = {circle_parameter(0.75 * M_PI - off), 0.2};
         struct gd_geodesics found = solve(tessellation, point, meridian, 2, false);
         const struct gd_geodesic *path = &found.items[0];
         check_close(path->length, asin(sin(colatitude(sphere, point)) * cos(off)), promise);
-        assert_true(path->is_minimum && path->warnings == 0 && fabs(path->to_angle - M_PI_2) < right);
+        assert_true(path->is_minimum && path->warnings == 0 &&
+                    fabs(path->to_angle - M_PI_2) < right);
         assert_true(path->to_parameter > 0);
         gd_geodesics_free(&found);
     }
@@ -108,8 +112,10 @@ static void lengths_of_next_to_nothing(void **state)
             struct gd_geodesics found;
             check_ok(gd_geodesic_solve(tessellation, from, to, NULL, NULL, &found, NULL), NULL);
             double exact = 3 * (w - v), error = fabs(found.items[0].length - exact);
-            assert_true(error <= found.items[0].error + 1e-15 * exact && found.items[0].error < 1e-14);
-            assert_true((found.items[0].warnings & GD_GEODESIC_NOT_CONVERGED) || found.items[0].error < 1e-11 * exact);
+            assert_true(error <= found.items[0].error + 1e-15 * exact &&
+                        found.items[0].error < 1e-14);
+            assert_true((found.items[0].warnings & GD_GEODESIC_NOT_CONVERGED) ||
+                        found.items[0].error < 1e-11 * exact);
             gd_geodesics_free(&found);
             gd_domain_curve_release(from);
             gd_domain_curve_release(to);

@@ -1,9 +1,11 @@
-/* Meridians: straight in the domain and without curvature, but of a speed that is as uneven as the profile's. */
+/* Meridians: straight in the domain and without curvature, but of a speed that is as uneven as the
+ * profile's. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
 
-/* Length of a meridian of a surface of revolution, by Simpson's rule on very many panels between the profile's knots. */
+/* Length of a meridian of a surface of revolution, by Simpson's rule on very many panels between
+ * the profile's knots. */
 static double profile_length(const struct gd_parametric *surface, double from, double to)
 {
     enum { PANELS = 20000 };
@@ -35,9 +37,11 @@ static void between_parallels_of_a_vase(void **state)
         for (uint32_t degree = 2; degree <= 5; degree++) {
             const struct gd_geodesic_options options = {.degree = degree};
             struct gd_geodesics found;
-            check_ok(gd_geodesic_solve(tessellation, low, high, &options, NULL, &found, NULL), NULL);
+            check_ok(gd_geodesic_solve(tessellation, low, high, &options, NULL, &found, NULL),
+                     NULL);
             check_close(found.items[0].length, exact, 1e-11);
-            assert_true(fabs(found.items[0].length - exact) <= found.items[0].error + 1e-12 * exact);
+            assert_true(fabs(found.items[0].length - exact) <=
+                        found.items[0].error + 1e-12 * exact);
             gd_geodesics_free(&found);
         }
         gd_domain_curve_release(low);

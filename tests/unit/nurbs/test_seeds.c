@@ -1,4 +1,5 @@
-/* The global minimum on random pairs of points: a geodesic by the differential equation, and never longer than the one that is shot along the way on a dense mesh. */
+/* The global minimum on random pairs of points: a geodesic by the differential equation, and never
+ * longer than the one that is shot along the way on a dense mesh. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <stdio.h>
@@ -32,9 +33,10 @@ struct brute {
     double shot; /* NAN: it did not arrive, as beside a pole */
 };
 
-/* The direction in which a path of the mesh begins, and the copy of its end that it leads to in closed directions. */
-static double follow(const struct gd_tessellation *dense, const struct gd_path *path, struct place from,
-                     struct place *to)
+/* The direction in which a path of the mesh begins, and the copy of its end that it leads to in
+ * closed directions. */
+static double follow(const struct gd_tessellation *dense, const struct gd_path *path,
+                     struct place from, struct place *to)
 {
     const struct gd_parametric *surface = gd_tessellation_surface(dense);
     const struct gd_axis *axes[2] = {gd_parametric_axis_u(surface), gd_parametric_axis_v(surface)};
@@ -59,15 +61,19 @@ static struct brute brute_force(const struct gd_tessellation *dense, struct plac
     struct gd_pair_answer answer;
     check_ok(gd_tessellation_point(dense, a.at[0], a.at[1], &from, NULL), NULL);
     check_ok(gd_tessellation_point(dense, b.at[0], b.at[1], &to, NULL), NULL);
-    check_ok(gd_pair_solve(gd_tessellation_mesh(dense), &from, &to, true, NULL, NULL, &answer, NULL), NULL);
+    check_ok(
+        gd_pair_solve(gd_tessellation_mesh(dense), &from, &to, true, NULL, NULL, &answer, NULL),
+        NULL);
     struct brute brute = {answer.distance, answer.distance};
     double angle = follow(dense, &answer.path, a, &b);
-    if (!shoot_at(gd_tessellation_surface(dense), a.at, b.at, &angle, &brute.shot)) brute.shot = NAN;
+    if (!shoot_at(gd_tessellation_surface(dense), a.at, b.at, &angle, &brute.shot))
+        brute.shot = NAN;
     gd_pair_answer_free(&answer);
     return brute;
 }
 
-/* The differential equation is integrated to 1e-15 a step, which paths that diverge make up to some ten thousand times larger. */
+/* The differential equation is integrated to 1e-15 a step, which paths that diverge make up to some
+ * ten thousand times larger. */
 static const double equation = 1e-10;
 
 /* Two splines of different degrees have nothing in common but the surface. */
@@ -86,7 +92,8 @@ static double quintic_length(const struct gd_tessellation *coarse, struct gd_dom
     return length;
 }
 
-/* The length by shooting along the path; NAN where the path follows a border, passes a pole or ends in one. */
+/* The length by shooting along the path; NAN where the path follows a border, passes a pole or ends
+ * in one. */
 static double shot_length(const struct gd_parametric *surface, const struct gd_geodesic *path)
 {
     double places[65][2], angle, length = path->length;
@@ -106,15 +113,16 @@ static void check_surface(struct gd_parametric *surface, const char *name, uint6
 {
     struct gd_tessellation *coarse, *dense;
     check_ok(gd_tessellation_build(surface, NULL, NULL, &coarse, NULL), NULL);
-    check_ok(
-        gd_tessellation_build(surface, &(struct gd_tessellation_options){.faces = DENSE_FACES}, NULL, &dense, NULL),
-        NULL);
+    check_ok(gd_tessellation_build(surface, &(struct gd_tessellation_options){.faces = DENSE_FACES},
+                                   NULL, &dense, NULL),
+             NULL);
     struct rng rng = {seed};
     int pairs = pair_count(), shot = 0, same = 0;
     double worst = 0, time = 0;
     for (int i = 0; i < pairs; i++) {
         struct place a = random_place(surface, &rng), b = random_place(surface, &rng);
-        struct gd_domain_curve *from = point_at(surface, a.at[0], a.at[1]), *to = point_at(surface, b.at[0], b.at[1]);
+        struct gd_domain_curve *from = point_at(surface, a.at[0], a.at[1]),
+                               *to = point_at(surface, b.at[0], b.at[1]);
         struct gd_geodesics found;
         struct gd_detail detail = {0};
         uint64_t begin = gd_now_ns();
@@ -130,11 +138,12 @@ static void check_surface(struct gd_parametric *surface, const char *name, uint6
                     (fabs(path->length - quintic) <= two_degrees * path->length ||
                      path->warnings & GD_GEODESIC_BOUNDARY_CONTACT);
         if (!good)
-            print_error("%s: (%.17g, %.17g) to (%.17g, %.17g): %.15g, mesh %.15g, shot along it %.15g, shot %.15g, "
+            print_error("%s: (%.17g, %.17g) to (%.17g, %.17g): %.15g, mesh %.15g, shot along it "
+                        "%.15g, shot %.15g, "
                         "quintic %.15g, minimum "
                         "%d, warnings %u\n",
-                        name, a.at[0], a.at[1], b.at[0], b.at[1], path->length, brute.mesh, brute.shot, ode, quintic,
-                        path->is_minimum, path->warnings);
+                        name, a.at[0], a.at[1], b.at[0], b.at[1], path->length, brute.mesh,
+                        brute.shot, ode, quintic, path->is_minimum, path->warnings);
         assert_true(good || getenv("NURBS_GO_ON"));
         same += fabs(brute.shot - path->length) <= equation * path->length;
         if (isfinite(ode)) {
@@ -145,8 +154,9 @@ static void check_surface(struct gd_parametric *surface, const char *name, uint6
         gd_domain_curve_release(from);
         gd_domain_curve_release(to);
     }
-    print_message("%s: %d pairs, %d shot, worst %.1e; %d the geodesic beside the way on the mesh; %.1f ms each\n", name,
-                  pairs, shot, worst, same, time / pairs);
+    print_message("%s: %d pairs, %d shot, worst %.1e; %d the geodesic beside the way on the mesh; "
+                  "%.1f ms each\n",
+                  name, pairs, shot, worst, same, time / pairs);
     assert_true(shot >= pairs / 2 && same >= pairs / 2);
     gd_tessellation_release(coarse);
     gd_tessellation_release(dense);
@@ -166,7 +176,7 @@ static void random_pairs_on_eight_surfaces(void **state)
     check_surface(bilinear(), "bilinear", 8);
 }
 
-/* --- between curves ----------------------------------------------------------------------------------------------- */
+/* --- between curves --------------------------------------------------------------------------- */
 
 enum { SAMPLES = 400, CORNERS = 5 };
 
@@ -178,11 +188,14 @@ static struct gd_domain_curve *random_curve(const struct gd_parametric *surface,
     struct place corners[CORNERS], middle = random_place(surface, rng);
     static const double knots[] = {0, 0, 0, 0, 0.4, 1, 1, 1, 1};
     const struct gd_axis *u = gd_parametric_axis_u(surface), *v = gd_parametric_axis_v(surface);
-    double half[2] = {0.5 * (u->high - u->low), 0.5 * (v->high - v->low)}, low[2] = {u->low, v->low};
+    double half[2] = {0.5 * (u->high - u->low), 0.5 * (v->high - v->low)},
+           low[2] = {u->low, v->low};
     double size = rng_between(rng, 0.1, 0.3); /* of half the domain */
-    for (int k = 0; k < 2; k++) middle.at[k] = low[k] + half[k] + 0.65 * (middle.at[k] - low[k] - half[k]);
+    for (int k = 0; k < 2; k++)
+        middle.at[k] = low[k] + half[k] + 0.65 * (middle.at[k] - low[k] - half[k]);
     for (int i = 0; i < CORNERS; i++)
-        for (int k = 0; k < 2; k++) corners[i].at[k] = middle.at[k] + half[k] * rng_between(rng, -size, size);
+        for (int k = 0; k < 2; k++)
+            corners[i].at[k] = middle.at[k] + half[k] * rng_between(rng, -size, size);
     struct gd_domain_curve *curve;
     switch ((int)rng_between(rng, 0, 5)) {
     case 0:
@@ -192,11 +205,14 @@ static struct gd_domain_curve *random_curve(const struct gd_parametric *surface,
     case 2:
         return iso_at(surface, GD_ISO_U, middle.at[0]);
     case 3:
-        check_ok(gd_domain_curve_bspline(surface, 3, knots, (const double(*)[2])corners, CORNERS, NULL, &curve, NULL),
+        check_ok(gd_domain_curve_bspline(surface, 3, knots, (const double(*)[2])corners, CORNERS,
+                                         NULL, &curve, NULL),
                  NULL);
         return curve;
     default:
-        check_ok(gd_domain_curve_polyline(surface, (const double(*)[2])corners, CORNERS, NULL, &curve, NULL), NULL);
+        check_ok(gd_domain_curve_polyline(surface, (const double(*)[2])corners, CORNERS, NULL,
+                                          &curve, NULL),
+                 NULL);
         return curve;
     }
 }
@@ -239,11 +255,13 @@ static double sampled_distance(const struct gd_tessellation *dense, const struct
     return least;
 }
 
-static bool is_good(const struct gd_parametric *surface, const struct gd_geodesic *path, double least, double gap)
+static bool is_good(const struct gd_parametric *surface, const struct gd_geodesic *path,
+                    double least, double gap)
 {
     if (path->length == 0) return least <= gap;
     if (!path->is_minimum || path->warnings & GD_GEODESIC_NOT_CONVERGED) return false;
-    if (path->length > least * (1 + 3e-3) + 0.1 * gap || path->length < least * (1 - 3e-3) - gap) return false;
+    if (path->length > least * (1 + 3e-3) + 0.1 * gap || path->length < least * (1 - 3e-3) - gap)
+        return false;
     if (!(path->warnings & GD_GEODESIC_CURVE_CORNER) &&
         (fabs(path->from_angle - M_PI_2) > right || fabs(path->to_angle - M_PI_2) > right))
         return false;
@@ -259,7 +277,8 @@ static void check_curves(struct gd_parametric *surface, const char *name, uint64
     struct rng rng = {seed};
     int pairs = (pair_count() + 2) / 3, met = 0;
     for (int i = 0; i < pairs; i++) {
-        struct gd_domain_curve *from = random_curve(surface, &rng), *to = random_curve(surface, &rng);
+        struct gd_domain_curve *from = random_curve(surface, &rng),
+                               *to = random_curve(surface, &rng);
         struct gd_geodesics found;
         struct gd_detail detail = {0};
         check_ok(gd_geodesic_solve(coarse, from, to, NULL, NULL, &found, &detail), &detail);
@@ -268,10 +287,11 @@ static void check_curves(struct gd_parametric *surface, const char *name, uint64
         bool good = is_good(surface, path, least, gap);
         met += path->length == 0;
         if (!good)
-            print_error("%s, pair %d: %.15g, sampled %.15g (gap %.3g), angles off by %.1e and %.1e, minimum %d, "
+            print_error("%s, pair %d: %.15g, sampled %.15g (gap %.3g), angles off by %.1e and "
+                        "%.1e, minimum %d, "
                         "warnings %u\n",
-                        name, i, path->length, least, gap, path->from_angle - M_PI_2, path->to_angle - M_PI_2,
-                        path->is_minimum, path->warnings);
+                        name, i, path->length, least, gap, path->from_angle - M_PI_2,
+                        path->to_angle - M_PI_2, path->is_minimum, path->warnings);
         assert_true(good || getenv("NURBS_GO_ON"));
         gd_geodesics_free(&found);
         gd_domain_curve_release(from);

@@ -13,7 +13,8 @@ static struct gd_vec3 de_boor(const struct gd_space_curve *curve, double s)
     for (uint32_t j = 0; j <= p; j++) d[j] = curve->points[j + k - p];
     for (uint32_t r = 1; r <= p; r++) {
         for (uint32_t j = p; j >= r; j--) {
-            double low = curve->knots[j + k - p], part = (s - low) / (curve->knots[j + 1 + k - r] - low);
+            double low = curve->knots[j + k - p],
+                   part = (s - low) / (curve->knots[j + 1 + k - r] - low);
             d[j] = gd_vec3_along(gd_vec3_scale(d[j - 1], 1 - part), part, d[j]);
         }
     }
@@ -28,7 +29,8 @@ static double brute(const struct gd_space_curve *a, const struct gd_space_curve 
         double low = a->degree ? a->knots[a->degree] : 0, high = a->degree ? a->knots[a->count] : 0;
         struct gd_vec3 x = de_boor(a, low + (high - low) * i / PLACES);
         for (int j = 0; j <= PLACES; j++) {
-            double from = b->degree ? b->knots[b->degree] : 0, to = b->degree ? b->knots[b->count] : 0;
+            double from = b->degree ? b->knots[b->degree] : 0,
+                   to = b->degree ? b->knots[b->count] : 0;
             least = fmin(least, gd_vec3_distance(x, de_boor(b, from + (to - from) * j / PLACES)));
         }
     }
@@ -39,7 +41,8 @@ static void skew_lines_and_points(void **state)
 {
     (void)state;
     const double knots[4] = {0, 0, 1, 1};
-    const struct gd_vec3 x[2] = {{-1, 0, 0}, {1, 0, 0}}, y[2] = {{0, -1, 2}, {0, 3, 2}}, p = {0.5, 3, 4};
+    const struct gd_vec3 x[2] = {{-1, 0, 0}, {1, 0, 0}}, y[2] = {{0, -1, 2}, {0, 3, 2}},
+                         p = {0.5, 3, 4};
     struct gd_space_curve a = {1, 2, knots, x}, b = {1, 2, knots, y}, point = {0, 1, NULL, &p};
     struct gd_space_foot foot;
     check_ok(gd_space_distance(&a, &b, &foot, NULL), NULL);
@@ -61,8 +64,8 @@ static void random_curves_against_brute_force(void **state)
         const double knots[] = {0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5};
         for (int k = 0; k < 16; k++) {
             double shift = k < 8 ? 0 : 1.5;
-            points[k / 8][k % 8] =
-                (struct gd_vec3){rng_unit(&rng) + shift, rng_unit(&rng), rng_unit(&rng) + (i % 3 ? 0 : shift)};
+            points[k / 8][k % 8] = (struct gd_vec3){rng_unit(&rng) + shift, rng_unit(&rng),
+                                                    rng_unit(&rng) + (i % 3 ? 0 : shift)};
         }
         struct gd_space_curve a = {3, 8, knots, points[0]}, b = {3, 8, knots, points[1]};
         struct gd_space_foot there, back;
@@ -83,8 +86,9 @@ static void wrong_curves_are_refused(void **state)
     const double good[4] = {0, 0, 1, 1}, falling[4] = {0, 1, 0, 1}, empty[4] = {0, 1, 1, 2};
     const struct gd_vec3 points[2] = {{0, 0, 0}, {1, 0, 0}}, nowhere[2] = {{NAN, 0, 0}, {1, 0, 0}};
     const struct gd_space_curve line = {1, 2, good, points};
-    const struct gd_space_curve wrong[] = {{1, 2, falling, points}, {1, 2, empty, points},  {1, 2, good, nowhere},
-                                           {1, 1, good, points},    {16, 20, good, points}, {0, 2, NULL, points}};
+    const struct gd_space_curve wrong[] = {{1, 2, falling, points}, {1, 2, empty, points},
+                                           {1, 2, good, nowhere},   {1, 1, good, points},
+                                           {16, 20, good, points},  {0, 2, NULL, points}};
     struct gd_space_foot foot = {.distance = 7};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         struct gd_detail detail = {0};

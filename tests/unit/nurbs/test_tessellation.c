@@ -1,9 +1,11 @@
-/* Tessellations: their topology, that vertices lie on the surface and remember where, and the way there and back. */
+/* Tessellations: their topology, that vertices lie on the surface and remember where, and the way
+ * there and back. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/tessellation.h"
 
-static struct gd_tessellation *tessellate(const struct gd_parametric *surface, uint32_t faces, double deviation)
+static struct gd_tessellation *tessellate(const struct gd_parametric *surface, uint32_t faces,
+                                          double deviation)
 {
     struct gd_tessellation *tessellation;
     struct gd_detail detail = {0};
@@ -20,7 +22,8 @@ static void vertices_lie_on_the_surface(const struct gd_tessellation *tessellati
         struct gd_jet jet;
         double uv[2];
         gd_tessellation_vertex(tessellation, vertex, uv);
-        check_ok(gd_parametric_evaluate(gd_tessellation_surface(tessellation), uv[0], uv[1], &jet), NULL);
+        check_ok(gd_parametric_evaluate(gd_tessellation_surface(tessellation), uv[0], uv[1], &jet),
+                 NULL);
         assert_true(gd_vec3_distance(jet.x, gd_mesh_position(mesh, vertex)) <= 1e-13);
     }
 }
@@ -40,7 +43,8 @@ static void closed_directions_are_welded_and_poles_are_points(void **state)
     for (int i = 0; i < 6; i++) {
         for (int k = 0; k < 3; k++) {
             struct gd_tessellation *tessellation = tessellate(surfaces[i], faces[k], 0);
-            const struct gd_mesh_summary *summary = gd_mesh_summary(gd_tessellation_mesh(tessellation));
+            const struct gd_mesh_summary *summary =
+                gd_mesh_summary(gd_tessellation_mesh(tessellation));
             assert_int_equal(summary->euler_characteristic, euler[i]);
             assert_int_equal(summary->boundaries, boundaries[i]);
             assert_int_equal(summary->components, 1);
@@ -55,7 +59,8 @@ static void closed_directions_are_welded_and_poles_are_points(void **state)
 static void places_go_there_and_back(void **state)
 {
     (void)state;
-    struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(), nurbs_bumps(8, 4, 0.5, 1)};
+    struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(),
+                                        nurbs_bumps(8, 4, 0.5, 1)};
     struct rng rng = {6};
     for (int i = 0; i < 3; i++) {
         struct gd_tessellation *tessellation = tessellate(surfaces[i], 1000, 0);
@@ -67,10 +72,13 @@ static void places_go_there_and_back(void **state)
             gd_tessellation_parameters(tessellation, &point, uv);
             assert_true(fabs(uv[0] - u) < 1e-12 && fabs(uv[1] - v) < 1e-12);
             check_ok(gd_parametric_evaluate(surfaces[i], u, v, &jet), NULL);
-            assert_true(gd_vec3_distance(jet.x, gd_point_position(gd_tessellation_mesh(tessellation), &point)) < 0.1);
+            assert_true(gd_vec3_distance(
+                            jet.x, gd_point_position(gd_tessellation_mesh(tessellation), &point)) <
+                        0.1);
         }
         struct gd_point point;
-        assert_int_equal(gd_tessellation_point(tessellation, NAN, 0, &point, NULL), GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_tessellation_point(tessellation, NAN, 0, &point, NULL),
+                         GD_INVALID_ARGUMENT);
         gd_tessellation_release(tessellation);
         gd_parametric_release(surfaces[i]);
     }
@@ -104,8 +112,10 @@ static void limits_are_kept(void **state)
     struct gd_tessellation *tessellation = NULL;
     struct gd_control poor = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
     const struct gd_tessellation_options negative = {.deviation = -1}, fine = {.deviation = 1e-9};
-    assert_int_equal(gd_tessellation_build(surface, &negative, NULL, &tessellation, NULL), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_tessellation_build(surface, &fine, NULL, &tessellation, NULL), GD_TOO_LARGE);
+    assert_int_equal(gd_tessellation_build(surface, &negative, NULL, &tessellation, NULL),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_tessellation_build(surface, &fine, NULL, &tessellation, NULL),
+                     GD_TOO_LARGE);
     assert_int_equal(gd_tessellation_build(surface, NULL, &poor, &tessellation, NULL), GD_BUDGET);
     assert_int_equal(gd_tessellation_build(surface, NULL, &late, &tessellation, NULL), GD_DEADLINE);
     assert_null(tessellation);
@@ -116,16 +126,22 @@ static void limits_are_kept(void **state)
 static void steps_are_as_many_as_asked_for(void **state)
 {
     (void)state;
-    struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(), nurbs_bumps(8, 4, 0.5, 1)};
+    struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(),
+                                        nurbs_bumps(8, 4, 0.5, 1)};
     const uint32_t vertices[] = {7 * 10, 7 * 9 + 2, 8 * 11}, faces[] = {140, 126, 140};
     for (int i = 0; i < 3; i++) {
         struct gd_tessellation *tessellation = NULL;
-        const struct gd_tessellation_options wrong[] = {{.steps = {2, 5}}, {.steps = {5, 0}}, {.steps = {0, 5}}},
-                                             many = {.steps = {1u << 16, 1u << 16}}, right = {.steps = {7, 10}};
+        const struct gd_tessellation_options wrong[] = {{.steps = {2, 5}},
+                                                        {.steps = {5, 0}},
+                                                        {.steps = {0, 5}}},
+                                             many = {.steps = {1u << 16, 1u << 16}},
+                                             right = {.steps = {7, 10}};
         for (int k = 0; k < 3; k++)
-            assert_int_equal(gd_tessellation_build(surfaces[i], &wrong[k], NULL, &tessellation, NULL),
-                             GD_INVALID_ARGUMENT);
-        assert_int_equal(gd_tessellation_build(surfaces[i], &many, NULL, &tessellation, NULL), GD_TOO_LARGE);
+            assert_int_equal(
+                gd_tessellation_build(surfaces[i], &wrong[k], NULL, &tessellation, NULL),
+                GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_tessellation_build(surfaces[i], &many, NULL, &tessellation, NULL),
+                         GD_TOO_LARGE);
         check_ok(gd_tessellation_build(surfaces[i], &right, NULL, &tessellation, NULL), NULL);
         const struct gd_mesh_summary *summary = gd_mesh_summary(gd_tessellation_mesh(tessellation));
         assert_int_equal(summary->vertices, vertices[i]);

@@ -1,4 +1,5 @@
-/* Long calls look at their control: how much processor time lies between two looks, and what they report. */
+/* Long calls look at their control: how much processor time lies between two looks, and what they
+ * report. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <time.h>
@@ -7,7 +8,8 @@
 
 enum { CORNERS = 4096, MANY = 2048 };
 
-static const double patience_ms = 100; /* some 3; 52 were seen of sanitizers on two cores that others used, too */
+/* some 3; 52 were seen of sanitizers on two cores that others used, too */
+static const double patience_ms = 100;
 
 struct looking {
     double last, worst; /* ms */
@@ -47,8 +49,8 @@ static void check_looks(struct looking *looking)
 }
 
 /* A closed B-spline that winds over lines of the surface all along. */
-static struct gd_domain_curve *winding(const struct gd_parametric *surface, uint32_t degree, double middle,
-                                       const struct gd_control *control)
+static struct gd_domain_curve *winding(const struct gd_parametric *surface, uint32_t degree,
+                                       double middle, const struct gd_control *control)
 {
     static double points[CORNERS][2], knots[CORNERS + 16];
     for (int i = 0; i < CORNERS; i++) {
@@ -59,9 +61,9 @@ static struct gd_domain_curve *winding(const struct gd_parametric *surface, uint
     for (uint32_t i = 0; i < CORNERS + degree + 1; i++)
         knots[i] = fmin(fmax((double)i - degree, 0), (double)(CORNERS - degree));
     struct gd_domain_curve *curve;
-    check_ok(
-        gd_domain_curve_bspline(surface, degree, knots, (const double(*)[2])points, CORNERS, control, &curve, NULL),
-        NULL);
+    check_ok(gd_domain_curve_bspline(surface, degree, knots, (const double(*)[2])points, CORNERS,
+                                     control, &curve, NULL),
+             NULL);
     return curve;
 }
 
@@ -79,7 +81,8 @@ static void between_curves_of_thousands_of_corners(void **state)
     const struct gd_geodesic_options options = {.all_minima = true, .tolerance = 1e-14};
     struct gd_geodesics found;
     looking = begin(10000);
-    assert_int_equal(gd_geodesic_solve(tessellation, from, to, &options, &control, &found, NULL), GD_CANCELLED);
+    assert_int_equal(gd_geodesic_solve(tessellation, from, to, &options, &control, &found, NULL),
+                     GD_CANCELLED);
     check_looks(&looking);
     gd_domain_curve_release(from);
     gd_domain_curve_release(to);
@@ -115,7 +118,8 @@ static void stopped_anywhere(void **state)
     struct gd_parametric *surface = nurbs_bumps(6, 6, 0.8, 5);
     struct gd_tessellation *tessellation;
     check_ok(gd_tessellation_build(surface, NULL, NULL, &tessellation, NULL), NULL);
-    struct gd_domain_curve *from = loop_at(surface, 0.25, 0.3, 0.12, 0.15), *to = loop_at(surface, 0.75, 0.7, 0.1, 0.2);
+    struct gd_domain_curve *from = loop_at(surface, 0.25, 0.3, 0.12, 0.15),
+                           *to = loop_at(surface, 0.75, 0.7, 0.1, 0.2);
     struct looking looking = begin(UINT32_MAX);
     const struct gd_control control = {.progress = look, .user = &looking};
     struct gd_geodesics found;
@@ -127,7 +131,8 @@ static void stopped_anywhere(void **state)
         struct gd_detail detail = {0};
         found = (struct gd_geodesics){.count = 7};
         looking = begin(looks);
-        assert_int_equal(gd_geodesic_solve(tessellation, from, to, NULL, &control, &found, &detail), GD_CANCELLED);
+        assert_int_equal(gd_geodesic_solve(tessellation, from, to, NULL, &control, &found, &detail),
+                         GD_CANCELLED);
         assert_true(found.count == 7 && !found.items && detail.text[0]);
     }
     gd_domain_curve_release(from);

@@ -1,4 +1,5 @@
-/* What the tests of proto share: a query string, a look at what was written and what went wrong, a mesh. */
+/* What the tests of proto share: a query string, a look at what was written and what went wrong, a
+ * mesh. */
 #ifndef TESTS_UNIT_PROTO_SUPPORT_H
 #define TESTS_UNIT_PROTO_SUPPORT_H
 
@@ -19,7 +20,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-/* --- query string: names and values in turn, NULL at the end ---------------------------------------------------- */
+/* --- query string: names and values in turn, NULL at the end ---------------------------------- */
 
 static inline const char *query_get(void *user, const char *name)
 {
@@ -29,7 +30,8 @@ static inline const char *query_get(void *user, const char *name)
     return NULL;
 }
 
-static inline void query_each(void *user, bool (*visit)(void *context, const char *name), void *context)
+static inline void query_each(void *user, bool (*visit)(void *context, const char *name),
+                              void *context)
 {
     for (const char *const *pair = user; *pair && visit(context, *pair); pair += 2) {
     }
@@ -43,7 +45,7 @@ static inline struct proto_parameters query_of(const char *const *pairs)
 #define QUERY(...) query_of((const char *const[]){__VA_ARGS__, NULL})
 #define NO_QUERY   query_of((const char *const[]){NULL})
 
-/* --- bodies ------------------------------------------------------------------------------------------------------- */
+/* --- bodies ----------------------------------------------------------------------------------- */
 
 /* A document, to be let go by json_decref. */
 static inline json_t *parse(const char *text)
@@ -55,16 +57,16 @@ static inline json_t *parse(const char *text)
 }
 
 /* A function `name` that decodes a text as `decode` does a document. */
-#define DECODER(name, type, decode)                                                                                    \
-    static bool name(const char *text, type *out, struct proto_problem *problem)                                       \
-    {                                                                                                                  \
-        json_t *document = parse(text);                                                                                \
-        bool decoded = decode(document, out, problem);                                                                 \
-        json_decref(document);                                                                                         \
-        return decoded;                                                                                                \
+#define DECODER(name, type, decode)                                                                \
+    static bool name(const char *text, type *out, struct proto_problem *problem)                   \
+    {                                                                                              \
+        json_t *document = parse(text);                                                            \
+        bool decoded = decode(document, out, problem);                                             \
+        json_decref(document);                                                                     \
+        return decoded;                                                                            \
     }
 
-/* --- results ---------------------------------------------------------------------------------------------------- */
+/* --- results ---------------------------------------------------------------------------------- */
 
 /* What was written is exactly `expected`; frees the writer. */
 static inline void assert_written(struct proto_writer *writer, const char *expected)
@@ -110,15 +112,15 @@ struct refusal {
 };
 
 /* Each is refused, where it says. */
-#define CHECK_REFUSED(decode, type, cases)                                                                             \
-    for (size_t i = 0; i < COUNT(cases); i++) {                                                                        \
-        type decoded;                                                                                                  \
-        struct proto_problem why;                                                                                      \
-        assert_false(decode(cases[i].text, &decoded, &why));                                                           \
-        assert_pointer(&why, cases[i].pointer);                                                                        \
+#define CHECK_REFUSED(decode, type, cases)                                                         \
+    for (size_t i = 0; i < COUNT(cases); i++) {                                                    \
+        type decoded;                                                                              \
+        struct proto_problem why;                                                                  \
+        assert_false(decode(cases[i].text, &decoded, &why));                                       \
+        assert_pointer(&why, cases[i].pointer);                                                    \
     }
 
-/* --- mesh ------------------------------------------------------------------------------------------------------ */
+/* --- mesh ------------------------------------------------------------------------------------- */
 
 /* The corner of a unit cube: right angles at vertex 0, the example of openapi.yaml. */
 static inline struct gd_mesh *new_tetrahedron(void)

@@ -36,7 +36,8 @@ static void weighs_media_types(void **state)
         {";q=1", "model/obj", 0},
     };
     for (size_t i = 0; i < COUNT(cases); i++)
-        assert_int_equal(proto_accept_quality(cases[i].accept, cases[i].media_type), cases[i].quality);
+        assert_int_equal(proto_accept_quality(cases[i].accept, cases[i].media_type),
+                         cases[i].quality);
 }
 
 int main(void)

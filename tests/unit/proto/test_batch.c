@@ -2,7 +2,7 @@
 
 #include "proto/batch.h"
 
-/* --- lines ------------------------------------------------------------------------------------------------------ */
+/* --- lines ------------------------------------------------------------------------------------ */
 
 static void assert_line(const struct proto_batch_line *line, const char *text, uint32_t number)
 {
@@ -32,7 +32,8 @@ static void blank_lines_count_and_are_skipped(void **state)
 
 static struct proto_batch_line line_of(const char *text)
 {
-    return (struct proto_batch_line){.text = text, .size = strlen(text), .end = strlen(text), .number = 7};
+    return (struct proto_batch_line){
+        .text = text, .size = strlen(text), .end = strlen(text), .number = 7};
 }
 
 static bool decode(const char *text, struct proto_batch_query *out, struct proto_problem *problem)
@@ -47,7 +48,8 @@ static void takes_its_own_members_out(void **state)
     struct proto_batch_query query;
     struct proto_problem problem;
     assert_true(
-        decode("{\"from\":1,\"query\":\"path\",\"geometry\":\"xyz\",\"fields\":[\"a\",\"b\"]}", &query, &problem));
+        decode("{\"from\":1,\"query\":\"path\",\"geometry\":\"xyz\",\"fields\":[\"a\",\"b\"]}",
+               &query, &problem));
     assert_string_equal(query.name, "path");
     assert_string_equal(query.fields, "a,b");
     assert_string_equal(query.geometry, "xyz");
@@ -77,7 +79,8 @@ static void refuses_bad_lines(void **state)
         {"{\"query\":\"path\",\"fields\":[\"a\",1]}", "/fields"},
         {"{\"query\":\"path\",\"geometry\":[\"xyz\"]}", "/geometry"},
         {"{\"query\":\"path\"} {}", ""},
-        {"{\"query\":\"0123456789012345678901234567890123456789012345678901234567890123\"}", "/query"},
+        {"{\"query\":\"0123456789012345678901234567890123456789012345678901234567890123\"}",
+         "/query"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_batch_query query;
@@ -124,7 +127,7 @@ static void a_line_has_a_largest_size(void **state)
     test_free(text);
 }
 
-/* --- options ---------------------------------------------------------------------------------------------------- */
+/* --- options ---------------------------------------------------------------------------------- */
 
 static const char *const names[] = {"distance", "reason", NULL};
 
@@ -134,9 +137,11 @@ static void a_line_goes_before_the_query_string(void **state)
     struct proto_batch_query query = {.fields = "reason", .has_fields = true};
     struct proto_options options;
     struct proto_problem problem;
-    struct proto_parameters parameters = QUERY("fields", "distance", "geometry", "none", "timeout_ms", "5");
+    struct proto_parameters parameters =
+        QUERY("fields", "distance", "geometry", "none", "timeout_ms", "5");
     assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
-    assert_true(options.fields == 2 && options.geometry == PROTO_GEOMETRY_NONE && options.timeout_ms == 5);
+    assert_true(options.fields == 2 && options.geometry == PROTO_GEOMETRY_NONE &&
+                options.timeout_ms == 5);
     query.has_fields = false;
     assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
     assert_int_equal(options.fields, 1);
@@ -155,7 +160,8 @@ static void a_bad_option_is_named_where_it_stands(void **state)
     assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
     assert_pointer(&problem, "/fields");
     assert_string_equal(problem.parameter, "");
-    query = (struct proto_batch_query){.geometry = "nix", .has_geometry = true, .has_fields = true, .fields = "reason"};
+    query = (struct proto_batch_query){
+        .geometry = "nix", .has_geometry = true, .has_fields = true, .fields = "reason"};
     assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
     assert_pointer(&problem, "/geometry");
     query = (struct proto_batch_query){0};
@@ -179,7 +185,7 @@ static void the_query_string_is_checked_as_a_whole(void **state)
     assert_parameter(&problem, "from");
 }
 
-/* --- the answer ------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void write_object(struct proto_writer *writer, const char *key)
 {
@@ -199,7 +205,8 @@ static void answers_stand_beside_their_status(void **state)
         write_object(&writer, keys[i]);
         proto_batch_end(&writer, begin);
     }
-    assert_written(&writer, "{\"status\":200,\"a\":1}\n{\"status\":200}\n{\"status\":200,\"b\":1}\n");
+    assert_written(&writer,
+                   "{\"status\":200,\"a\":1}\n{\"status\":200}\n{\"status\":200,\"b\":1}\n");
 }
 
 static void a_problem_takes_the_place_of_its_line_only(void **state)
@@ -218,11 +225,13 @@ static void a_problem_takes_the_place_of_its_line_only(void **state)
     begin = proto_batch_begin(&writer);
     write_object(&writer, "b");
     proto_batch_end(&writer, begin);
-    assert_written(&writer, "{\"status\":200,\"a\":1}\n"
-                            "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":\"Invalid request\","
-                            "\"status\":400,\"detail\":\"wrong\",\"code\":\"invalid_request\",\"pointer\":\"/to\","
-                            "\"elements\":[{\"line\":7}]}\n"
-                            "{\"status\":200,\"b\":1}\n");
+    assert_written(
+        &writer,
+        "{\"status\":200,\"a\":1}\n"
+        "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":\"Invalid request\","
+        "\"status\":400,\"detail\":\"wrong\",\"code\":\"invalid_request\",\"pointer\":\"/to\","
+        "\"elements\":[{\"line\":7}]}\n"
+        "{\"status\":200,\"b\":1}\n");
 }
 
 static void an_answer_that_does_not_fit_becomes_a_problem(void **state)
@@ -241,9 +250,11 @@ static void an_answer_that_does_not_fit_becomes_a_problem(void **state)
     problem.element_count = 1;
     problem.elements[0][0] = 3;
     proto_batch_refuse(&writer, begin, &line, &problem);
-    assert_written(&writer, "{\"type\":\"urn:geodesicd:problem:insufficient_memory\",\"title\":\"Insufficient memory\","
-                            "\"status\":507,\"detail\":\"no\",\"code\":\"insufficient_memory\","
-                            "\"elements\":[{\"vertex\":3}]}\n");
+    assert_written(
+        &writer,
+        "{\"type\":\"urn:geodesicd:problem:insufficient_memory\",\"title\":\"Insufficient memory\","
+        "\"status\":507,\"detail\":\"no\",\"code\":\"insufficient_memory\","
+        "\"elements\":[{\"vertex\":3}]}\n");
 }
 
 int main(void)

@@ -26,9 +26,9 @@ static void takes_points(void **state)
     (void)state;
     struct proto_problem problem;
     struct proto_located_curve curve;
-    assert_true(
-        locate("{\"points\":[{\"vertex\":3},{\"edge\":[0,1],\"t\":0.25},{\"xyz\":[0.2,0.2,0]}],\"closed\":true}",
-               &curve, &problem));
+    assert_true(locate("{\"points\":[{\"vertex\":3},{\"edge\":[0,1],\"t\":0.25},{\"xyz\":[0.2,0.2,"
+                       "0]}],\"closed\":true}",
+                       &curve, &problem));
     assert_int_equal(curve.request.kind, GD_CURVE_POINTS);
     assert_int_equal(curve.request.count, 3);
     assert_true(curve.request.closed);
@@ -82,7 +82,8 @@ static void refuses_what_is_no_curve(void **state)
         {"{\"boundary\":-1}", "/curve/boundary"},
         {"{\"boundary\":0,\"closed\":false}", "/curve/closed"},
         {"{\"spline\":{\"points\":[]}}", "/curve/spline/points"},
-        {"{\"spline\":{\"points\":[{\"vertex\":0},{\"vertex\":1}]},\"closed\":true}", "/curve/closed"},
+        {"{\"spline\":{\"points\":[{\"vertex\":0},{\"vertex\":1}]},\"closed\":true}",
+         "/curve/closed"},
         {"{\"polyline\":[]}", "/curve/polyline"},
     };
     for (size_t i = 0; i < COUNT(wrong); i++) {

@@ -11,7 +11,8 @@ static void takes_all_members(void **state)
     (void)state;
     struct proto_problem problem;
     struct proto_cut cut;
-    assert_true(decode("{" CURVE ",\"inside\":{\"vertex\":2},\"names\":[\"a\",\"b.c\"]}", &cut, &problem));
+    assert_true(
+        decode("{" CURVE ",\"inside\":{\"vertex\":2},\"names\":[\"a\",\"b.c\"]}", &cut, &problem));
     assert_true(cut.has_inside && !cut.select_only);
     assert_int_equal(cut.inside.vertex.index, 2);
     assert_int_equal(cut.name_count, 2);
@@ -52,12 +53,14 @@ static void check_text(uint32_t fields, const char *name, const char *expected)
 {
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     uint32_t corners[] = {0, 1, 2}, vertex_map[] = {4, 7, GD_NONE}, face_map[] = {9};
-    struct gd_cut_piece piece = {.polygons = {.positions = positions, .position_count = 3, .corners = corners},
-                                 .vertex_map = vertex_map,
-                                 .face_map = face_map,
-                                 .face_count = 1,
-                                 .area = 0.5};
-    const struct gd_cut cut = {.separates = true, .piece_count = 1, .pieces = &piece, .largest_shift = 0.25};
+    struct gd_cut_piece piece = {
+        .polygons = {.positions = positions, .position_count = 3, .corners = corners},
+        .vertex_map = vertex_map,
+        .face_map = face_map,
+        .face_count = 1,
+        .area = 0.5};
+    const struct gd_cut cut = {
+        .separates = true, .piece_count = 1, .pieces = &piece, .largest_shift = 0.25};
     struct proto_writer writer;
     proto_writer_init(&writer, 4096);
     proto_cut_begin(&writer, &cut, fields);
@@ -69,14 +72,17 @@ static void check_text(uint32_t fields, const char *name, const char *expected)
 static void writes_what_is_wanted(void **state)
 {
     (void)state;
-    check_text(
-        UINT32_MAX, "p",
-        "{\"separates\":true,\"pieces\":[{\"name\":\"p\",\"vertices\":3,\"faces\":1,\"area\":0.5,\"vertex_map\":[4,7,"
-        "null],\"face_map\":[9]}],\"largest_shift\":0.25}");
+    check_text(UINT32_MAX, "p",
+               "{\"separates\":true,\"pieces\":[{\"name\":\"p\",\"vertices\":3,\"faces\":1,"
+               "\"area\":0.5,\"vertex_map\":[4,7,"
+               "null],\"face_map\":[9]}],\"largest_shift\":0.25}");
     check_text(UINT32_MAX, NULL,
-               "{\"separates\":true,\"pieces\":[{\"faces\":1,\"area\":0.5,\"face_map\":[9]}],\"largest_shift\":0.25}");
-    check_text(PROTO_CUT_FIELD_NAME | PROTO_CUT_FIELD_AREA, "p", "{\"pieces\":[{\"name\":\"p\",\"area\":0.5}]}");
-    check_text(PROTO_CUT_FIELD_PIECES, NULL, "{\"pieces\":[{\"faces\":1,\"area\":0.5,\"face_map\":[9]}]}");
+               "{\"separates\":true,\"pieces\":[{\"faces\":1,\"area\":0.5,\"face_map\":[9]}],"
+               "\"largest_shift\":0.25}");
+    check_text(PROTO_CUT_FIELD_NAME | PROTO_CUT_FIELD_AREA, "p",
+               "{\"pieces\":[{\"name\":\"p\",\"area\":0.5}]}");
+    check_text(PROTO_CUT_FIELD_PIECES, NULL,
+               "{\"pieces\":[{\"faces\":1,\"area\":0.5,\"face_map\":[9]}]}");
     check_text(PROTO_CUT_FIELD_LARGEST_SHIFT, "p", "{\"largest_shift\":0.25}");
 }
 

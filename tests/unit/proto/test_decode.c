@@ -131,7 +131,8 @@ static void takes_numbers_of_any_length(void **state)
 static void reads_members(void **state)
 {
     (void)state;
-    json_t *document = document_of("{\"n\":-1.5,\"i\":4294967294,\"j\":3.0,\"v\":[1,2.5,3],\"e\":[3,9]}");
+    json_t *document =
+        document_of("{\"n\":-1.5,\"i\":4294967294,\"j\":3.0,\"v\":[1,2.5,3],\"e\":[3,9]}");
     struct proto_problem problem;
     double n, v[3];
     uint32_t i, j, e[2];
@@ -147,8 +148,8 @@ static void reads_members(void **state)
 static void points_at_what_is_wrong(void **state)
 {
     (void)state;
-    json_t *document =
-        document_of("{\"s\":\"x\",\"h\":1.5,\"m\":-1,\"l\":4294967295,\"a\":[1,2],\"b\":[1,null,3],\"c\":[1,2.5]}");
+    json_t *document = document_of("{\"s\":\"x\",\"h\":1.5,\"m\":-1,\"l\":4294967295,\"a\":[1,2],"
+                                   "\"b\":[1,null,3],\"c\":[1,2.5]}");
     struct proto_problem problem;
     double n = 7, v[3];
     uint32_t i = 7, e[2];
@@ -215,7 +216,8 @@ static void a_large_text_ends_at_its_deadline(void **state)
     json_t *document = proto_decode_document_within(text, size, NULL, &problem);
     assert_non_null(document);
     json_decref(document);
-    document = proto_decode_document_within("{}", 2, &late, &problem); /* what takes no time is done */
+    /* what takes no time is done */
+    document = proto_decode_document_within("{}", 2, &late, &problem);
     assert_non_null(document);
     json_decref(document);
     free(text);

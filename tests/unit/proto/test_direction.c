@@ -10,7 +10,8 @@ static bool decode(const char *text, struct proto_direction *out, struct proto_p
     char array[256];
     snprintf(array, sizeof array, "[%s]", text);
     json_t *document = parse(array);
-    bool decoded = proto_direction_decode(json_array_get(document, 0), "/directions/7", out, problem);
+    bool decoded =
+        proto_direction_decode(json_array_get(document, 0), "/directions/7", out, problem);
     json_decref(document);
     return decoded;
 }
@@ -28,9 +29,11 @@ static void decodes_all_forms(void **state)
     assert_true(decode("{\"xyz\":[1,2,3],\"angle\":4}", &direction, &problem));
     assert_true(direction.has_angle && direction.angle == 4 && direction.xyz.z == 3);
     assert_true(decode("{\"xyz\":[1,2,3]}", &direction, &problem));
-    assert_true(!direction.has_angle && direction.xyz.x == 1 && direction.xyz.y == 2 && direction.xyz.z == 3);
+    assert_true(!direction.has_angle && direction.xyz.x == 1 && direction.xyz.y == 2 &&
+                direction.xyz.z == 3);
     assert_true(decode("[1,2,3]", &direction, &problem));
-    assert_true(!direction.has_angle && direction.xyz.x == 1 && direction.xyz.y == 2 && direction.xyz.z == 3);
+    assert_true(!direction.has_angle && direction.xyz.x == 1 && direction.xyz.y == 2 &&
+                direction.xyz.z == 3);
 }
 
 static void refuses_what_is_none(void **state)
@@ -77,7 +80,8 @@ static void locates_and_encodes(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_all_forms), cmocka_unit_test(refuses_what_is_none),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_all_forms),
+                                       cmocka_unit_test(refuses_what_is_none),
                                        cmocka_unit_test(locates_and_encodes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

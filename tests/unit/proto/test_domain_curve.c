@@ -39,15 +39,16 @@ static struct gd_domain_curve *locate(const struct gd_parametric *surface, const
     return located;
 }
 
-static void check(const struct gd_parametric *surface, const char *text, bool closed, double low, double high,
-                  double at, double u, double v)
+static void check(const struct gd_parametric *surface, const char *text, bool closed, double low,
+                  double high, double at, double u, double v)
 {
     struct gd_domain_curve *curve = locate(surface, text);
     double range[2], uv[2];
     gd_domain_curve_range(curve, &range[0], &range[1]);
     gd_domain_curve_at(curve, at, uv);
     assert_int_equal(gd_domain_curve_is_closed(curve), closed);
-    assert_true(fabs(range[0] - low) + fabs(range[1] - high) + fabs(uv[0] - u) + fabs(uv[1] - v) < 1e-14);
+    assert_true(fabs(range[0] - low) + fabs(range[1] - high) + fabs(uv[0] - u) + fabs(uv[1] - v) <
+                1e-14);
     gd_domain_curve_release(curve);
 }
 
@@ -56,11 +57,15 @@ static void curves_of_all_kinds(void **state)
     struct gd_parametric *torus = new_torus(), *sheet = new_sheet();
     (void)state;
     check(sheet, "{\"a\":{\"polyline\":[[0,0],[1,0],[1,1]]}}", false, 0, 2, 1.5, 1, 0.5);
-    check(sheet, "{\"a\":{\"polyline\":[[0,0],[1,0],[1,1]],\"closed\":true}}", true, 0, 3, 2.5, 0.5, 0.5);
-    check(sheet, "{\"a\":{\"polyline\":[[0,0],[1,0],[1,1],[0,0]],\"closed\":true}}", true, 0, 3, 2.5, 0.5, 0.5);
-    check(torus, "{\"a\":{\"polyline\":[[0,1],[6.283185307179586,1]],\"closed\":true}}", true, 0, 1, 0.5, M_PI, 1);
+    check(sheet, "{\"a\":{\"polyline\":[[0,0],[1,0],[1,1]],\"closed\":true}}", true, 0, 3, 2.5, 0.5,
+          0.5);
+    check(sheet, "{\"a\":{\"polyline\":[[0,0],[1,0],[1,1],[0,0]],\"closed\":true}}", true, 0, 3,
+          2.5, 0.5, 0.5);
+    check(torus, "{\"a\":{\"polyline\":[[0,1],[6.283185307179586,1]],\"closed\":true}}", true, 0, 1,
+          0.5, M_PI, 1);
     check(sheet,
-          "{\"a\":{\"bspline\":{\"degree\":2,\"knots\":[0,0,0,4,4,4],\"control_points\":[[0,0],[0.5,1],[1,0]]}}}",
+          "{\"a\":{\"bspline\":{\"degree\":2,\"knots\":[0,0,0,4,4,4],\"control_points\":[[0,0],[0."
+          "5,1],[1,0]]}}}",
           false, 0, 4, 2, 0.5, 0.5);
     check(torus, "{\"a\":{\"iso\":\"u\",\"value\":1}}", true, 0, 2 * M_PI, 2, 1, 2);
     check(torus, "{\"a\":{\"iso\":\"v\",\"value\":1,\"range\":[-1,2]}}", false, -1, 2, 0.5, 0.5, 1);
@@ -100,7 +105,8 @@ static void faults_are_pointed_at(void **state)
         {"{\"a\":{\"polyline\":[[0,0]],\"iso\":\"u\"}}", "/a/iso"},
         {"{\"a\":{\"polyline\":[[0,0],0]}}", "/a/polyline/1"},
         {"{\"a\":{\"polyline\":[[0,0],[1,1]],\"closed\":1}}", "/a/closed"},
-        {"{\"a\":{\"bspline\":{\"degree\":1,\"knots\":[0,0,1],\"control_points\":[[0,0],[1,1]]}}}", "/a/bspline/knots"},
+        {"{\"a\":{\"bspline\":{\"degree\":1,\"knots\":[0,0,1],\"control_points\":[[0,0],[1,1]]}}}",
+         "/a/bspline/knots"},
         {"{\"a\":{\"bspline\":{\"degree\":1,\"weights\":[1]}}}", "/a/bspline/weights"},
         {"{\"a\":{\"iso\":1,\"value\":1}}", "/a/iso"},
         {"{\"a\":{\"iso\":\"u\"}}", "/a/value"},
@@ -122,14 +128,18 @@ static void curves_that_do_not_lie_on_the_surface(void **state)
         const char *body, *pointer;
         enum proto_problem_code code;
     } cases[] = {
-        {"{\"a\":{\"polyline\":[[0,0],[0.5,0],[1,7]]}}", "/a/polyline/2", PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
-        {"{\"a\":{\"bspline\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[-1,0],[1,1]]}}}",
+        {"{\"a\":{\"polyline\":[[0,0],[0.5,0],[1,7]]}}", "/a/polyline/2",
+         PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
+        {"{\"a\":{\"bspline\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[-1,0],[1,1]]}}"
+         "}",
          "/a/bspline/control_points/0", PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
         {"{\"a\":{\"polyline\":[[0,0]]}}", "/a", PROTO_PROBLEM_INVALID_REQUEST},
         {"{\"a\":{\"polyline\":[[0,0],[0,0]]}}", "/a", PROTO_PROBLEM_INVALID_REQUEST},
         {"{\"a\":{\"iso\":\"u\",\"value\":2}}", "/a", PROTO_PROBLEM_INVALID_REQUEST},
-        {"{\"a\":{\"iso\":\"u\",\"value\":0,\"range\":[0,2]}}", "/a", PROTO_PROBLEM_INVALID_REQUEST},
-        {"{\"a\":{\"bspline\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[0,0],[1,1]]},\"closed\":true}}",
+        {"{\"a\":{\"iso\":\"u\",\"value\":0,\"range\":[0,2]}}", "/a",
+         PROTO_PROBLEM_INVALID_REQUEST},
+        {"{\"a\":{\"bspline\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[0,0],[1,1]]},"
+         "\"closed\":true}}",
          "/a", PROTO_PROBLEM_INVALID_REQUEST},
     };
     struct gd_parametric *sheet = new_sheet();

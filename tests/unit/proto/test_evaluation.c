@@ -4,9 +4,10 @@
 
 #include "proto/evaluation.h"
 
-/* --- the request ------------------------------------------------------------------------------------------------ */
+/* --- the request ------------------------------------------------------------------------------ */
 
-static bool decode(const char *text, bool with_set, struct proto_evaluation *out, struct proto_problem *problem)
+static bool decode(const char *text, bool with_set, struct proto_evaluation *out,
+                   struct proto_problem *problem)
 {
     struct proto_set set = {0};
     json_t *document = parse(text);
@@ -22,13 +23,15 @@ static void decodes_bodies(void **state)
     (void)state;
     struct proto_evaluation evaluation;
     struct proto_problem problem;
-    assert_true(decode("{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"gradient\":true}", false, &evaluation, &problem));
+    assert_true(decode("{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"gradient\":true}", false,
+                       &evaluation, &problem));
     assert_int_equal(evaluation.points.count, 2);
     assert_true(evaluation.wants_gradient && !evaluation.wants_path);
     proto_evaluation_free(&evaluation);
     proto_evaluation_free(&evaluation);
-    assert_true(decode("{\"points\":[{\"vertex\":1}],\"path\":true,\"set\":{\"points\":[{\"vertex\":0}]}}", true,
-                       &evaluation, &problem));
+    assert_true(
+        decode("{\"points\":[{\"vertex\":1}],\"path\":true,\"set\":{\"points\":[{\"vertex\":0}]}}",
+               true, &evaluation, &problem));
     assert_true(evaluation.wants_path && !evaluation.wants_gradient);
     proto_evaluation_free(&evaluation);
 }
@@ -49,8 +52,10 @@ static void refuses_bad_bodies(void **state)
         {"{\"points\":[{\"vertex\":1}],\"gradient\":\"yes\"}", false, "/gradient"},
         {"{\"points\":[{\"vertex\":1}],\"set\":{}}", false, "/set"},
         {"{\"points\":[{\"vertex\":1}]}", true, "/set"},
-        {"{\"points\":[{\"vertex\":1}],\"set\":{\"points\":[{\"vertex\":0}]},\"gradient\":true}", true, "/gradient"},
-        {"{\"points\":[{\"vertx\":1}],\"set\":{\"points\":[{\"vertex\":0}]}}", true, "/points/0/vertx"},
+        {"{\"points\":[{\"vertex\":1}],\"set\":{\"points\":[{\"vertex\":0}]},\"gradient\":true}",
+         true, "/gradient"},
+        {"{\"points\":[{\"vertx\":1}],\"set\":{\"points\":[{\"vertex\":0}]}}", true,
+         "/points/0/vertx"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_evaluation evaluation;
@@ -60,7 +65,7 @@ static void refuses_bad_bodies(void **state)
     }
 }
 
-/* --- the answer ------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void what_is_not_asked_for_is_not_wanted(void **state)
 {
@@ -69,15 +74,20 @@ static void what_is_not_asked_for_is_not_wanted(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = NO_QUERY;
-    assert_true(proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
-    assert_false(proto_evaluation_wanted(&plain, &options) & (PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT));
+    assert_true(
+        proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_false(proto_evaluation_wanted(&plain, &options) &
+                 (PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT));
     assert_true(proto_evaluation_wanted(&all, &options) & PROTO_RESULT_FIELD_GRADIENT);
     parameters = QUERY("fields", "distance,path");
-    assert_true(proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_true(
+        proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
     assert_int_equal(proto_evaluation_wanted(&plain, &options), PROTO_RESULT_FIELD_DISTANCE);
-    assert_int_equal(proto_evaluation_wanted(&all, &options), PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_PATH);
+    assert_int_equal(proto_evaluation_wanted(&all, &options),
+                     PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_PATH);
     parameters = QUERY("fields", "results");
-    assert_true(proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_true(
+        proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
     assert_true(proto_evaluation_wanted(&all, &options) & PROTO_RESULT_FIELD_NEAREST);
 }
 
@@ -112,7 +122,9 @@ static void encodes_results(void **state)
          "{\"distance\":1,\"nearest\":{\"index\":0,\"label\":\"a\\\"\",\"point\":" CORNER "},"
          "\"path\":{\"length\":1,\"points\":[[1,0,0],[0,0,0]]}}"},
         {{.distance = 1}, PROTO_RESULT_FIELD_DISTANCE, "{\"distance\":1}"},
-        {{.distance = INFINITY}, all, "{\"distance\":null,\"reason\":\"no_path\",\"nearest\":null,\"path\":null}"},
+        {{.distance = INFINITY},
+         all,
+         "{\"distance\":null,\"reason\":\"no_path\",\"nearest\":null,\"path\":null}"},
         {{.distance = NAN}, PROTO_RESULT_FIELD_REASON, "{\"reason\":\"beyond_max_distance\"}"},
         {{.distance = 1, .has_gradient = true, .gradient = {.angle = 0.5, .xyz = {0, 0, 1}}},
          PROTO_RESULT_FIELD_GRADIENT,
@@ -121,7 +133,8 @@ static void encodes_results(void **state)
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_writer writer = new_writer();
-        proto_result_encode(&writer, mesh, &set, &cases[i].result, cases[i].wanted, PROTO_GEOMETRY_XYZ);
+        proto_result_encode(&writer, mesh, &set, &cases[i].result, cases[i].wanted,
+                            PROTO_GEOMETRY_XYZ);
         assert_written(&writer, cases[i].text);
     }
     gd_mesh_release(mesh);
@@ -134,7 +147,8 @@ static void results_are_a_list(void **state)
     proto_results_begin(&writer);
     for (int i = 0; i < 2; i++) {
         const struct proto_result result = {.distance = i};
-        proto_result_encode(&writer, NULL, NULL, &result, PROTO_RESULT_FIELD_DISTANCE, PROTO_GEOMETRY_NONE);
+        proto_result_encode(&writer, NULL, NULL, &result, PROTO_RESULT_FIELD_DISTANCE,
+                            PROTO_GEOMETRY_NONE);
     }
     proto_results_end(&writer);
     assert_written(&writer, "{\"results\":[{\"distance\":0},{\"distance\":1}]}");

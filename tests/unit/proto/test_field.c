@@ -22,7 +22,8 @@ static void decodes_requests(void **state)
     struct proto_problem problem;
     assert_true(decode("{\"set\":{\"points\":[{\"vertex\":1}]}}", &request, &problem));
     assert_true(request.max_distance == 0);
-    assert_true(decode("{\"max_distance\":0.5,\"set\":{\"points\":[{\"vertex\":1}]}}", &request, &problem));
+    assert_true(
+        decode("{\"max_distance\":0.5,\"set\":{\"points\":[{\"vertex\":1}]}}", &request, &problem));
     assert_true(request.max_distance == 0.5);
 }
 
@@ -47,17 +48,23 @@ static void describes(void **state)
     struct gd_mesh *mesh = new_tetrahedron();
     struct proto_field_description description = {
         .id = "0123", .wedges = 7, .bytes = 900, .build_ms = 0.25, .members = 2, .max = 1.5};
-    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &description.farthest, NULL), GD_OK);
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &description.farthest, NULL),
+                     GD_OK);
     struct proto_writer writer = new_writer();
     proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ALL);
-    assert_written(&writer, "{\"id\":\"0123\",\"wedges\":7,\"bytes\":900,\"build_ms\":0.25,\"max\":1.5,\"farthest\":"
-                            "{\"face\":0,\"barycentric\":[0,0,1],\"xyz\":[1,0,0],\"vertex\":1},\"members\":2,"
-                            "\"max_distance\":null}");
+    assert_written(
+        &writer,
+        "{\"id\":\"0123\",\"wedges\":7,\"bytes\":900,\"build_ms\":0.25,\"max\":1.5,\"farthest\":"
+        "{\"face\":0,\"barycentric\":[0,0,1],\"xyz\":[1,0,0],\"vertex\":1},\"members\":2,"
+        "\"max_distance\":null}");
     description.max = NAN;
     description.max_distance = 0.5;
     proto_field_encode(&writer, mesh, &description,
-                       PROTO_FIELD_FIELD_MAX | PROTO_FIELD_FIELD_FARTHEST | PROTO_FIELD_FIELD_MAX_DISTANCE);
-    assert_written(&writer, "{\"max\":null,\"reason\":\"beyond_max_distance\",\"farthest\":null,\"max_distance\":0.5}");
+                       PROTO_FIELD_FIELD_MAX | PROTO_FIELD_FIELD_FARTHEST |
+                           PROTO_FIELD_FIELD_MAX_DISTANCE);
+    assert_written(
+        &writer,
+        "{\"max\":null,\"reason\":\"beyond_max_distance\",\"farthest\":null,\"max_distance\":0.5}");
     proto_page_begin(&writer, "fields");
     proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ID);
     proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ID);
@@ -77,7 +84,8 @@ static void writes_values(void **state)
 static void an_edge_is_two_vertices(void **state)
 {
     (void)state;
-    static const char *const wrong[] = {"3", "3-", "-3", "3-x", "3-4-5", "3-4 ", "03-4", "4294967295-1", "3:4"};
+    static const char *const wrong[] = {"3",    "3-",   "-3",           "3-x", "3-4-5",
+                                        "3-4 ", "03-4", "4294967295-1", "3:4"};
     struct proto_parameters parameters = QUERY("edge", "9-3");
     struct proto_problem problem;
     struct gd_vertex ends[2];
@@ -97,14 +105,22 @@ static void writes_wedges(void **state)
 {
     (void)state;
     const struct gd_vertex ends[2] = {{3}, {9}};
-    const struct gd_wedge wedges[2] = {
-        {.b0 = 0, .b1 = 1, .d0 = 2, .d1 = 3, .sigma = 4, .tau = true, .at_vertex = true, .source = 5},
-        {.b0 = 1, .b1 = 2, .d0 = 3, .d1 = 4, .source = 6}};
+    const struct gd_wedge wedges[2] = {{.b0 = 0,
+                                        .b1 = 1,
+                                        .d0 = 2,
+                                        .d1 = 3,
+                                        .sigma = 4,
+                                        .tau = true,
+                                        .at_vertex = true,
+                                        .source = 5},
+                                       {.b0 = 1, .b1 = 2, .d0 = 3, .d1 = 4, .source = 6}};
     struct proto_writer writer = new_writer();
     proto_wedges_encode(&writer, ends, wedges, 2, UINT32_MAX);
-    assert_written(&writer, "{\"edge\":[3,9],\"wedges\":[{\"b0\":0,\"b1\":1,\"d0\":2,\"d1\":3,\"sigma\":4,\"tau\":true,"
-                            "\"source\":{\"vertex\":5}},{\"b0\":1,\"b1\":2,\"d0\":3,\"d1\":4,\"sigma\":0,\"tau\":false,"
-                            "\"source\":{\"member\":6}}]}");
+    assert_written(
+        &writer,
+        "{\"edge\":[3,9],\"wedges\":[{\"b0\":0,\"b1\":1,\"d0\":2,\"d1\":3,\"sigma\":4,\"tau\":true,"
+        "\"source\":{\"vertex\":5}},{\"b0\":1,\"b1\":2,\"d0\":3,\"d1\":4,\"sigma\":0,\"tau\":false,"
+        "\"source\":{\"member\":6}}]}");
     proto_wedges_encode(&writer, ends, wedges, 0, PROTO_WEDGES_FIELD_WEDGES);
     assert_written(&writer, "{\"wedges\":[]}");
 }
@@ -112,8 +128,12 @@ static void writes_wedges(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(decodes_requests), cmocka_unit_test(refuses_bad_requests),    cmocka_unit_test(describes),
-        cmocka_unit_test(writes_values),    cmocka_unit_test(an_edge_is_two_vertices), cmocka_unit_test(writes_wedges),
+        cmocka_unit_test(decodes_requests),
+        cmocka_unit_test(refuses_bad_requests),
+        cmocka_unit_test(describes),
+        cmocka_unit_test(writes_values),
+        cmocka_unit_test(an_edge_is_two_vertices),
+        cmocka_unit_test(writes_wedges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,7 @@
 
 #include "proto/isoline.h"
 
-/* --- the request -------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
 static bool decode(const char *text, struct proto_isolines *out, struct proto_problem *problem)
 {
@@ -25,7 +25,8 @@ static void reads_both_forms(void **state)
         assert_true(form ? decode("{\"levels\":[0.5,1e-3,2],\"arcs\":true}", &isolines, &problem)
                          : proto_isolines_parse(&levels, &isolines, &problem));
         assert_int_equal(isolines.level_count, 3);
-        assert_true(isolines.levels[0] == 0.5 && isolines.levels[1] == 1e-3 && isolines.levels[2] == 2);
+        assert_true(isolines.levels[0] == 0.5 && isolines.levels[1] == 1e-3 &&
+                    isolines.levels[2] == 2);
         assert_true(isolines.wants_arcs && isolines.tolerance == 0);
         proto_isolines_free(&isolines);
         proto_isolines_free(&isolines);
@@ -118,7 +119,8 @@ static void too_many_levels_are_too_large(void **state)
 static void fits_levels_to_the_field(void **state)
 {
     (void)state;
-    const struct proto_field_description whole = {.max = 2}, partial = {.max = NAN, .max_distance = 1};
+    const struct proto_field_description whole = {.max = 2},
+                                         partial = {.max = NAN, .max_distance = 1};
     struct proto_isolines isolines;
     struct proto_problem problem;
     assert_true(decode("{\"count\":3}", &isolines, &problem));
@@ -147,7 +149,7 @@ static void the_tolerance_is_a_part_of_the_mesh(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 static void encodes_lines(void **state)
 {
@@ -162,8 +164,8 @@ static void encodes_lines(void **state)
     proto_line_end(&writer);
     proto_isoline_end(&writer);
     proto_isolines_end(&writer);
-    assert_written(&writer,
-                   "{\"isolines\":[{\"level\":0.5,\"lines\":[{\"closed\":true,\"length\":2.5,\"points\":[]}]}]}");
+    assert_written(&writer, "{\"isolines\":[{\"level\":0.5,\"lines\":[{\"closed\":true,\"length\":"
+                            "2.5,\"points\":[]}]}]}");
 }
 
 /* Angles begin in [0, 2 pi) whatever they were; what is straight has none. */

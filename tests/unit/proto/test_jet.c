@@ -36,13 +36,14 @@ static void a_point_has_the_wanted_fields(void **state)
     (void)state;
     assert_int_equal(gd_parametric_evaluate(sheet, 0.5, 0.25, &jet), GD_OK);
     proto_jet_encode(&writer, &jet, UINT32_MAX);
-    assert_written(
-        &writer,
-        "{\"xyz\":[0.5,0.25,0],\"normal\":[0,0,1],\"du\":[1,0,0],\"dv\":[0,1,0],\"duu\":[0,0,0],\"duv\":[0,0,0],"
-        "\"dvv\":[0,0,0],\"gaussian_curvature\":0,\"mean_curvature\":0}");
+    assert_written(&writer, "{\"xyz\":[0.5,0.25,0],\"normal\":[0,0,1],\"du\":[1,0,0],\"dv\":[0,1,0]"
+                            ",\"duu\":[0,0,0],\"duv\":[0,0,0],"
+                            "\"dvv\":[0,0,0],\"gaussian_curvature\":0,\"mean_curvature\":0}");
     writer = new_writer();
-    proto_jet_encode(&writer, &flat, PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN | PROTO_JET_FIELD_MEAN);
-    assert_written(&writer, "{\"normal\":null,\"gaussian_curvature\":null,\"mean_curvature\":null}");
+    proto_jet_encode(&writer, &flat,
+                     PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN | PROTO_JET_FIELD_MEAN);
+    assert_written(&writer,
+                   "{\"normal\":null,\"gaussian_curvature\":null,\"mean_curvature\":null}");
     gd_parametric_release(sheet);
 }
 

@@ -17,20 +17,26 @@ static const struct proto_job_answer problem = {
     .status = 404, .media_type = "application/problem+json", .body = "{\"p\":2}", .size = 7};
 static const struct proto_job_answer empty = {.status = 204};
 
-#define HEAD(state, progress)                                                                                          \
-    "{\"id\":\"x\",\"state\":\"" state "\",\"progress\":" progress                                                     \
+#define HEAD(state, progress)                                                                      \
+    "{\"id\":\"x\",\"state\":\"" state "\",\"progress\":" progress                                 \
     ",\"created\":\"1970-01-01T00:00:00Z\",\"request\":\"PUT /v1/meshes/a\""
-#define JSON_RESPONSE                                                                                                  \
-    ",\"response\":{\"status\":201,\"media_type\":\"application/json\",\"bytes\":7,\"headers\":{\"ETag\":\"\\\"a\\\""  \
+#define JSON_RESPONSE                                                                              \
+    ",\"response\":{\"status\":201,\"media_type\":\"application/"                                  \
+    "json\",\"bytes\":7,\"headers\":{\"ETag\":\"\\\"a\\\""                                         \
     "\",\"Location\":\"/v1/meshes/a\"}}"
 
-static struct proto_job job_of(enum proto_job_state state, double progress, const struct proto_job_answer *answer)
+static struct proto_job job_of(enum proto_job_state state, double progress,
+                               const struct proto_job_answer *answer)
 {
-    return (struct proto_job){
-        .id = "x", .request = "PUT /v1/meshes/a", .state = state, .progress = progress, .answer = answer};
+    return (struct proto_job){.id = "x",
+                              .request = "PUT /v1/meshes/a",
+                              .state = state,
+                              .progress = progress,
+                              .answer = answer};
 }
 
-static void assert_encoded(const struct proto_job *job, enum proto_job_detail detail, const char *expected)
+static void assert_encoded(const struct proto_job *job, enum proto_job_detail detail,
+                           const char *expected)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, 4096);
@@ -62,21 +68,25 @@ static void what_is_no_json_is_linked(void **state)
     struct proto_job job = job_of(PROTO_JOB_DONE, 1, &bytes);
     assert_encoded(
         &job, PROTO_JOB_FULL,
-        HEAD("done", "1") ",\"response\":{\"status\":200,\"media_type\":\"application/octet-stream\",\"bytes\":2,"
+        HEAD("done", "1") ",\"response\":{\"status\":200,\"media_type\":\"application/"
+                          "octet-stream\",\"bytes\":2,"
                           "\"headers\":{}},\"result\":{\"href\":\"/v1/jobs/x/result\"}}");
     job = job_of(PROTO_JOB_DONE, 1, &empty);
-    assert_encoded(&job, PROTO_JOB_FULL,
-                   HEAD("done", "1") ",\"response\":{\"status\":204,\"media_type\":null,\"bytes\":0,\"headers\":{}},"
-                                     "\"result\":null}");
+    assert_encoded(
+        &job, PROTO_JOB_FULL,
+        HEAD("done",
+             "1") ",\"response\":{\"status\":204,\"media_type\":null,\"bytes\":0,\"headers\":{}},"
+                  "\"result\":null}");
 }
 
 static void a_problem_is_told_in_events_too(void **state)
 {
     (void)state;
     const struct proto_job job = job_of(PROTO_JOB_FAILED, 0, &problem);
-#define FAILED                                                                                                         \
-    HEAD("failed", "0")                                                                                                \
-    ",\"response\":{\"status\":404,\"media_type\":\"application/problem+json\",\"bytes\":7,\"headers\":{}}"
+#define FAILED                                                                                     \
+    HEAD("failed", "0")                                                                            \
+    ",\"response\":{\"status\":404,\"media_type\":\"application/"                                  \
+    "problem+json\",\"bytes\":7,\"headers\":{}}"
     assert_encoded(&job, PROTO_JOB_FULL, FAILED ",\"problem\":{\"p\":2}}");
     assert_encoded(&job, PROTO_JOB_EVENT, FAILED ",\"problem\":{\"p\":2}}");
     assert_encoded(&job, PROTO_JOB_BRIEF, FAILED "}");
@@ -93,7 +103,8 @@ static void lists(void **state)
     proto_job_encode(&writer, &job, PROTO_JOB_BRIEF);
     proto_job_encode(&writer, &job, PROTO_JOB_BRIEF);
     proto_page_end(&writer, "x");
-    assert_written(&writer, "{\"jobs\":[" HEAD("queued", "0") "}," HEAD("queued", "0") "}],\"next\":\"x\"}");
+    assert_written(&writer,
+                   "{\"jobs\":[" HEAD("queued", "0") "}," HEAD("queued", "0") "}],\"next\":\"x\"}");
 }
 
 static void events(void **state)
@@ -105,8 +116,10 @@ static void events(void **state)
     proto_job_encode_event(&writer, &job);
     job = job_of(PROTO_JOB_CANCELLED, 0.5, NULL);
     proto_job_encode_event(&writer, &job);
-    assert_written(&writer, "event: progress\ndata: " HEAD("running", "0.5") "}\n\nid: done\nevent: done\ndata: " HEAD(
-                                "cancelled", "0.5") "}\n\n");
+    assert_written(
+        &writer,
+        "event: progress\ndata: " HEAD("running", "0.5") "}\n\nid: done\nevent: done\ndata: " HEAD(
+            "cancelled", "0.5") "}\n\n");
 }
 
 int main(void)

@@ -6,12 +6,13 @@ static struct proto_many many_of(const char *text)
 {
     struct proto_many many;
     struct proto_problem problem;
-    if (!proto_many_read(text, strlen(text), &many, &problem)) fail_msg("%s: %s", text, problem.detail);
+    if (!proto_many_read(text, strlen(text), &many, &problem))
+        fail_msg("%s: %s", text, problem.detail);
     return many;
 }
 
-static void assert_asks(const struct proto_many *many, uint32_t item, const char *mesh, const char *question,
-                        const char *expected)
+static void assert_asks(const struct proto_many *many, uint32_t item, const char *mesh,
+                        const char *question, const char *expected)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, 4096);
@@ -26,7 +27,8 @@ static void assert_asks(const struct proto_many *many, uint32_t item, const char
 static void all_pairs_are_rows_of_a_matrix(void **state)
 {
     (void)state;
-    struct proto_many many = many_of("{\"query\":\"all-pairs\",\"mesh\":\"cow\",\"vertices\":[4,17]}");
+    struct proto_many many =
+        many_of("{\"query\":\"all-pairs\",\"mesh\":\"cow\",\"vertices\":[4,17]}");
     assert_int_equal(many.item_count, 2);
     assert_string_equal(proto_many_query_name(many.query), "all-pairs");
     assert_asks(&many, 1, "cow", "matrix",
@@ -37,36 +39,39 @@ static void all_pairs_are_rows_of_a_matrix(void **state)
 static void fields_ask_each_mesh_for_the_same_set(void **state)
 {
     (void)state;
-    struct proto_many many =
-        many_of("{\"query\":\"fields\",\"meshes\":[\"a\",\"b\"],\"set\":{\"points\":[{\"xyz\":[0.1,0,1]}]},"
-                "\"max_distance\":2.5}");
+    struct proto_many many = many_of(
+        "{\"query\":\"fields\",\"meshes\":[\"a\",\"b\"],\"set\":{\"points\":[{\"xyz\":[0.1,0,1]}]},"
+        "\"max_distance\":2.5}");
     assert_int_equal(many.item_count, 2);
-    assert_asks(&many, 1, "b", "fields",
-                "{\"set\":{\"points\":[{\"xyz\":[0.10000000000000001,0.0,1.0]}]},\"max_distance\":2.5}");
+    assert_asks(
+        &many, 1, "b", "fields",
+        "{\"set\":{\"points\":[{\"xyz\":[0.10000000000000001,0.0,1.0]}]},\"max_distance\":2.5}");
     proto_many_free(&many);
 }
 
 static void what_is_no_batch_is_refused(void **state)
 {
-    static const char *const texts[] = {"[]",
-                                        "{}",
-                                        "{\"query\":\"path\"}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\"}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"\",\"vertices\":[1]}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[]}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":3}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[-1]}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[0.5]}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[4294967295]}",
-                                        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[0],\"set\":{}}",
-                                        "{\"query\":\"fields\",\"meshes\":[\"a\"]}",
-                                        "{\"query\":\"fields\",\"meshes\":[3],\"set\":{}}",
-                                        "{\"query\":\"fields\",\"meshes\":[\"a\"],\"set\":{},\"max_distance\":0}"};
+    static const char *const texts[] = {
+        "[]",
+        "{}",
+        "{\"query\":\"path\"}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\"}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"\",\"vertices\":[1]}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[]}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":3}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[-1]}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[0.5]}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[4294967295]}",
+        "{\"query\":\"all-pairs\",\"mesh\":\"a\",\"vertices\":[0],\"set\":{}}",
+        "{\"query\":\"fields\",\"meshes\":[\"a\"]}",
+        "{\"query\":\"fields\",\"meshes\":[3],\"set\":{}}",
+        "{\"query\":\"fields\",\"meshes\":[\"a\"],\"set\":{},\"max_distance\":0}"};
     (void)state;
     for (size_t i = 0; i < COUNT(texts); i++) {
         struct proto_many many;
         struct proto_problem problem;
-        if (proto_many_read(texts[i], strlen(texts[i]), &many, &problem)) fail_msg("%s was read", texts[i]);
+        if (proto_many_read(texts[i], strlen(texts[i]), &many, &problem))
+            fail_msg("%s was read", texts[i]);
         assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
     }
 }
@@ -74,17 +79,21 @@ static void what_is_no_batch_is_refused(void **state)
 static void state_and_answers_are_told(void **state)
 {
     (void)state;
-    struct proto_many many = many_of("{\"query\":\"all-pairs\",\"mesh\":\"cow\",\"vertices\":[4,17]}");
+    struct proto_many many =
+        many_of("{\"query\":\"all-pairs\",\"mesh\":\"cow\",\"vertices\":[4,17]}");
     struct proto_writer writer;
     proto_writer_init(&writer, 4096);
     proto_many_encode(&writer,
-                      &(struct proto_many_state){.id = "x", .items = 4, .done = 1, .failed = 1, .is_cancelled = true});
+                      &(struct proto_many_state){
+                          .id = "x", .items = 4, .done = 1, .failed = 1, .is_cancelled = true});
     proto_many_encode_answer(&writer, &many, 1, 200, "{\"distances\":[[0]]}", 19);
     proto_many_encode_answer(&writer, &many, 0, 412, "{}", 2);
     static const char expected[] =
-        "{\"id\":\"x\",\"state\":\"cancelled\",\"items\":4,\"done\":1,\"failed\":1,\"progress\":0.25,"
+        "{\"id\":\"x\",\"state\":\"cancelled\",\"items\":4,\"done\":1,\"failed\":1,\"progress\":0."
+        "25,"
         "\"created\":\"1970-01-01T00:00:00Z\"}"
-        ",{\"item\":1,\"status\":200,\"mesh\":\"cow\",\"vertex\":17,\"answer\":{\"distances\":[[0]]}}"
+        ",{\"item\":1,\"status\":200,\"mesh\":\"cow\",\"vertex\":17,\"answer\":{\"distances\":[[0]]"
+        "}}"
         ",{\"item\":0,\"status\":412,\"mesh\":\"cow\",\"vertex\":4,\"problem\":{}}";
     assert_int_equal(writer.size, sizeof expected - 1);
     assert_memory_equal(writer.data, expected, writer.size);

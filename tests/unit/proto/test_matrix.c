@@ -4,7 +4,7 @@
 
 #include "proto/matrix.h"
 
-/* --- the request ------------------------------------------------------------------------------------------------ */
+/* --- the request ------------------------------------------------------------------------------ */
 
 DECODER(decode, struct proto_matrix, proto_matrix_decode)
 
@@ -15,12 +15,15 @@ static void decodes_bodies(void **state)
     (void)state;
     struct proto_matrix matrix;
     struct proto_problem problem;
-    assert_true(decode("{\"targets\":[{\"vertex\":1},{\"vertex\":2}],\"sources\":" ONE "}", &matrix, &problem));
-    assert_true(matrix.sources.count == 1 && matrix.targets.count == 2 && isinf(matrix.max_distance));
+    assert_true(decode("{\"targets\":[{\"vertex\":1},{\"vertex\":2}],\"sources\":" ONE "}", &matrix,
+                       &problem));
+    assert_true(matrix.sources.count == 1 && matrix.targets.count == 2 &&
+                isinf(matrix.max_distance));
     assert_string_equal(matrix.targets.items[1].place, "/targets/1");
     proto_matrix_free(&matrix);
     proto_matrix_free(&matrix);
-    assert_true(decode("{\"targets\":" ONE ",\"sources\":" ONE ",\"max_distance\":0.5}", &matrix, &problem));
+    assert_true(decode("{\"targets\":" ONE ",\"sources\":" ONE ",\"max_distance\":0.5}", &matrix,
+                       &problem));
     assert_true(matrix.max_distance == 0.5);
     proto_matrix_free(&matrix);
 }
@@ -80,7 +83,7 @@ static void has_a_largest_size(void **state)
     assert_non_null(strstr(problem.detail, "4002000"));
 }
 
-/* --- the answer ------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 #define BOTH (PROTO_MATRIX_FIELD_DISTANCES | PROTO_MATRIX_FIELD_REASONS)
 
@@ -96,10 +99,12 @@ static void encodes_rows_and_reasons(void **state)
         {whole, BOTH, "{\"distances\":[[0,1.5,2],[0.25,0,3]]}"},
         {whole, PROTO_MATRIX_FIELD_REASONS, "{}"},
         {holes, BOTH,
-         "{\"distances\":[[0,null,null],[0.25,0,3]],\"reasons\":[[null,\"no_path\",\"beyond_max_distance\"],"
+         "{\"distances\":[[0,null,null],[0.25,0,3]],\"reasons\":[[null,\"no_path\",\"beyond_max_"
+         "distance\"],"
          "[null,null,null]]}"},
         {holes, PROTO_MATRIX_FIELD_DISTANCES,
-         "{\"distances\":[[0,null,null],[0.25,0,3]],\"reasons\":[[null,\"no_path\",\"beyond_max_distance\"],"
+         "{\"distances\":[[0,null,null],[0.25,0,3]],\"reasons\":[[null,\"no_path\",\"beyond_max_"
+         "distance\"],"
          "[null,null,null]]}"},
         {holes, PROTO_MATRIX_FIELD_REASONS,
          "{\"reasons\":[[null,\"no_path\",\"beyond_max_distance\"],[null,null,null]]}"},
@@ -117,7 +122,8 @@ static void bytes_are_little_endian_and_nan_for_null(void **state)
 {
     (void)state;
     static const double distances[] = {1, INFINITY, NAN, 0.5};
-    static const unsigned char expected[] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f}, half[] = {0, 0, 0, 0, 0, 0, 0xe0, 0x3f};
+    static const unsigned char expected[] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f},
+                               half[] = {0, 0, 0, 0, 0, 0, 0xe0, 0x3f};
     struct proto_matrix_answer answer = {distances, 2, 2};
     unsigned char bytes[32];
     assert_int_equal(proto_matrix_bytes(&answer, NULL), sizeof bytes);

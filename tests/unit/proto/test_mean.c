@@ -46,13 +46,16 @@ static void writes_answers(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
-    struct gd_mean mean = {.residual = 0.25, .spread = 2, .iterations = 3, .converged = true, .is_cut = true};
+    struct gd_mean mean = {
+        .residual = 0.25, .spread = 2, .iterations = 3, .converged = true, .is_cut = true};
     struct proto_options options = {.fields = UINT32_MAX};
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &mean.point, NULL), GD_OK);
     struct proto_writer writer = new_writer();
     proto_mean_encode(&writer, mesh, &mean, &options);
-    assert_written(&writer, "{\"point\":{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0},"
-                            "\"residual\":0.25,\"spread\":2,\"iterations\":3,\"converged\":true,\"cut_locus\":true}");
+    assert_written(
+        &writer,
+        "{\"point\":{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0},"
+        "\"residual\":0.25,\"spread\":2,\"iterations\":3,\"converged\":true,\"cut_locus\":true}");
     options.fields = PROTO_MEAN_FIELD_RESIDUAL;
     writer = new_writer();
     proto_mean_encode(&writer, mesh, &mean, &options);
@@ -62,7 +65,8 @@ static void writes_answers(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_bodies), cmocka_unit_test(refuses_bad_bodies),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_bodies),
+                                       cmocka_unit_test(refuses_bad_bodies),
                                        cmocka_unit_test(writes_answers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

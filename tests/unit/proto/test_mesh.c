@@ -3,7 +3,7 @@
 #include "proto/mesh.h"
 #include "proto/page.h"
 
-/* --- name --------------------------------------------------------------------------------------------------------- */
+/* --- name ------------------------------------------------------------------------------------- */
 
 static bool is_name(const char *name)
 {
@@ -16,9 +16,11 @@ static bool is_name(const char *name)
 static void checks_names(void **state)
 {
     (void)state;
-    static const char *const good[] = {"a", "Z", "0", "_", "-", "bunny", "bunny.obj", "a..b", "-._", "A-Z_0.9"};
-    static const char *const bad[] = {"",    ".",           "..",  ".hidden", "a b",  "a/b",  "a%20",
-                                      "a\n", "caf\xc3\xa9", "a:b", "a~",      "\x7f", "a\\b", "a+b"};
+    static const char *const good[] = {"a",     "Z",         "0",    "_",   "-",
+                                       "bunny", "bunny.obj", "a..b", "-._", "A-Z_0.9"};
+    static const char *const bad[] = {"",    ".",    "..",   ".hidden",     "a b",
+                                      "a/b", "a%20", "a\n",  "caf\xc3\xa9", "a:b",
+                                      "a~",  "\x7f", "a\\b", "a+b"};
     for (size_t i = 0; i < COUNT(good); i++) assert_true(is_name(good[i]));
     for (size_t i = 0; i < COUNT(bad); i++) assert_false(is_name(bad[i]));
     char longest[PROTO_MESH_NAME + 2];
@@ -29,9 +31,10 @@ static void checks_names(void **state)
     assert_false(proto_mesh_name_check("a\0b", 3, &problem));
 }
 
-/* --- upload ------------------------------------------------------------------------------------------------------- */
+/* --- upload ----------------------------------------------------------------------------------- */
 
-static void assert_options(struct proto_parameters parameters, const struct proto_mesh_options *expected)
+static void assert_options(struct proto_parameters parameters,
+                           const struct proto_mesh_options *expected)
 {
     struct proto_mesh_options options;
     struct proto_problem problem;
@@ -89,15 +92,20 @@ static void finds_the_format_of_an_upload(void **state)
     static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
     static const char none[] = "\x01\x02\x03";
     struct proto_mesh_options options = {.format = GD_FORMAT_OFF};
-    assert_int_equal(proto_mesh_upload_format(&options, ply, sizeof ply - 1, "model/obj"), GD_FORMAT_OFF);
+    assert_int_equal(proto_mesh_upload_format(&options, ply, sizeof ply - 1, "model/obj"),
+                     GD_FORMAT_OFF);
     options.format = GD_FORMAT_ANY;
-    assert_int_equal(proto_mesh_upload_format(&options, ply, sizeof ply - 1, "model/obj"), GD_FORMAT_PLY);
-    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, "model/obj"), GD_FORMAT_OBJ);
-    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, "image/png"), GD_FORMAT_ANY);
-    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, NULL), GD_FORMAT_ANY);
+    assert_int_equal(proto_mesh_upload_format(&options, ply, sizeof ply - 1, "model/obj"),
+                     GD_FORMAT_PLY);
+    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, "model/obj"),
+                     GD_FORMAT_OBJ);
+    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, "image/png"),
+                     GD_FORMAT_ANY);
+    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, NULL),
+                     GD_FORMAT_ANY);
 }
 
-/* --- content ------------------------------------------------------------------------------------------------------ */
+/* --- content ---------------------------------------------------------------------------------- */
 
 static void chooses_the_format_to_send(void **state)
 {
@@ -135,7 +143,8 @@ static void refuses_what_can_not_be_sent(void **state)
     struct proto_problem problem;
     enum gd_format format = GD_FORMAT_STL;
     struct proto_parameters parameters = NO_QUERY;
-    assert_false(proto_mesh_content_format(&parameters, "image/png, application/json", &format, &problem));
+    assert_false(
+        proto_mesh_content_format(&parameters, "image/png, application/json", &format, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_NOT_ACCEPTABLE);
     static const char *const cases[][2] = {{"format", "json"}, {"format", "x"}, {"weld", "1"}};
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -146,24 +155,30 @@ static void refuses_what_can_not_be_sent(void **state)
     assert_int_equal(format, GD_FORMAT_STL);
 }
 
-/* --- description -------------------------------------------------------------------------------------------------- */
+/* --- description ------------------------------------------------------------------------------ */
 
-#define NOT_REPAIRED                                                                                                   \
-    "\"repair\":{\"edges_split\":0,\"vertices_split\":0,\"vertices_welded\":0,\"vertices_merged\":0,"                  \
-    "\"duplicate_faces\":0,\"degenerate_faces\":0,\"edges_flipped\":0,\"largest_shift\":0,\"vertices_copied\":0,"      \
+#define NOT_REPAIRED                                                                               \
+    "\"repair\":{\"edges_split\":0,\"vertices_split\":0,\"vertices_welded\":0,\"vertices_"         \
+    "merged\":0,"                                                                                  \
+    "\"duplicate_faces\":0,\"degenerate_faces\":0,\"edges_flipped\":0,\"largest_shift\":0,"        \
+    "\"vertices_copied\":0,"                                                                       \
     "\"copies\":[],\"first\":{}}"
 
-#define DESCRIPTION                                                                                                    \
-    "{\"name\":\"corner\",\"sha256\":\"ab12\",\"index_count\":5,\"vertices\":4,\"faces\":3,\"edges\":6,"               \
-    "\"components\":1,"                                                                                                \
-    "\"boundary_count\":1,\"boundaries\":[{\"vertices\":3,\"length\":3.414213562373095}],\"euler_characteristic\":1,"  \
-    "\"genus\":0,"                                                                                                     \
-    "\"orientation\":{\"flipped_faces\":1},\"area\":1.8660254037844386,\"bounding_box\":{\"min\":[0,0,0],\"max\":[1,"  \
-    "1,1]},"                                                                                                           \
-    "\"edge_length\":{\"min\":1,\"mean\":1.2071067811865475,\"max\":1.4142135623730951},\"degenerate_faces\":0,"       \
-    "\"saddle_vertices\":0,"                                                                                           \
-    "\"unreferenced_vertices\":1," NOT_REPAIRED ",\"memory_bytes\":4096,\"fields_"                                     \
-    "cached\":2,"                                                                                                      \
+#define DESCRIPTION                                                                                \
+    "{\"name\":\"corner\",\"sha256\":\"ab12\",\"index_count\":5,\"vertices\":4,\"faces\":3,"       \
+    "\"edges\":6,"                                                                                 \
+    "\"components\":1,"                                                                            \
+    "\"boundary_count\":1,\"boundaries\":[{\"vertices\":3,\"length\":3.414213562373095}],\"euler_" \
+    "characteristic\":1,"                                                                          \
+    "\"genus\":0,"                                                                                 \
+    "\"orientation\":{\"flipped_faces\":1},\"area\":1.8660254037844386,\"bounding_box\":{\"min\":" \
+    "[0,0,0],\"max\":[1,"                                                                          \
+    "1,1]},"                                                                                       \
+    "\"edge_length\":{\"min\":1,\"mean\":1.2071067811865475,\"max\":1.4142135623730951},"          \
+    "\"degenerate_faces\":0,"                                                                      \
+    "\"saddle_vertices\":0,"                                                                       \
+    "\"unreferenced_vertices\":1," NOT_REPAIRED ",\"memory_bytes\":4096,\"fields_"                 \
+    "cached\":2,"                                                                                  \
     "\"created\":\"2026-11-21T12:34:56Z\",\"etag\":\"1f0c\"}"
 
 /* The tetrahedron without its last face, one face turned over, and a vertex that no face uses. */
@@ -207,25 +222,30 @@ static void describes_meshes(void **state)
     assert_written(&writer, "{\"meshes\":[],\"next\":null}");
 }
 
-/* Two triangles that meet in vertex 0 alone, one of them given twice, and one of which nothing is left. */
+/* Two triangles that meet in vertex 0 alone, one of them given twice, and one of which nothing is
+ * left. */
 static void describes_repairs(void **state)
 {
     (void)state;
-    static double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, 1, 0}, {-1, 1, 0}};
+    static double positions[6][3] = {{0, 0, 0},  {1, 0, 0},  {1, 1, 0},
+                                     {-1, 0, 0}, {-1, 1, 0}, {-1, 1, 0}};
     static uint32_t corners[] = {0, 1, 2, 0, 3, 4, 3, 4, 5, 2, 1, 0};
     const struct gd_polygons polygons = {
         .positions = positions, .position_count = 6, .polygon_count = 4, .corners = corners};
     const struct gd_mesh_options options = {.repair_split = true};
     struct gd_mesh *mesh = NULL;
     assert_int_equal(gd_mesh_build(&polygons, &options, NULL, &mesh, NULL), GD_OK);
-    struct proto_mesh_description description = {.name = "mended", .sha256 = "", .etag = "", .mesh = mesh};
+    struct proto_mesh_description description = {
+        .name = "mended", .sha256 = "", .etag = "", .mesh = mesh};
     struct proto_writer writer = new_writer();
     proto_mesh_encode(&writer, &description);
     size_t size = 0;
     char *text = proto_writer_take(&writer, &size);
     static const char expected[] =
-        "\"repair\":{\"edges_split\":0,\"vertices_split\":1,\"vertices_welded\":0,\"vertices_merged\":1,"
-        "\"duplicate_faces\":1,\"degenerate_faces\":1,\"edges_flipped\":0,\"largest_shift\":0,\"vertices_copied\":1,"
+        "\"repair\":{\"edges_split\":0,\"vertices_split\":1,\"vertices_welded\":0,\"vertices_"
+        "merged\":1,"
+        "\"duplicate_faces\":1,\"degenerate_faces\":1,\"edges_flipped\":0,\"largest_shift\":0,"
+        "\"vertices_copied\":1,"
         "\"copies\":[[6,0]],\"first\":{\"vertices_split\":[[0,1]],\"vertices_merged\":[[5,4]],"
         "\"duplicate_faces\":[[3,0]],\"degenerate_faces\":[2]}}";
     if (!memmem(text, size, expected, strlen(expected))) fail_msg("%.*s", (int)size, text);
@@ -243,9 +263,12 @@ static struct gd_mesh *build_loose_triangles(uint32_t count)
         positions[i][0] = i / 3 * 2 + (i % 3 == 1), positions[i][1] = i % 3 == 2;
         corners[i] = i;
     }
-    const struct gd_polygons polygons = {
-        .positions = positions, .position_count = 3 * count, .polygon_count = count, .corners = corners};
-    assert_int_equal(gd_mesh_build(&polygons, &(struct gd_mesh_options){0}, NULL, &mesh, NULL), GD_OK);
+    const struct gd_polygons polygons = {.positions = positions,
+                                         .position_count = 3 * count,
+                                         .polygon_count = count,
+                                         .corners = corners};
+    assert_int_equal(gd_mesh_build(&polygons, &(struct gd_mesh_options){0}, NULL, &mesh, NULL),
+                     GD_OK);
     free(positions);
     free(corners);
     return mesh;
@@ -271,7 +294,8 @@ static void long_lists_of_boundaries_are_cut(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = build_loose_triangles(250);
-    const struct proto_mesh_description description = {.name = "loose", .sha256 = "", .etag = "", .mesh = mesh};
+    const struct proto_mesh_description description = {
+        .name = "loose", .sha256 = "", .etag = "", .mesh = mesh};
     struct proto_writer writer = new_writer();
     proto_mesh_encode(&writer, &description);
     char *text = text_of(&writer);

@@ -47,7 +47,8 @@ static void answers_with_the_fields_that_are_wanted(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = QUERY("fields", "snap_distance,xyz,t");
-    assert_true(proto_options_parse(&parameters, proto_point_fields, proto_nearest_parameters, &options, &problem));
+    assert_true(proto_options_parse(&parameters, proto_point_fields, proto_nearest_parameters,
+                                    &options, &problem));
     struct proto_writer writer = new_writer();
     proto_nearest_encode(&writer, mesh, &point, 0.25, &options);
     assert_written(&writer, "{\"xyz\":[1,0,0],\"snap_distance\":0.25}");

@@ -15,7 +15,8 @@ static uint64_t bits_of(double value)
 static void prints_integers(void **state)
 {
     (void)state;
-    static const uint64_t values[] = {0, 7, 10, 99, 100, 101, 4294967295u, 999999999999u, UINT64_MAX - 1, UINT64_MAX};
+    static const uint64_t values[] = {
+        0, 7, 10, 99, 100, 101, 4294967295u, 999999999999u, UINT64_MAX - 1, UINT64_MAX};
     for (size_t i = 0; i < COUNT(values); i++) {
         char text[PROTO_INTEGER_SIZE + 1], expected[32];
         text[proto_integer_print(values[i], text)] = '\0';
@@ -76,7 +77,8 @@ static void reads_integers(void **state)
     assert_int_equal(value, 0);
     static const char *const bad[] = {
         "", "x", "-1", "+1", " 1", "00", "012", "18446744073709551616", "99999999999999999999999"};
-    for (size_t i = 0; i < COUNT(bad); i++) assert_int_equal(proto_integer_parse(bad[i], &value), 0);
+    for (size_t i = 0; i < COUNT(bad); i++)
+        assert_int_equal(proto_integer_parse(bad[i], &value), 0);
     assert_int_equal(value, 0);
 }
 

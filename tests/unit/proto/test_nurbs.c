@@ -6,8 +6,9 @@
 #define POINTS "\"controlPoints\":[[[0,0,0],[0,1,0]],[[1,0,0],[1,1,1]]]"
 #define SADDLE "{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS "}"
 
-static bool read(const char *text, const struct proto_nurbs_options *options, struct gd_parametric **out,
-                 struct proto_nurbs_form *form, struct proto_problem *problem)
+static bool read(const char *text, const struct proto_nurbs_options *options,
+                 struct gd_parametric **out, struct proto_nurbs_form *form,
+                 struct proto_problem *problem)
 {
     static const struct proto_nurbs_options none;
     return proto_nurbs_read(text, strlen(text), options ? options : &none, out, form, problem);
@@ -38,7 +39,8 @@ static void a_file_is_a_surface(void **state)
     assert_int_equal(form.count_u + form.count_v, 4);
     assert_false(form.is_rational);
     gd_parametric_release(surface);
-    assert_true(read("{\"parametric\":{\"torus\":{\"major\":2,\"minor\":1}}}", NULL, &surface, &form, &problem));
+    assert_true(read("{\"parametric\":{\"torus\":{\"major\":2,\"minor\":1}}}", NULL, &surface,
+                     &form, &problem));
     assert_string_equal(form.shape, "torus");
     assert_null(form.convention);
     gd_parametric_release(surface);
@@ -50,21 +52,24 @@ static void weights_stand_in_several_places(void **state)
     const struct proto_nurbs_options verb = {.has_convention = true, .convention = GD_NURBS_VERB};
     const char *forms[] = {
         "{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1],[1,3]]}",
-        "{\"degreeU\":1,\"degreeV\":1," KNOTS
-        ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,1],[1,1,1,3]]],\"convention\":\"three\"}",
+        "{\"degreeU\":1,\"degreeV\":1," KNOTS ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,1]"
+        ",[1,1,1,3]]],\"convention\":\"three\"}",
         "{\"degreeU\":1,\"degreeV\":1," KNOTS
         ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,1],[3,3,3,3]]],\"convention\":\"verb\"}",
-        "{\"degreeU\":1,\"degreeV\":1,\"knotsU\":[0,1],\"knotsV\":[0,1],\"controlPoints\":[[[0,0,0],[0,1,0]],[[1,0,0],["
+        "{\"degreeU\":1,\"degreeV\":1,\"knotsU\":[0,1],\"knotsV\":[0,1],\"controlPoints\":[[[0,0,0]"
+        ",[0,1,0]],[[1,0,0],["
         "3,"
         "3,3]]],\"weights\":[[1,1],[1,3]],\"convention\":\"rhino\"}",
     };
     (void)state;
     for (size_t i = 0; i < COUNT(forms); i++)
-        assert_true(gd_vec3_distance(middle_of(forms[i], NULL), (struct gd_vec3){4.0 / 6, 4.0 / 6, 0.5}) < 1e-15);
-    assert_true(gd_vec3_distance(middle_of("{\"degreeU\":1,\"degreeV\":1," KNOTS
-                                           ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,1],[3,3,3,3]]]}",
-                                           &verb),
-                                 (struct gd_vec3){4.0 / 6, 4.0 / 6, 0.5}) < 1e-15);
+        assert_true(gd_vec3_distance(middle_of(forms[i], NULL),
+                                     (struct gd_vec3){4.0 / 6, 4.0 / 6, 0.5}) < 1e-15);
+    assert_true(gd_vec3_distance(
+                    middle_of("{\"degreeU\":1,\"degreeV\":1," KNOTS
+                              ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,1],[3,3,3,3]]]}",
+                              &verb),
+                    (struct gd_vec3){4.0 / 6, 4.0 / 6, 0.5}) < 1e-15);
 }
 
 static void faults_are_pointed_at(void **state)
@@ -78,15 +83,19 @@ static void faults_are_pointed_at(void **state)
         {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"name\":\"x\"}", "/name"},
         {"{\"degreeU\":\"1\"}", "/degreeU"},
         {"{\"degreeU\":1,\"degreeV\":1," KNOTS "}", "/controlPoints"},
-        {"{\"degreeU\":1,\"degreeV\":1," KNOTS ",\"controlPoints\":[[[0,0,0],[0,1,0]],[[1,0,0]]]}", "/controlPoints/1"},
-        {"{\"degreeU\":1,\"degreeV\":1," KNOTS ",\"controlPoints\":[[[0,0,0],[0,1]],[[1,0,0],[1,1,1]]]}",
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS ",\"controlPoints\":[[[0,0,0],[0,1,0]],[[1,0,0]]]}",
+         "/controlPoints/1"},
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS
+         ",\"controlPoints\":[[[0,0,0],[0,1]],[[1,0,0],[1,1,1]]]}",
          "/controlPoints/0/1"},
         {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1]]}", "/weights"},
-        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1],[1,\"1\"]]}", "/weights/1"},
-        {"{\"degreeU\":1,\"degreeV\":1," KNOTS
-         ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,1],[1,1,1,3]]],\"weights\":[[1,1],[1,1]]}",
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1],[1,\"1\"]]}",
+         "/weights/1"},
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS ",\"controlPoints\":[[[0,0,0,1],[0,1,0,1]],[[1,0,0,"
+         "1],[1,1,1,3]]],\"weights\":[[1,1],[1,1]]}",
          "/weights"},
-        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"convention\":\"maya\"}", "/convention"},
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"convention\":\"maya\"}",
+         "/convention"},
         {"{\"parametric\":{\"torus\":{\"major\":2,\"minor\":1}},\"degreeU\":1}", "/degreeU"},
     };
     (void)state;
@@ -106,8 +115,10 @@ static void flaws_have_names(void **state)
     static const struct {
         const char *body, *reason;
     } cases[] = {
-        {"{\"degreeU\":1,\"degreeV\":1,\"knotsU\":[0,0,1,0],\"knotsV\":[0,0,1,1]," POINTS "}", "decreasing_knots"},
-        {"{\"degreeU\":1,\"degreeV\":1,\"knotsU\":[0,0,1],\"knotsV\":[0,0,1,1]," POINTS "}", "knot_count"},
+        {"{\"degreeU\":1,\"degreeV\":1,\"knotsU\":[0,0,1,0],\"knotsV\":[0,0,1,1]," POINTS "}",
+         "decreasing_knots"},
+        {"{\"degreeU\":1,\"degreeV\":1,\"knotsU\":[0,0,1],\"knotsV\":[0,0,1,1]," POINTS "}",
+         "knot_count"},
         {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1],[1,-1]]}", "weight"},
         {"{\"degreeU\":16,\"degreeV\":1," KNOTS "," POINTS "}", "degree"},
         {"{\"degreeU\":2,\"degreeV\":1," KNOTS "," POINTS "}", "control_count"},
@@ -129,8 +140,9 @@ static void options_are_a_convention(void **state)
 {
     struct proto_nurbs_options options;
     struct proto_problem problem;
-    struct proto_parameters verb = QUERY("convention", "verb", "format", "json"), other = QUERY("convention", "maya"),
-                            mesh = QUERY("format", "obj"), weld = QUERY("weld", "0"), none = NO_QUERY;
+    struct proto_parameters verb = QUERY("convention", "verb", "format", "json"),
+                            other = QUERY("convention", "maya"), mesh = QUERY("format", "obj"),
+                            weld = QUERY("weld", "0"), none = NO_QUERY;
     (void)state;
     assert_true(proto_nurbs_options_parse(&none, &options, &problem));
     assert_false(options.has_convention);
@@ -163,30 +175,40 @@ static void one_of_two_conventions(void **state)
 static void the_description(void **state)
 {
     struct proto_problem problem;
-    struct proto_nurbs_description description = {
-        .name = "sheet", .sha256 = "00", .created = 0, .etag = "tag", .memory_bytes = 7, .obstacle = "degenerate_face"};
+    struct proto_nurbs_description description = {.name = "sheet",
+                                                  .sha256 = "00",
+                                                  .created = 0,
+                                                  .etag = "tag",
+                                                  .memory_bytes = 7,
+                                                  .obstacle = "degenerate_face"};
     struct gd_parametric *surface;
     struct proto_writer writer = new_writer();
     (void)state;
     assert_true(read(SADDLE, NULL, &surface, &description.form, &problem));
     description.surface = surface;
     proto_nurbs_encode(&writer, &description);
-    assert_written(
-        &writer,
-        "{\"name\":\"sheet\",\"sha256\":\"00\",\"shape\":\"nurbs\",\"convention\":\"canonical\",\"degree\":[1,1],"
-        "\"control_points\":[2,2],\"rational\":false,\"domain\":{\"u\":{\"range\":[0,1],\"closed\":false,"
-        "\"pieces\":1,\"pole_low\":false,\"pole_high\":false},\"v\":{\"range\":[0,1],\"closed\":false,"
-        "\"pieces\":1,\"pole_low\":false,\"pole_high\":false}},\"size\":1.7320508075688772,\"geodesics\":false,"
-        "\"reason\":\"degenerate_face\",\"memory_bytes\":7,\"created\":\"1970-01-01T00:00:00Z\",\"etag\":\"tag\"}");
+    assert_written(&writer, "{\"name\":\"sheet\",\"sha256\":\"00\",\"shape\":\"nurbs\","
+                            "\"convention\":\"canonical\",\"degree\":[1,1],"
+                            "\"control_points\":[2,2],\"rational\":false,\"domain\":{\"u\":{"
+                            "\"range\":[0,1],\"closed\":false,"
+                            "\"pieces\":1,\"pole_low\":false,\"pole_high\":false},\"v\":{\"range\":"
+                            "[0,1],\"closed\":false,"
+                            "\"pieces\":1,\"pole_low\":false,\"pole_high\":false}},\"size\":1."
+                            "7320508075688772,\"geodesics\":false,"
+                            "\"reason\":\"degenerate_face\",\"memory_bytes\":7,\"created\":\"1970-"
+                            "01-01T00:00:00Z\",\"etag\":\"tag\"}");
     gd_parametric_release(surface);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_file_is_a_surface),      cmocka_unit_test(weights_stand_in_several_places),
-        cmocka_unit_test(faults_are_pointed_at),    cmocka_unit_test(flaws_have_names),
-        cmocka_unit_test(options_are_a_convention), cmocka_unit_test(one_of_two_conventions),
+        cmocka_unit_test(a_file_is_a_surface),
+        cmocka_unit_test(weights_stand_in_several_places),
+        cmocka_unit_test(faults_are_pointed_at),
+        cmocka_unit_test(flaws_have_names),
+        cmocka_unit_test(options_are_a_convention),
+        cmocka_unit_test(one_of_two_conventions),
         cmocka_unit_test(the_description),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

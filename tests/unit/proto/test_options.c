@@ -13,7 +13,8 @@ static void reads_the_options(void **state)
     assert_int_equal(options.fields, 7);
     assert_int_equal(options.geometry, PROTO_GEOMETRY_FULL);
     assert_int_equal(options.timeout_ms, 0);
-    parameters = QUERY("from", "v:1", "fields", "to,distance", "geometry", "xyz", "timeout_ms", "250", "to", "v:2");
+    parameters = QUERY("from", "v:1", "fields", "to,distance", "geometry", "xyz", "timeout_ms",
+                       "250", "to", "v:2");
     assert_true(proto_options_parse(&parameters, fields, names, &options, &problem));
     assert_int_equal(options.fields, 5);
     assert_int_equal(options.geometry, PROTO_GEOMETRY_XYZ);
@@ -92,7 +93,8 @@ static void lists_what_it_would_take(void **state)
     assert_string_equal(problem.detail, "expected one of: full xyz none");
     parameters = QUERY("fields", "to,path");
     assert_false(proto_options_parse(&parameters, fields, NULL, &options, &problem));
-    assert_string_equal(problem.detail, "the answer has no field \"path\"; it has distance from to");
+    assert_string_equal(problem.detail,
+                        "the answer has no field \"path\"; it has distance from to");
 }
 
 static void a_whole_alone_is_all_of_its_parts(void **state)

@@ -33,6 +33,7 @@ static void refuses_bad_pages(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(reads_limit_and_after), cmocka_unit_test(refuses_bad_pages)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(reads_limit_and_after),
+                                       cmocka_unit_test(refuses_bad_pages)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,8 @@
 
 #include "proto/parametric.h"
 
-static bool read(const char *text, struct gd_parametric **out, const char **shape, struct proto_problem *problem)
+static bool read(const char *text, struct gd_parametric **out, const char **shape,
+                 struct proto_problem *problem)
 {
     json_t *document = parse(text);
     bool ok = proto_parametric_decode(document, "/parametric", out, shape, problem);
@@ -20,17 +21,23 @@ static void shapes_are_what_they_say(void **state)
         const char *shape, *body;
         double v;
         struct gd_vec3 x;
-    } cases[] = {
-        {"torus", "{\"torus\":{\"major\":2,\"minor\":1}}", 2, {(2 + cos(2)) * c, (2 + cos(2)) * s, sin(2)}},
-        {"helicoid", "{\"helicoid\":{\"pitch\":0.5,\"u\":[0,1],\"v\":[-1,2]}}", 2, {2 * c, 2 * s, 0.15}},
-        {"graph",
-         "{\"graph\":{\"coefficients\":[[1,2],[0,3],[4,0]],\"u\":[0,1],\"v\":[0,3]}}",
-         2,
-         {0.3, 2, 1 + 4 + 1.8 + 0.36}},
-        {"revolution",
-         "{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[1,0],[2,3]],\"weights\":[1,1]}}",
-         0.5,
-         {1.5 * c, 1.5 * s, 1.5}}};
+    } cases[] = {{"torus",
+                  "{\"torus\":{\"major\":2,\"minor\":1}}",
+                  2,
+                  {(2 + cos(2)) * c, (2 + cos(2)) * s, sin(2)}},
+                 {"helicoid",
+                  "{\"helicoid\":{\"pitch\":0.5,\"u\":[0,1],\"v\":[-1,2]}}",
+                  2,
+                  {2 * c, 2 * s, 0.15}},
+                 {"graph",
+                  "{\"graph\":{\"coefficients\":[[1,2],[0,3],[4,0]],\"u\":[0,1],\"v\":[0,3]}}",
+                  2,
+                  {0.3, 2, 1 + 4 + 1.8 + 0.36}},
+                 {"revolution",
+                  "{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[1,0],[2,"
+                  "3]],\"weights\":[1,1]}}",
+                  0.5,
+                  {1.5 * c, 1.5 * s, 1.5}}};
     (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_problem problem;
@@ -60,12 +67,16 @@ static void faults_are_pointed_at(void **state)
         {"{\"torus\":{\"major\":1,\"minor\":2,\"twist\":0}}", "/parametric/torus/twist"},
         {"{\"helicoid\":{\"pitch\":1,\"u\":[1,0],\"v\":[0,1]}}", "/parametric/helicoid"},
         {"{\"helicoid\":{\"pitch\":1,\"u\":[0,1]}}", "/parametric/helicoid/v"},
-        {"{\"graph\":{\"coefficients\":[],\"u\":[0,1],\"v\":[0,1]}}", "/parametric/graph/coefficients"},
-        {"{\"graph\":{\"coefficients\":[[1,2],[3]],\"u\":[0,1],\"v\":[0,1]}}", "/parametric/graph/coefficients"},
-        {"{\"graph\":{\"coefficients\":[[1,true]],\"u\":[0,1],\"v\":[0,1]}}", "/parametric/graph/coefficients"},
+        {"{\"graph\":{\"coefficients\":[],\"u\":[0,1],\"v\":[0,1]}}",
+         "/parametric/graph/coefficients"},
+        {"{\"graph\":{\"coefficients\":[[1,2],[3]],\"u\":[0,1],\"v\":[0,1]}}",
+         "/parametric/graph/coefficients"},
+        {"{\"graph\":{\"coefficients\":[[1,true]],\"u\":[0,1],\"v\":[0,1]}}",
+         "/parametric/graph/coefficients"},
         {"{\"revolution\":{\"degree\":1,\"knots\":[0,1],\"control_points\":[[1,0],[2,3]]}}",
          "/parametric/revolution/knots"},
-        {"{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[1,0],[2,3]],\"weights\":[1]}}",
+        {"{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[1,0],[2,3]],"
+         "\"weights\":[1]}}",
          "/parametric/revolution/weights"},
         {"{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,1],\"control_points\":[[1,0],[-2,3]]}}",
          "/parametric/revolution"},
@@ -88,14 +99,17 @@ static void the_domain_is_told(void **state)
     struct proto_problem problem;
     const char *shape;
     (void)state;
-    assert_true(read("{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,2,2],\"control_points\":[[0,0],[1,1],[1,2]]}}",
+    assert_true(read("{\"revolution\":{\"degree\":1,\"knots\":[0,0,1,2,2],\"control_points\":[[0,0]"
+                     ",[1,1],[1,2]]}}",
                      &cone, &shape, &problem));
     struct proto_writer writer = new_writer();
     proto_domain_encode(&writer, cone);
-    assert_written(&writer,
-                   "{\"u\":{\"range\":[0,6.283185307179586],\"closed\":true,\"pieces\":1,\"pole_low\":false,"
-                   "\"pole_high\":false},\"v\":{\"range\":[0,2],\"closed\":false,\"pieces\":2,\"pole_low\":true,"
-                   "\"pole_high\":false}}");
+    assert_written(
+        &writer,
+        "{\"u\":{\"range\":[0,6.283185307179586],\"closed\":true,\"pieces\":1,\"pole_low\":false,"
+        "\"pole_high\":false},\"v\":{\"range\":[0,2],\"closed\":false,\"pieces\":2,\"pole_low\":"
+        "true,"
+        "\"pole_high\":false}}");
     gd_parametric_release(cone);
 }
 

@@ -29,9 +29,10 @@ static void nothing_said_is_the_mesh_alone(void **state)
 static void all_can_be_said(void **state)
 {
     (void)state;
-    struct proto_picture picture = parsed(QUERY("source", "v:4", "from", "v:1", "via", "v:2;v:3", "to", "e:3-9:0.25",
-                                                "view", "-1,2.5e3,0", "up", "z", "size", "16x4096", "isolines", "0",
-                                                "edges", "true", "legend", "false", "background", "dark"));
+    struct proto_picture picture =
+        parsed(QUERY("source", "v:4", "from", "v:1", "via", "v:2;v:3", "to", "e:3-9:0.25", "view",
+                     "-1,2.5e3,0", "up", "z", "size", "16x4096", "isolines", "0", "edges", "true",
+                     "legend", "false", "background", "dark"));
     assert_true(picture.has_source);
     assert_int_equal(picture.stops.count, 4);
     assert_int_equal(picture.picture.view, GD_VIEW_DIRECTION);
@@ -54,12 +55,13 @@ static void what_is_wrong_is_named(void **state)
 {
     (void)state;
     static const char *const cases[][2] = {
-        {"size", ""},         {"size", "800"},      {"size", "800x"},   {"size", "x600"},     {"size", "800X600"},
-        {"size", "800x600x"}, {"size", "800x 600"}, {"size", "15x600"}, {"size", "4097x600"}, {"size", "0x0"},
-        {"size", "08x600"},   {"view", ""},         {"view", "Front"},  {"view", "1,2"},      {"view", "1,2,3,"},
-        {"view", "1,2,x"},    {"view", "0,-0,0"},   {"up", ""},         {"up", "x"},          {"up", "0,0,0"},
-        {"isolines", "-1"},   {"isolines", "101"},  {"edges", "1"},     {"legend", "True"},   {"background", "none"},
-        {"source", ""},       {"source", "4"},
+        {"size", ""},           {"size", "800"},      {"size", "800x"},     {"size", "x600"},
+        {"size", "800X600"},    {"size", "800x600x"}, {"size", "800x 600"}, {"size", "15x600"},
+        {"size", "4097x600"},   {"size", "0x0"},      {"size", "08x600"},   {"view", ""},
+        {"view", "Front"},      {"view", "1,2"},      {"view", "1,2,3,"},   {"view", "1,2,x"},
+        {"view", "0,-0,0"},     {"up", ""},           {"up", "x"},          {"up", "0,0,0"},
+        {"isolines", "-1"},     {"isolines", "101"},  {"edges", "1"},       {"legend", "True"},
+        {"background", "none"}, {"source", ""},       {"source", "4"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_picture picture = {.field = "untouched"};

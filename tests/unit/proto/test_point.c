@@ -4,7 +4,7 @@
 
 #include "proto/point.h"
 
-/* --- from JSON ---------------------------------------------------------------------------------------------------- */
+/* --- from JSON -------------------------------------------------------------------------------- */
 
 static bool decode(const char *text, struct proto_point *out, struct proto_problem *problem)
 {
@@ -23,15 +23,17 @@ static void decodes_the_five_forms(void **state)
     assert_true(p.form == PROTO_POINT_VERTEX && p.vertex.index == 12);
     assert_string_equal(p.place, "/p");
     assert_true(decode("{\"p\":{\"edge\":[3,9],\"t\":0.25}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_EDGE && p.edge.ends[0].index == 3 && p.edge.ends[1].index == 9 &&
-                p.edge.t == 0.25);
+    assert_true(p.form == PROTO_POINT_EDGE && p.edge.ends[0].index == 3 &&
+                p.edge.ends[1].index == 9 && p.edge.t == 0.25);
     assert_true(decode("{\"p\":{\"face\":34,\"barycentric\":[0.2,0.3,0.5]}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_FACE && p.face.face.index == 34 && p.face.barycentric[2] == 0.5);
+    assert_true(p.form == PROTO_POINT_FACE && p.face.face.index == 34 &&
+                p.face.barycentric[2] == 0.5);
     assert_true(decode("{\"p\":{\"xyz\":[1,2,3]}}", &p, &problem));
     assert_true(p.form == PROTO_POINT_XYZ && p.xyz.xyz.y == 2 && p.xyz.max_snap < 0);
     assert_true(decode("{\"p\":{\"xyz\":[1,2,3],\"max_snap\":0}}", &p, &problem));
     assert_true(p.form == PROTO_POINT_XYZ && p.xyz.max_snap == 0);
-    assert_true(decode("{\"p\":{\"ray\":{\"origin\":[0,0,5],\"direction\":[0,0,-1]}}}", &p, &problem));
+    assert_true(
+        decode("{\"p\":{\"ray\":{\"origin\":[0,0,5],\"direction\":[0,0,-1]}}}", &p, &problem));
     assert_true(p.form == PROTO_POINT_RAY && p.ray.origin.z == 5 && p.ray.direction.z == -1);
 }
 
@@ -131,7 +133,7 @@ static void refuses_malformed_members(void **state)
     assert_refused(bad_rays, COUNT(bad_rays));
 }
 
-/* --- from compact text -------------------------------------------------------------------------------------------- */
+/* --- from compact text ------------------------------------------------------------------------ */
 
 static void parses_compact_points(void **state)
 {
@@ -145,16 +147,16 @@ static void parses_compact_points(void **state)
     assert_true(proto_point_parse("v:4294967294", "from", &p, &problem));
     assert_true(p.vertex.index == 4294967294u);
     assert_true(proto_point_parse("e:3-9:0.25", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_EDGE && p.edge.ends[0].index == 3 && p.edge.ends[1].index == 9 &&
-                p.edge.t == 0.25);
+    assert_true(p.form == PROTO_POINT_EDGE && p.edge.ends[0].index == 3 &&
+                p.edge.ends[1].index == 9 && p.edge.t == 0.25);
     assert_true(proto_point_parse("e:9-3:1e-3", "from", &p, &problem));
     assert_true(p.edge.ends[0].index == 9 && p.edge.t == 0.001);
     assert_true(proto_point_parse("f:34:0.2,0.3,0.5", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_FACE && p.face.face.index == 34 && p.face.barycentric[0] == 0.2 &&
-                p.face.barycentric[2] == 0.5);
+    assert_true(p.form == PROTO_POINT_FACE && p.face.face.index == 34 &&
+                p.face.barycentric[0] == 0.2 && p.face.barycentric[2] == 0.5);
     assert_true(proto_point_parse("p:1.0,-2.5,3e2", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_XYZ && p.xyz.xyz.x == 1 && p.xyz.xyz.y == -2.5 && p.xyz.xyz.z == 300 &&
-                p.xyz.max_snap < 0);
+    assert_true(p.form == PROTO_POINT_XYZ && p.xyz.xyz.x == 1 && p.xyz.xyz.y == -2.5 &&
+                p.xyz.xyz.z == 300 && p.xyz.max_snap < 0);
 }
 
 static const char *const no_compact_form[] = {"", "v", ":12", "12", "v12", "x:12", "V:12", " v:1"};
@@ -172,9 +174,9 @@ static const char *const bad_compact_faces[] = {
     "f:34",       "f:34:",         "f:34:0.2,0.3",    "f:34:0.2,0.3,0.5,0", "f:34:0.2;0.3;0.5",
     "f:-1:1,0,0", "f:34:0.2,,0.5", "f:34:0,2 0,3 0,5"};
 
-static const char *const bad_compact_positions[] = {"p:",          "p:1",      "p:1,2",     "p:1,2,3,4",
-                                                    "p:1,2,",      "p:,1,2",   "p:1,2,nan", "p:inf,0,0",
-                                                    "p:1e999,0,0", "p:1,2,3x", "p:1, 2,3",  "p:+1,2,3"};
+static const char *const bad_compact_positions[] = {
+    "p:",        "p:1",       "p:1,2",       "p:1,2,3,4", "p:1,2,",   "p:,1,2",
+    "p:1,2,nan", "p:inf,0,0", "p:1e999,0,0", "p:1,2,3x",  "p:1, 2,3", "p:+1,2,3"};
 
 static void assert_refused_compact(const char *const *cases, size_t count)
 {
@@ -202,7 +204,7 @@ static void refuses_malformed_numbers(void **state)
     assert_refused_compact(bad_compact_positions, COUNT(bad_compact_positions));
 }
 
-/* --- onto the mesh and back --------------------------------------------------------------------------------------- */
+/* --- onto the mesh and back ------------------------------------------------------------------- */
 
 static void locate(const struct gd_mesh *mesh, const char *text, struct gd_point *out, double *snap)
 {
@@ -219,8 +221,8 @@ static void comes_back_with_all_that_is_known(void **state)
         const char *request, *answer;
     } cases[] = {
         {"{\"vertex\":0}", "{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0}"},
-        {"{\"edge\":[2,1],\"t\":0.25}",
-         "{\"face\":0,\"barycentric\":[0,0.75,0.25],\"xyz\":[0.25,0.75,0],\"edge\":[1,2],\"t\":0.75}"},
+        {"{\"edge\":[2,1],\"t\":0.25}", "{\"face\":0,\"barycentric\":[0,0.75,0.25],\"xyz\":[0.25,0."
+                                        "75,0],\"edge\":[1,2],\"t\":0.75}"},
         {"{\"face\":1,\"barycentric\":[0.5,0.25,0.25]}",
          "{\"face\":1,\"barycentric\":[0.5,0.25,0.25],\"xyz\":[0.25,0,0.25]}"},
         {"{\"xyz\":[0.25,0.5,-0.5]}",
@@ -253,7 +255,8 @@ static void gives_the_fields_that_are_wanted(void **state)
     assert_true(isnan(snap));
     struct proto_writer writer = new_writer();
     proto_point_encode_fields(&writer, mesh, &point, snap,
-                              PROTO_POINT_FIELD_VERTEX | PROTO_POINT_FIELD_EDGE | PROTO_POINT_FIELD_SNAP_DISTANCE);
+                              PROTO_POINT_FIELD_VERTEX | PROTO_POINT_FIELD_EDGE |
+                                  PROTO_POINT_FIELD_SNAP_DISTANCE);
     assert_written(&writer, "{\"vertex\":3}");
     gd_mesh_release(mesh);
 }
@@ -273,8 +276,10 @@ static void says_which_point_is_not_there(void **state)
         {"{\"p\":{\"face\":0,\"barycentric\":[1,1,0]}}", PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
         {"{\"p\":{\"face\":0,\"barycentric\":[2,-1,0]}}", PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
         {"{\"p\":{\"xyz\":[0,0,-1],\"max_snap\":0.5}}", PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
-        {"{\"p\":{\"ray\":{\"origin\":[9,9,9],\"direction\":[1,0,0]}}}", PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
-        {"{\"p\":{\"ray\":{\"origin\":[0,0,5],\"direction\":[0,0,0]}}}", PROTO_PROBLEM_INVALID_REQUEST},
+        {"{\"p\":{\"ray\":{\"origin\":[9,9,9],\"direction\":[1,0,0]}}}",
+         PROTO_PROBLEM_POINT_NOT_ON_SURFACE},
+        {"{\"p\":{\"ray\":{\"origin\":[0,0,5],\"direction\":[0,0,0]}}}",
+         PROTO_PROBLEM_INVALID_REQUEST},
     };
     struct gd_mesh *mesh = new_tetrahedron();
     for (size_t i = 0; i < COUNT(cases); i++) {

@@ -4,7 +4,8 @@
 
 #include "proto/points.h"
 
-static bool decode(const char *text, uint32_t most, struct proto_points *points, struct proto_problem *problem)
+static bool decode(const char *text, uint32_t most, struct proto_points *points,
+                   struct proto_problem *problem)
 {
     json_t *document = parse(text);
     bool decoded = proto_points_decode(points, document, "/points", most, problem);

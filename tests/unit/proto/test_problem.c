@@ -5,24 +5,29 @@ static void encodes_what_applies(void **state)
     (void)state;
     struct proto_problem problem;
     struct proto_writer writer = new_writer();
-    assert_false(proto_problem_set(&problem, PROTO_PROBLEM_NOT_FOUND, "there is no mesh \"%s\"", "cow"));
+    assert_false(
+        proto_problem_set(&problem, PROTO_PROBLEM_NOT_FOUND, "there is no mesh \"%s\"", "cow"));
     proto_problem_encode(&writer, &problem);
-    assert_written(&writer, "{\"type\":\"urn:geodesicd:problem:not_found\",\"title\":\"Not found\",\"status\":404,"
-                            "\"detail\":\"there is no mesh \\\"cow\\\"\",\"code\":\"not_found\"}");
+    assert_written(
+        &writer,
+        "{\"type\":\"urn:geodesicd:problem:not_found\",\"title\":\"Not found\",\"status\":404,"
+        "\"detail\":\"there is no mesh \\\"cow\\\"\",\"code\":\"not_found\"}");
 
     writer = new_writer();
     assert_false(proto_problem_refuse(&problem, "", "the body is empty"));
     proto_problem_limit(&problem, 32);
     proto_problem_encode(&writer, &problem);
-    assert_written(&writer,
-                   "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":\"Invalid request\",\"status\":400,"
-                   "\"detail\":\"the body is empty\",\"code\":\"invalid_request\",\"pointer\":\"\",\"limit\":32}");
+    assert_written(&writer, "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":"
+                            "\"Invalid request\",\"status\":400,"
+                            "\"detail\":\"the body is "
+                            "empty\",\"code\":\"invalid_request\",\"pointer\":\"\",\"limit\":32}");
 
     writer = new_writer();
     assert_false(proto_problem_refuse(&problem, "from", "no point"));
     proto_problem_encode(&writer, &problem);
     assert_written(&writer,
-                   "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":\"Invalid request\",\"status\":400,"
+                   "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":\"Invalid "
+                   "request\",\"status\":400,"
                    "\"detail\":\"no point\",\"code\":\"invalid_request\",\"parameter\":\"from\"}");
 }
 
@@ -36,20 +41,24 @@ static void encodes_elements(void **state)
     gd_detail_add(&detail, GD_ELEMENT_EDGE, 4, 5);
     assert_false(proto_problem_from_status(&problem, GD_NON_MANIFOLD_EDGE, &detail));
     proto_problem_encode(&writer, &problem);
-    assert_written(&writer,
-                   "{\"type\":\"urn:geodesicd:problem:invalid_mesh\",\"title\":\"Invalid mesh\",\"status\":422,"
-                   "\"detail\":\"an edge belongs to more than two faces\",\"code\":\"invalid_mesh\","
-                   "\"reason\":\"non_manifold_edge\",\"elements\":[{\"edge\":[3,9]},{\"edge\":[4,5]}]}");
+    assert_written(
+        &writer,
+        "{\"type\":\"urn:geodesicd:problem:invalid_mesh\",\"title\":\"Invalid "
+        "mesh\",\"status\":422,"
+        "\"detail\":\"an edge belongs to more than two faces\",\"code\":\"invalid_mesh\","
+        "\"reason\":\"non_manifold_edge\",\"elements\":[{\"edge\":[3,9]},{\"edge\":[4,5]}]}");
 
     writer = new_writer();
     detail = (struct gd_detail){.text = "line 7: expected a number"};
     gd_detail_add(&detail, GD_ELEMENT_LINE, 7, 0);
     assert_false(proto_problem_from_status(&problem, GD_SYNTAX, &detail));
     proto_problem_encode(&writer, &problem);
-    assert_written(&writer,
-                   "{\"type\":\"urn:geodesicd:problem:invalid_mesh\",\"title\":\"Invalid mesh\",\"status\":422,"
-                   "\"detail\":\"line 7: expected a number\",\"code\":\"invalid_mesh\",\"reason\":\"syntax\","
-                   "\"elements\":[{\"line\":7}]}");
+    assert_written(
+        &writer,
+        "{\"type\":\"urn:geodesicd:problem:invalid_mesh\",\"title\":\"Invalid "
+        "mesh\",\"status\":422,"
+        "\"detail\":\"line 7: expected a number\",\"code\":\"invalid_mesh\",\"reason\":\"syntax\","
+        "\"elements\":[{\"line\":7}]}");
 }
 
 static void maps_every_status(void **state)
@@ -143,9 +152,12 @@ static void cuts_what_is_too_long(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(encodes_what_applies),   cmocka_unit_test(encodes_elements),
-        cmocka_unit_test(maps_every_status),      cmocka_unit_test(keeps_a_failed_self_check_to_itself),
-        cmocka_unit_test(says_when_to_come_back), cmocka_unit_test(escapes_pointers),
+        cmocka_unit_test(encodes_what_applies),
+        cmocka_unit_test(encodes_elements),
+        cmocka_unit_test(maps_every_status),
+        cmocka_unit_test(keeps_a_failed_self_check_to_itself),
+        cmocka_unit_test(says_when_to_come_back),
+        cmocka_unit_test(escapes_pointers),
         cmocka_unit_test(cuts_what_is_too_long),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

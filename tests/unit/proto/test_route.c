@@ -4,10 +4,22 @@
 
 static const struct proto_route routes[] = {
     {.method = PROTO_METHOD_GET, .path = "/", .segments = {NULL}},
-    {.method = PROTO_METHOD_GET, .path = "/v1/meshes", .segment_count = 2, .segments = {"v1", "meshes"}},
-    {.method = PROTO_METHOD_POST, .path = "/v1/meshes", .segment_count = 2, .segments = {"v1", "meshes"}},
-    {.method = PROTO_METHOD_GET, .path = "/v1/meshes/{name}", .segment_count = 3, .segments = {"v1", "meshes", NULL}},
-    {.method = PROTO_METHOD_PUT, .path = "/v1/meshes/{name}", .segment_count = 3, .segments = {"v1", "meshes", NULL}},
+    {.method = PROTO_METHOD_GET,
+     .path = "/v1/meshes",
+     .segment_count = 2,
+     .segments = {"v1", "meshes"}},
+    {.method = PROTO_METHOD_POST,
+     .path = "/v1/meshes",
+     .segment_count = 2,
+     .segments = {"v1", "meshes"}},
+    {.method = PROTO_METHOD_GET,
+     .path = "/v1/meshes/{name}",
+     .segment_count = 3,
+     .segments = {"v1", "meshes", NULL}},
+    {.method = PROTO_METHOD_PUT,
+     .path = "/v1/meshes/{name}",
+     .segment_count = 3,
+     .segments = {"v1", "meshes", NULL}},
     {.method = PROTO_METHOD_DELETE,
      .path = "/v1/meshes/{name}",
      .segment_count = 3,
@@ -18,7 +30,8 @@ static const struct proto_route routes[] = {
      .segments = {"v1", "meshes", NULL, "fields", NULL}},
 };
 
-static bool find(const char *method, const char *path, struct proto_route_match *out, struct proto_problem *problem)
+static bool find(const char *method, const char *path, struct proto_route_match *out,
+                 struct proto_problem *problem)
 {
     return proto_route_find(routes, COUNT(routes), method, path, out, problem);
 }

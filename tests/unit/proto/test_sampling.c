@@ -58,8 +58,9 @@ static void writes_answers(void **state)
     options = (struct proto_options){.fields = PROTO_SAMPLING_FIELD_POINTS};
     proto_writer_init(&writer, 1 << 12);
     proto_sampling_encode(&writer, mesh, points, radii, 1, 0.25, &options);
-    assert_written(&writer, "{\"points\":[{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0,"
-                            "\"snap_distance\":0.25}]}");
+    assert_written(&writer,
+                   "{\"points\":[{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0,"
+                   "\"snap_distance\":0.25}]}");
     gd_mesh_release(mesh);
 }
 

@@ -5,7 +5,8 @@
 static void describes_the_daemon(void **state)
 {
     (void)state;
-    static const struct proto_route routes[] = {{.operation = "get_path"}, {.query = "path"}, {.query = "nearest"}};
+    static const struct proto_route routes[] = {
+        {.operation = "get_path"}, {.query = "path"}, {.query = "nearest"}};
     const struct proto_service service = {
         .version = "1.2.3",
         .limits = {.max_body_bytes = 1,
@@ -19,10 +20,12 @@ static void describes_the_daemon(void **state)
     };
     struct proto_writer writer = new_writer();
     proto_service_encode(&writer, &service);
-    assert_written(&writer, "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
-                            "\"memory_budget_bytes\":4294967296,\"max_answer_bytes\":6,\"workers\":5},\"capabilities\":"
-                            "{\"formats\":[\"obj\",\"ply\",\"stl\","
-                            "\"off\",\"json\",\"glb\",\"gltf\"],\"queries\":[\"path\",\"nearest\"]}}");
+    assert_written(
+        &writer,
+        "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
+        "\"memory_budget_bytes\":4294967296,\"max_answer_bytes\":6,\"workers\":5},\"capabilities\":"
+        "{\"formats\":[\"obj\",\"ply\",\"stl\","
+        "\"off\",\"json\",\"glb\",\"gltf\"],\"queries\":[\"path\",\"nearest\"]}}");
 }
 
 static void assert_health(enum proto_health health, const char *reason, const char *text)
@@ -38,11 +41,13 @@ static void tells_its_health(void **state)
     assert_health(PROTO_HEALTH_OK, NULL, "{\"status\":\"ok\"}");
     assert_health(PROTO_HEALTH_STARTING, NULL, "{\"status\":\"starting\"}");
     assert_health(PROTO_HEALTH_DRAINING, NULL, "{\"status\":\"draining\"}");
-    assert_health(PROTO_HEALTH_READ_ONLY, "a \"disk\"", "{\"status\":\"read_only\",\"reason\":\"a \\\"disk\\\"\"}");
+    assert_health(PROTO_HEALTH_READ_ONLY, "a \"disk\"",
+                  "{\"status\":\"read_only\",\"reason\":\"a \\\"disk\\\"\"}");
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(describes_the_daemon), cmocka_unit_test(tells_its_health)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(describes_the_daemon),
+                                       cmocka_unit_test(tells_its_health)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

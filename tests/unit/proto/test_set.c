@@ -26,11 +26,12 @@ static void takes_points_of_all_forms(void **state)
 {
     (void)state;
     struct proto_problem problem;
-    struct proto_located_set *set = locate(
-        "{\"points\":[{\"vertex\":3},{\"edge\":[0,1],\"t\":0.25,\"offset\":2},"
-        "{\"face\":1,\"barycentric\":[0.5,0.25,0.25],\"label\":\"hof\",\"offset\":0},"
-        "{\"xyz\":[2,0,0],\"max_snap\":1,\"label\":\"\"},{\"ray\":{\"origin\":[-1,0.2,0.2],\"direction\":[1,0,0]}}]}",
-        &problem);
+    struct proto_located_set *set =
+        locate("{\"points\":[{\"vertex\":3},{\"edge\":[0,1],\"t\":0.25,\"offset\":2},"
+               "{\"face\":1,\"barycentric\":[0.5,0.25,0.25],\"label\":\"hof\",\"offset\":0},"
+               "{\"xyz\":[2,0,0],\"max_snap\":1,\"label\":\"\"},{\"ray\":{\"origin\":[-1,0.2,0.2],"
+               "\"direction\":[1,0,0]}}]}",
+               &problem);
     assert_non_null(set);
     assert_int_equal(set->count, 5);
     assert_int_equal(set->seeds[0].point.kind, GD_POINT_VERTEX);
@@ -46,7 +47,8 @@ static void takes_points_of_all_forms(void **state)
 static void equal_sets_are_equal_bytes(void **state)
 {
     (void)state;
-    static const char text[] = "{\"points\":[{\"edge\":[0,1],\"t\":0.25,\"offset\":-0},{\"vertex\":2}]}";
+    static const char text[] =
+        "{\"points\":[{\"edge\":[0,1],\"t\":0.25,\"offset\":-0},{\"vertex\":2}]}";
     struct proto_problem problem;
     struct proto_located_set *a = locate(text, &problem), *b = locate(text, &problem);
     assert_memory_equal(a->seeds, b->seeds, a->count * sizeof *a->seeds);
@@ -95,12 +97,14 @@ static void labels_are_bounded(void **state)
     (void)state;
     char text[512];
     struct proto_problem problem;
-    snprintf(text, sizeof text, "{\"points\":[{\"vertex\":0,\"label\":\"%0*d\"}]}", PROTO_SET_LABEL, 1);
+    snprintf(text, sizeof text, "{\"points\":[{\"vertex\":0,\"label\":\"%0*d\"}]}", PROTO_SET_LABEL,
+             1);
     struct proto_located_set *set = locate(text, &problem);
     assert_non_null(set);
     assert_int_equal(strlen(proto_located_set_label(set, 0)), PROTO_SET_LABEL);
     free(set);
-    snprintf(text, sizeof text, "{\"points\":[{\"vertex\":0,\"label\":\"%0*d\"}]}", PROTO_SET_LABEL + 1, 1);
+    snprintf(text, sizeof text, "{\"points\":[{\"vertex\":0,\"label\":\"%0*d\"}]}",
+             PROTO_SET_LABEL + 1, 1);
     assert_null(locate(text, &problem));
     assert_pointer(&problem, "/set/points/0/label");
 }
@@ -126,10 +130,10 @@ static void curves_are_members(void **state)
 {
     (void)state;
     struct proto_problem problem;
-    struct proto_located_set *set =
-        locate("{\"curves\":[{\"vertices\":[0,1,2],\"closed\":true,\"label\":\"ring\",\"offset\":3},"
-               "{\"points\":[{\"vertex\":3}]}],\"points\":[{\"vertex\":1,\"label\":\"dot\"}]}",
-               &problem);
+    struct proto_located_set *set = locate(
+        "{\"curves\":[{\"vertices\":[0,1,2],\"closed\":true,\"label\":\"ring\",\"offset\":3},"
+        "{\"points\":[{\"vertex\":3}]}],\"points\":[{\"vertex\":1,\"label\":\"dot\"}]}",
+        &problem);
     static const uint32_t members[] = {0, 1, 1, 1, 1, 1, 1, 2};
     assert_non_null(set);
     assert_int_equal(set->count, 3);

@@ -17,9 +17,11 @@ static void requests_are_read(void **state)
     (void)state;
     assert_true(read("{\"mesh\":\"m\",\"tolerance\":0.25}", &wanted, &problem));
     assert_string_equal(wanted.mesh, "m");
-    assert_true(wanted.options.deviation == 0.25 && wanted.options.faces == 1 && wanted.options.steps[0] == 0);
+    assert_true(wanted.options.deviation == 0.25 && wanted.options.faces == 1 &&
+                wanted.options.steps[0] == 0);
     assert_true(read("{\"mesh\":\"m\",\"resolution\":[20,25]}", &wanted, &problem));
-    assert_true(wanted.options.steps[0] == 20 && wanted.options.steps[1] == 25 && wanted.options.deviation == 0);
+    assert_true(wanted.options.steps[0] == 20 && wanted.options.steps[1] == 25 &&
+                wanted.options.deviation == 0);
 }
 
 static void faults_are_pointed_at(void **state)
@@ -63,8 +65,8 @@ static void places_are_told(void **state)
     struct proto_writer writer = new_writer();
     (void)state;
     proto_vertex_parameters_encode(&writer, &parameters, UINT32_MAX);
-    assert_written(&writer,
-                   "{\"nurbs\":{\"name\":\"torus\",\"etag\":\"tag\"},\"periods\":[1,null],\"uv\":[[0,0.5],[1,0.25]]}");
+    assert_written(&writer, "{\"nurbs\":{\"name\":\"torus\",\"etag\":\"tag\"},\"periods\":[1,null],"
+                            "\"uv\":[[0,0.5],[1,0.25]]}");
     writer = new_writer();
     proto_vertex_parameters_encode(&writer, &parameters, PROTO_VERTEX_PARAMETERS_FIELD_PERIODS);
     assert_written(&writer, "{\"periods\":[1,null]}");

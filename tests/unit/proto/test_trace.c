@@ -17,17 +17,20 @@ static void decodes_bodies(void **state)
     assert_true(trace.length == 2.5 && trace.count == 2 && trace.start.vertex.index == 3);
     assert_string_equal(trace.directions[1].place, "/directions/1");
     assert_true(trace.options.vertex_rule == GD_VERTEX_RULE_BISECT &&
-                trace.options.boundary_rule == GD_BOUNDARY_RULE_STOP && !trace.options.stop_at_self_intersection);
+                trace.options.boundary_rule == GD_BOUNDARY_RULE_STOP &&
+                !trace.options.stop_at_self_intersection);
     assert_int_equal(trace.options.step_limit, PROTO_TRACE_STEPS);
     proto_trace_free(&trace);
     proto_trace_free(&trace);
-    assert_true(decode("{" START
-                       ",\"length\":0,\"fan\":10000,\"vertex_rule\":\"limit_normal\",\"boundary_rule\":\"slide\","
-                       "\"stop_at_self_intersection\":true,\"step_limit\":7}",
-                       &trace, &problem));
+    assert_true(decode(
+        "{" START
+        ",\"length\":0,\"fan\":10000,\"vertex_rule\":\"limit_normal\",\"boundary_rule\":\"slide\","
+        "\"stop_at_self_intersection\":true,\"step_limit\":7}",
+        &trace, &problem));
     assert_true(!trace.directions && trace.count == 10000);
     assert_true(trace.options.vertex_rule == GD_VERTEX_RULE_NORMAL &&
-                trace.options.boundary_rule == GD_BOUNDARY_RULE_SLIDE && trace.options.stop_at_self_intersection);
+                trace.options.boundary_rule == GD_BOUNDARY_RULE_SLIDE &&
+                trace.options.stop_at_self_intersection);
     assert_int_equal(trace.options.step_limit, 7);
     proto_trace_free(&trace);
 }
@@ -68,15 +71,19 @@ static void writes_answers(void **state)
     struct gd_trace trace = {.path = {2, 1, &point}, .direction = {.angle = 0.5, .xyz = {0, 1, 0}}};
     struct proto_writer writer = new_writer();
     proto_trace_encode(&writer, mesh, &trace, PROTO_GEOMETRY_XYZ);
-    assert_written(&writer, "{\"length\":2,\"points\":[[1,0,0]],\"end_direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},"
-                            "\"end_reason\":\"length\"}");
+    assert_written(
+        &writer,
+        "{\"length\":2,\"points\":[[1,0,0]],\"end_direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},"
+        "\"end_reason\":\"length\"}");
     for (size_t i = 0; i < COUNT(reasons); i++) {
         char expected[128];
         trace.end = (enum gd_trace_end)i;
         writer = new_writer();
         proto_trace_encode(&writer, mesh, &trace, PROTO_GEOMETRY_NONE);
         snprintf(expected, sizeof expected,
-                 "{\"length\":2,\"end_direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"end_reason\":\"%s\"}", reasons[i]);
+                 "{\"length\":2,\"end_direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"end_reason\":"
+                 "\"%s\"}",
+                 reasons[i]);
         assert_written(&writer, expected);
     }
     gd_mesh_release(mesh);
@@ -84,7 +91,8 @@ static void writes_answers(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_bodies), cmocka_unit_test(refuses_bad_bodies),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_bodies),
+                                       cmocka_unit_test(refuses_bad_bodies),
                                        cmocka_unit_test(writes_answers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,8 @@
 
 static void pairs_are_read(void **state)
 {
-    json_t *document = parse("{\"at\":[0.5,-2],\"list\":[[1,2],[3,4],[5,6]],\"numbers\":[0,0.25,1]}");
+    json_t *document =
+        parse("{\"at\":[0.5,-2],\"list\":[[1,2],[3,4],[5,6]],\"numbers\":[0,0.25,1]}");
     struct proto_problem problem;
     struct proto_uvs uvs;
     double uv[2], *numbers;
@@ -66,7 +67,8 @@ static void places_are_in_the_domain(void **state)
     struct proto_problem problem;
     const double zero = 0, inside[2] = {0.5, 1}, outside[2] = {0.5, 1.5};
     (void)state;
-    assert_int_equal(gd_parametric_graph(0, 0, &zero, (const double[]){0, 1}, (const double[]){0, 1}, &sheet, NULL),
+    assert_int_equal(gd_parametric_graph(0, 0, &zero, (const double[]){0, 1},
+                                         (const double[]){0, 1}, &sheet, NULL),
                      GD_OK);
     assert_int_equal(gd_parametric_torus(2, 1, &torus, NULL), GD_OK);
     assert_true(proto_uv_check(sheet, inside, "/to", &problem));

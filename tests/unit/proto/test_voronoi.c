@@ -60,8 +60,10 @@ static void writes_answers(void **state)
     proto_bisector_end(&writer);
     proto_voronoi_list_end(&writer);
     proto_voronoi_end(&writer);
-    assert_written(&writer, "{\"labels\":[5,null],\"bisectors\":[{\"members\":[2,5],\"closed\":true,\"length\":0.5},"
-                            "{\"members\":[2,5],\"closed\":true,\"length\":0.5,\"points\":[]}]}");
+    assert_written(
+        &writer,
+        "{\"labels\":[5,null],\"bisectors\":[{\"members\":[2,5],\"closed\":true,\"length\":0.5},"
+        "{\"members\":[2,5],\"closed\":true,\"length\":0.5,\"points\":[]}]}");
 }
 
 int main(void)

@@ -25,8 +25,10 @@ static void places_commas(void **state)
     proto_write_key(&writer, "c");
     proto_write_numbers(&writer, (const double[]){0.5, -2, NAN, INFINITY, -INFINITY}, 5);
     proto_write_object_end(&writer);
-    assert_written(&writer, "{\"a\":[],\"b\":[18446744073709551615,-9223372036854775808,{},true,false,null,[1],null],"
-                            "\"c\":[0.5,-2,null,null,null]}");
+    assert_written(
+        &writer,
+        "{\"a\":[],\"b\":[18446744073709551615,-9223372036854775808,{},true,false,null,[1],null],"
+        "\"c\":[0.5,-2,null,null,null]}");
 }
 
 /* More than are made at a time, beside the same one by one. */
@@ -102,7 +104,8 @@ static void grows(void **state)
     struct proto_problem problem;
     assert_true(proto_writer_check(&writer, &problem));
     assert_int_equal(writer.size,
-                     10 + 2 * 90 + 3 * 900 + 4 * 9000 + 5 * 40000 + 49999 + 2); /* digits, commas, brackets */
+                     /* digits, commas, brackets */
+                     10 + 2 * 90 + 3 * 900 + 4 * 9000 + 5 * 40000 + 49999 + 2);
     proto_writer_free(&writer);
 }
 
@@ -167,7 +170,7 @@ static void makes_room_once_for_what_is_expected(void **state)
     proto_writer_free(&writer);
 }
 
-/* --- an account ---------------------------------------------------------------------------------------------------- */
+/* --- an account ------------------------------------------------------------------------------- */
 
 struct purse {
     size_t taken, most;

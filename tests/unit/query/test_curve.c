@@ -8,8 +8,8 @@
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 
-static enum gd_status resolve(const struct gd_mesh *mesh, struct gd_curve_request request, struct gd_curve *out,
-                              struct gd_detail *detail)
+static enum gd_status resolve(const struct gd_mesh *mesh, struct gd_curve_request request,
+                              struct gd_curve *out, struct gd_detail *detail)
 {
     return gd_curve_resolve(mesh, &request, NULL, NULL, out, detail);
 }
@@ -27,12 +27,17 @@ static void joined_by_shortest_paths(void **state)
     (void)state;
     struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){12, 0.8, 3}, NULL);
     for (int closed = 0; closed < 2; closed++) {
-        const struct gd_point points[] = {test_vertex(mesh, 5), test_vertex(mesh, 140), test_vertex(mesh, 31),
-                                          test_vertex(mesh, 31), test_vertex(mesh, 90)};
-        double length = distance(mesh, points[0], points[1]) + distance(mesh, points[1], points[2]) +
-                        distance(mesh, points[3], points[4]) + (closed ? distance(mesh, points[4], points[0]) : 0);
+        const struct gd_point points[] = {test_vertex(mesh, 5), test_vertex(mesh, 140),
+                                          test_vertex(mesh, 31), test_vertex(mesh, 31),
+                                          test_vertex(mesh, 90)};
+        double length = distance(mesh, points[0], points[1]) +
+                        distance(mesh, points[1], points[2]) +
+                        distance(mesh, points[3], points[4]) +
+                        (closed ? distance(mesh, points[4], points[0]) : 0);
         struct gd_curve curve;
-        check_ok(resolve(mesh, (struct gd_curve_request){.closed = closed, .count = 5, .points = points}, &curve, NULL),
+        check_ok(resolve(mesh,
+                         (struct gd_curve_request){.closed = closed, .count = 5, .points = points},
+                         &curve, NULL),
                  NULL);
         assert_int_equal(curve.closed, closed);
         check_close(gd_curve_length(mesh, &curve), length, 1e-9);
@@ -53,12 +58,14 @@ static void within_a_face(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = test_sample("tetrahedron", (double[SAMPLE_PARAMETERS]){1, 0}, NULL);
-    const double weights[][3] = {{0.5, 0.25, 0.25}, {0.5, 0.25 + 1e-14, 0.25 - 1e-14}, {1, 0, 0}, {0, 0.5, 0.5}};
+    const double weights[][3] = {
+        {0.5, 0.25, 0.25}, {0.5, 0.25 + 1e-14, 0.25 - 1e-14}, {1, 0, 0}, {0, 0.5, 0.5}};
     struct gd_point points[4];
     struct gd_curve curve;
     for (int i = 0; i < 4; i++)
         check_ok(gd_point_in_face(mesh, (struct gd_face){0}, weights[i], &points[i], NULL), NULL);
-    check_ok(resolve(mesh, (struct gd_curve_request){.closed = true, .count = 4, .points = points}, &curve, NULL),
+    check_ok(resolve(mesh, (struct gd_curve_request){.closed = true, .count = 4, .points = points},
+                     &curve, NULL),
              NULL);
     assert_int_equal(curve.count, 4);
     for (uint32_t i = 0; i < 4; i++) assert_true(gd_point_equal(&curve.points[i], &points[i]));
@@ -73,11 +80,12 @@ static void along_edges(void **state)
     static const struct gd_vertex chain[] = {{0}, {1}, {1}, {4}, {3}, {0}};
     struct gd_curve curve;
     for (int closed = 0; closed < 2; closed++) {
-        check_ok(resolve(mesh,
-                         (struct gd_curve_request){
-                             .kind = GD_CURVE_VERTICES, .closed = closed, .count = 6, .vertices = chain},
-                         &curve, NULL),
-                 NULL);
+        check_ok(
+            resolve(mesh,
+                    (struct gd_curve_request){
+                        .kind = GD_CURVE_VERTICES, .closed = closed, .count = 6, .vertices = chain},
+                    &curve, NULL),
+            NULL);
         assert_int_equal(curve.count, closed ? 4 : 5);
         check_close(gd_curve_length(mesh, &curve), 2, 1e-12);
         gd_curve_free(&curve);
@@ -91,14 +99,18 @@ static void round_boundaries(void **state)
     struct gd_mesh *mesh = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 7, 3}, NULL);
     for (uint32_t loop = 0; loop < 2; loop++) {
         struct gd_curve curve;
-        check_ok(resolve(mesh, (struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = loop}, &curve, NULL),
+        check_ok(resolve(mesh,
+                         (struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = loop},
+                         &curve, NULL),
                  NULL);
         struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
         assert_true(curve.closed);
         assert_int_equal(curve.count, boundary.vertices);
         check_close(gd_curve_length(mesh, &curve), boundary.length, 1e-12);
-        struct gd_vec3 p = gd_point_position(mesh, &curve.points[0]), q = gd_point_position(mesh, &curve.points[1]);
-        double turn = p.x * q.y - p.y * q.x; /* the surface at the left: below counter-clockwise, above clockwise */
+        struct gd_vec3 p = gd_point_position(mesh, &curve.points[0]),
+                       q = gd_point_position(mesh, &curve.points[1]);
+        /* the surface at the left: below counter-clockwise, above clockwise */
+        double turn = p.x * q.y - p.y * q.x;
         assert_true(p.z < 1 ? turn > 0 : turn < 0);
         gd_curve_free(&curve);
     }
@@ -119,8 +131,8 @@ static void refusals(void **state)
         {.kind = GD_CURVE_VERTICES, .count = 2, .vertices = beyond},
         {.kind = GD_CURVE_BOUNDARY, .boundary = 1},
     };
-    static const enum gd_status expected[] = {GD_INVALID_ARGUMENT, GD_INVALID_ARGUMENT, GD_NO_SUCH_EDGE,
-                                              GD_OUT_OF_RANGE, GD_OUT_OF_RANGE};
+    static const enum gd_status expected[] = {GD_INVALID_ARGUMENT, GD_INVALID_ARGUMENT,
+                                              GD_NO_SUCH_EDGE, GD_OUT_OF_RANGE, GD_OUT_OF_RANGE};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         detail.text[0] = '\0';
         assert_int_equal(resolve(grid, wrong[i], &curve, &detail), expected[i]);
@@ -135,13 +147,15 @@ static void components_are_not_joined(void **state)
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     uint32_t corners[] = {0, 1, 2, 3, 4, 5};
-    struct gd_mesh *mesh = test_mesh(
-        &(struct gd_polygons){.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners});
-    const struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 1), test_vertex(mesh, 4)};
+    struct gd_mesh *mesh = test_mesh(&(struct gd_polygons){
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners});
+    const struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 1),
+                                      test_vertex(mesh, 4)};
     struct gd_curve curve;
     struct gd_detail detail = {0};
-    assert_int_equal(resolve(mesh, (struct gd_curve_request){.count = 3, .points = points}, &curve, &detail),
-                     GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        resolve(mesh, (struct gd_curve_request){.count = 3, .points = points}, &curve, &detail),
+        GD_INVALID_ARGUMENT);
     assert_non_null(strstr(detail.text, "points 1 and 2"));
     gd_mesh_release(mesh);
 }

@@ -24,8 +24,10 @@ static struct gd_mesh *terrain(uint64_t seed)
     return mesh;
 }
 
-/* Aims at a vertex inside, without landmarks and with them, and checks what both say of all vertices. Returns at how many landmarks say more. */
-static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks, uint32_t target)
+/* Aims at a vertex inside, without landmarks and with them, and checks what both say of all
+ * vertices. Returns at how many landmarks say more. */
+static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks,
+                             uint32_t target)
 {
     struct gd_point from = test_vertex(mesh, 0), to = {.kind = GD_POINT_VERTEX, .element = target};
     struct gd_field *field = test_field_from(mesh, to);
@@ -37,10 +39,12 @@ static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmar
     check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         struct gd_point point = {.kind = GD_POINT_VERTEX, .element = v};
-        double exact, by_line = gd__guide_lower(&plain, v), by_landmarks = gd__guide_lower(&guide, v);
+        double exact, by_line = gd__guide_lower(&plain, v),
+                      by_landmarks = gd__guide_lower(&guide, v);
         check_ok(gd_field_distance(field, &point, &exact), NULL);
         exact /= mesh->unit;
-        assert_true(by_line <= exact && by_line <= by_landmarks && by_landmarks <= exact * (1 + ROUNDING));
+        assert_true(by_line <= exact && by_line <= by_landmarks &&
+                    by_landmarks <= exact * (1 + ROUNDING));
         assert_true(guide.node[v].upper >= exact * (1 - ROUNDING));
         better += by_landmarks > by_line * 1.001;
     }
@@ -50,8 +54,9 @@ static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmar
     return better;
 }
 
-/* Lower bounds are no longer, upper bounds no shorter than the distance, and most landmarks' bounds beat the straight line's. The landmarks themselves are
- * targets too: nothing but the rounding of one float stands between their bounds and the distance. */
+/* Lower bounds are no longer, upper bounds no shorter than the distance, and most landmarks' bounds
+ * beat the straight line's. The landmarks themselves are targets too: nothing but the rounding of
+ * one float stands between their bounds and the distance. */
 static void check_all_bounds(uint64_t seed)
 {
     struct gd_mesh *mesh = terrain(seed);
@@ -63,12 +68,14 @@ static void check_all_bounds(uint64_t seed)
     uint64_t better = 0, asked = 0;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         bool is_landmark = false;
-        for (uint32_t i = 0; i < LANDMARKS; i++) is_landmark |= guide.landmark[(size_t)GD__LANDMARKS_MOST * v + i] == 0;
+        for (uint32_t i = 0; i < LANDMARKS; i++)
+            is_landmark |= guide.landmark[(size_t)GD__LANDMARKS_MOST * v + i] == 0;
         if (!is_landmark && v % 2) continue;
         better += check_bounds(mesh, landmarks, v);
         asked += mesh->vertex_count;
     }
-    print_message("# %llu bounds, %llu of them by landmarks\n", (unsigned long long)asked, (unsigned long long)better);
+    print_message("# %llu bounds, %llu of them by landmarks\n", (unsigned long long)asked,
+                  (unsigned long long)better);
     assert_true(better > 0.3 * (double)asked);
     gd_landmarks_release(landmarks);
     gd_mesh_release(mesh);
@@ -135,7 +142,8 @@ static void refusals(void **state)
     (void)state;
     struct gd_mesh *mesh = terrain(5);
     struct gd_landmarks *landmarks = NULL;
-    struct gd_control cancel = {.progress = test_cancel}, poor = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
+    struct gd_control cancel = {.progress = test_cancel}, poor = {.budget_bytes = 1000},
+                      late = {.deadline_ns = 1};
     assert_int_equal(gd_landmarks_build(mesh, 0, NULL, &landmarks), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_landmarks_build(mesh, 17, NULL, &landmarks), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_landmarks_build(mesh, 4, &cancel, &landmarks), GD_CANCELLED);
@@ -148,7 +156,8 @@ static void refusals(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(bounds_hold), cmocka_unit_test(survive_being_stored),
-                                       cmocka_unit_test(refusals), cmocka_unit_test(progress_goes_up)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bounds_hold), cmocka_unit_test(survive_being_stored),
+        cmocka_unit_test(refusals), cmocka_unit_test(progress_goes_up)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,7 +17,8 @@ static void corners_and_middle_of_a_square(void **state)
     (void)state;
     static const double radii[] = {M_SQRT2, 1, 1, M_SQRT1_2, 0.5};
     for (uint32_t cells = 1; cells <= 5; cells++) {
-        struct gd_mesh *mesh = test_sample("grid", (double[SAMPLE_PARAMETERS]){cells, cells, 1, 1}, NULL);
+        struct gd_mesh *mesh =
+            test_sample("grid", (double[SAMPLE_PARAMETERS]){cells, cells, 1, 1}, NULL);
         struct gd_point start = test_vertex(mesh, 0), points[MOST];
         double found[MOST];
         check_ok(gd_sampling_farthest(mesh, &start, 5, NULL, NULL, points, found, NULL), NULL);
@@ -35,8 +36,10 @@ static void radii_cover_the_surface(void **state)
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {
-        {"terrain", {14, 0.8, 3}}, {"torus", {20, 10, 1, 0.4}}, {"tangle", {150, 11}}, {"box", {1, 2, 3, 2}}};
+    } surfaces[] = {{"terrain", {14, 0.8, 3}},
+                    {"torus", {20, 10, 1, 0.4}},
+                    {"tangle", {150, 11}},
+                    {"box", {1, 2, 3, 2}}};
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         struct gd_mesh *mesh = test_sample(surfaces[s].name, surfaces[s].values, NULL);
         struct gd_point points[MOST];
@@ -64,9 +67,11 @@ static void radii_cover_the_surface(void **state)
 static void components_come_first(void **state)
 {
     (void)state;
-    double positions[][3] = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
+    double positions[][3] = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+                             {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     uint32_t corners[] = {4, 5, 6, 1, 2, 3};
-    struct gd_polygons polygons = {.positions = positions, .position_count = 7, .polygon_count = 2, .corners = corners};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 7, .polygon_count = 2, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_point points[3];
     double radii[3];
@@ -86,13 +91,16 @@ static void reports_go_up_and_a_cancel_ends_it(void **state)
     double radii[MOST] = {-1};
     struct test_watch watch = {.most = 8};
     struct gd_control control = {.progress = test_watch, .user = &watch};
-    assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), GD_CANCELLED);
+    assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL),
+                     GD_CANCELLED);
     assert_true(watch.last > 0 && watch.last < 1 && radii[0] == -1);
     watch = (struct test_watch){0};
     check_ok(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), NULL);
     control = (struct gd_control){.budget_bytes = 64};
-    assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), GD_BUDGET);
-    assert_int_equal(gd_sampling_farthest(mesh, NULL, 0, NULL, NULL, points, radii, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL),
+                     GD_BUDGET);
+    assert_int_equal(gd_sampling_farthest(mesh, NULL, 0, NULL, NULL, points, radii, NULL),
+                     GD_INVALID_ARGUMENT);
     gd_mesh_release(mesh);
 }
 

@@ -39,7 +39,8 @@ static struct gd_mesh *disc(uint32_t rim)
     return mesh;
 }
 
-static double solve(const struct gd_mesh *mesh, uint32_t a, uint32_t b, const struct gd_control *control)
+static double solve(const struct gd_mesh *mesh, uint32_t a, uint32_t b,
+                    const struct gd_control *control)
 {
     struct gd_point from = test_vertex(mesh, a), to = test_vertex(mesh, b);
     struct gd_pair_answer answer = {.distance = -1};
@@ -47,7 +48,7 @@ static double solve(const struct gd_mesh *mesh, uint32_t a, uint32_t b, const st
     return answer.distance;
 }
 
-/* --- control ------------------------------------------------------------------------------------------------------------- */
+/* --- control ---------------------------------------------------------------------------------- */
 
 static bool never(void *user, double fraction)
 {
@@ -105,7 +106,8 @@ static void check_clean(const struct gd__guide *guide, const struct gd_mesh *mes
 {
     for (uint32_t v = 0; v < mesh->vertex_count && guide->node; v++) {
         const struct gd__guide_node *node = &guide->node[v];
-        assert_true(node->upper >= GD__FAR && node->lower < 0 && node->parent == GD_NONE && node->across == GD_NONE);
+        assert_true(node->upper >= GD__FAR && node->lower < 0 && node->parent == GD_NONE &&
+                    node->across == GD_NONE);
         assert_true(!node->closed && !node->touched);
         assert_true(!guide->rings.hops || guide->rings.hops[v] == 0);
     }
@@ -131,7 +133,8 @@ static void the_guide_looks_at_its_control(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Nodes, list and heap are the caller's bytes. A guide that finds no room is as clean afterwards as any other; bounds it tells all the same. */
+/* Nodes, list and heap are the caller's bytes. A guide that finds no room is as clean afterwards as
+ * any other; bounds it tells all the same. */
 static void the_guide_asks_the_budget(void **state)
 {
     (void)state;
@@ -167,7 +170,9 @@ static void the_guide_turns(void **state)
     check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
     check_ok(gd__guide_turn(&guide, &from), NULL);
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-        check_ok(gd_field_distance(field, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = v}, &exact), NULL);
+        check_ok(gd_field_distance(field, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = v},
+                                   &exact),
+                 NULL);
         assert_true(gd__guide_lower(&guide, v) <= exact / mesh->unit);
         assert_true(guide.node[v].upper >= exact / mesh->unit);
     }
@@ -186,8 +191,10 @@ static void both_ways_round_take_one_way(void **state)
     struct rng rng = {3};
     uint32_t one = 0, pairs = 200;
     for (uint32_t i = 0; i < pairs; i++) {
-        struct gd_point a = {.kind = GD_POINT_VERTEX, .element = rng_below(&rng, mesh->vertex_count)},
-                        b = {.kind = GD_POINT_VERTEX, .element = rng_below(&rng, mesh->vertex_count)};
+        struct gd_point a = {.kind = GD_POINT_VERTEX,
+                             .element = rng_below(&rng, mesh->vertex_count)},
+                        b = {.kind = GD_POINT_VERTEX,
+                             .element = rng_below(&rng, mesh->vertex_count)};
         struct gd__guide guide = {0};
         double upper;
         check_ok(gd__guide_aim(&guide, mesh, &a, &b, NULL, &upper), NULL);
@@ -198,7 +205,8 @@ static void both_ways_round_take_one_way(void **state)
         gd__guide_clean(&guide);
         gd__guide_destroy(&guide);
     }
-    print_message("# of %u pairs %u are searched from the same end however they are asked for\n", pairs, one);
+    print_message("# of %u pairs %u are searched from the same end however they are asked for\n",
+                  pairs, one);
     assert_true(one > 0.8 * pairs);
     gd_mesh_release(mesh);
 }
@@ -213,7 +221,8 @@ static void a_failed_search_leaves_nothing(void **state)
     double expected = solve(mesh, far, 0, NULL);
     struct gd_control usual = {.workspace = gd_workspace_create()}, poor = usual;
     enum gd_status status = GD_BUDGET;
-    for (poor.budget_bytes = 10000; status == GD_BUDGET; poor.budget_bytes += poor.budget_bytes / 20) {
+    for (poor.budget_bytes = 10000; status == GD_BUDGET;
+         poor.budget_bytes += poor.budget_bytes / 20) {
         struct gd_pair_answer answer = {.distance = -1};
         status = gd_pair_solve(mesh, &from, &to, false, NULL, &poor, &answer, NULL);
         check_close(solve(mesh, far, 0, &usual), expected, 1e-15);
@@ -242,7 +251,8 @@ static void hubs_are_walked_round_a_few_times(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Points as close to a vertex as to each other: the way through the vertex is not the shortest, however little is between. */
+/* Points as close to a vertex as to each other: the way through the vertex is not the shortest,
+ * however little is between. */
 static void points_close_to_a_vertex(void **state)
 {
     (void)state;
@@ -256,7 +266,8 @@ static void points_close_to_a_vertex(void **state)
         struct gd_point point[2];
         struct gd_pair_answer answer;
         for (int k = 0; k < 2; k++) {
-            xyz[k] = (struct gd_vec3){0.25 + size * (rng_unit(&rng) - 0.5), 0.5 + size * (rng_unit(&rng) - 0.5), 0};
+            xyz[k] = (struct gd_vec3){0.25 + size * (rng_unit(&rng) - 0.5),
+                                      0.5 + size * (rng_unit(&rng) - 0.5), 0};
             check_ok(gd_locate_nearest(mesh, xyz[k], -1, &point[k], NULL, NULL), NULL);
         }
         check_ok(gd_pair_solve(mesh, &point[0], &point[1], true, NULL, NULL, &answer, NULL), NULL);
@@ -267,7 +278,8 @@ static void points_close_to_a_vertex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* The same at the origin, where coordinates tell nothing of how edges are rounded: from a point of an edge to the edge's end. */
+/* The same at the origin, where coordinates tell nothing of how edges are rounded: from a point of
+ * an edge to the edge's end. */
 static void points_close_to_a_vertex_at_the_origin(void **state)
 {
     (void)state;
@@ -278,7 +290,9 @@ static void points_close_to_a_vertex_at_the_origin(void **state)
     for (uint32_t other = 1; other < 8; other++) {
         for (double t = 1e-14; t < 1e-6; t *= 1.7) {
             struct gd_pair_answer answer;
-            if (gd_point_on_edge(mesh, (struct gd_vertex){0}, (struct gd_vertex){other}, t, &point, NULL)) continue;
+            if (gd_point_on_edge(mesh, (struct gd_vertex){0}, (struct gd_vertex){other}, t, &point,
+                                 NULL))
+                continue;
             double length = gd_vec3_distance(gd_mesh_position(mesh, (struct gd_vertex){0}),
                                              gd_mesh_position(mesh, (struct gd_vertex){other}));
             check_ok(gd_pair_solve(mesh, &point, &corner, true, NULL, NULL, &answer, NULL), NULL);

@@ -9,14 +9,15 @@
 
 enum { PAIRS = 60 };
 
-/* What the tethers of a surface's pairs are longer by, in parts of the distance: the most and the mean. */
+/* What the tethers of a surface's pairs are longer by, in parts of the distance: the most and the
+ * mean. */
 struct excess {
     double most, sum;
 };
 
 /* It is a way on the surface, and no longer than the one that it was made from. */
-static void check_pair(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks, struct gd_point from,
-                       struct gd_point to, struct excess *excess)
+static void check_pair(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks,
+                       struct gd_point from, struct gd_point to, struct excess *excess)
 {
     struct gd__guide guide = {0};
     struct gd_pair_answer answer;
@@ -54,7 +55,8 @@ static void check_surface(const char *name, double mean)
                             to = test_point(mesh, test_random_place(&polygons, &rng));
             check_pair(mesh, guided ? landmarks : NULL, from, to, &excess);
         }
-        print_message("# %s: longer by %.2e in the mean, %.2e at most\n", name, excess.sum, excess.most);
+        print_message("# %s: longer by %.2e in the mean, %.2e at most\n", name, excess.sum,
+                      excess.most);
         assert_true(excess.sum < mean);
     }
     gd_landmarks_release(landmarks);
@@ -86,7 +88,8 @@ static void next_to_nothing(void **state)
         check_pair(mesh, NULL, point, point, &excess);
         uint32_t corner = mesh->origin[mesh->face_side[0][i % 3]];
         struct gd_point vertex = {.kind = GD_POINT_VERTEX, .element = corner};
-        check_pair(mesh, NULL, vertex, (struct gd_point){GD_POINT_FACE, 0, {0.2, 0.3, 0.5}}, &excess);
+        check_pair(mesh, NULL, vertex, (struct gd_point){GD_POINT_FACE, 0, {0.2, 0.3, 0.5}},
+                   &excess);
     }
     assert_true(excess.most < 1e-12);
     gd_mesh_release(mesh);

@@ -43,9 +43,12 @@ static inline void unfilter(struct pixels *pixels, const uint8_t *raw)
     for (uint32_t y = 0; y < pixels->height; y++)
         for (size_t i = 0; i < line; i++) {
             uint8_t *at = pixels->byte + y * line + i;
-            int left = i >= pixels->channels ? at[-(int)pixels->channels] : 0, above = y ? at[-(ptrdiff_t)line] : 0,
-                corner = y && i >= pixels->channels ? at[-(ptrdiff_t)line - (int)pixels->channels] : 0;
-            *at = (uint8_t)(raw[y * (line + 1) + 1 + i] + guess_of(raw[y * (line + 1)], left, above, corner));
+            int left = i >= pixels->channels ? at[-(int)pixels->channels] : 0,
+                above = y ? at[-(ptrdiff_t)line] : 0,
+                corner =
+                    y && i >= pixels->channels ? at[-(ptrdiff_t)line - (int)pixels->channels] : 0;
+            *at = (uint8_t)(raw[y * (line + 1) + 1 + i] +
+                            guess_of(raw[y * (line + 1)], left, above, corner));
         }
 }
 
@@ -69,7 +72,8 @@ static inline struct pixels decode_png(uint8_t *file, size_t size)
             raw_size = (uLongf)pixels.height * (1 + pixels.width * pixels.channels);
             raw = malloc(raw_size);
         }
-        if (!memcmp(file + at + 4, "IDAT", 4)) assert_int_equal(uncompress(raw, &raw_size, data, length), Z_OK);
+        if (!memcmp(file + at + 4, "IDAT", 4))
+            assert_int_equal(uncompress(raw, &raw_size, data, length), Z_OK);
     }
     assert_int_equal(raw_size, (size_t)pixels.height * (1 + pixels.width * pixels.channels));
     pixels.byte = malloc((size_t)pixels.height * pixels.width * pixels.channels);

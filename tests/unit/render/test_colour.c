@@ -40,14 +40,16 @@ static void equal_steps_look_equal(void **state)
     assert_true(worst < 0.02);
 }
 
-/* Luminance, which is what is left of colours in print and to those who see none, grows with the distance. */
+/* Luminance, which is what is left of colours in print and to those who see none, grows with the
+ * distance. */
 static void order_survives_without_hues(void **state)
 {
     (void)state;
     double before = -1;
     for (int i = 0; i <= 64; i++) {
         struct gd__colour c = gd__colour_of_part(i / 64.0);
-        double luminance = 0.2126 * linear_of(c.red) + 0.7152 * linear_of(c.green) + 0.0722 * linear_of(c.blue);
+        double luminance =
+            0.2126 * linear_of(c.red) + 0.7152 * linear_of(c.green) + 0.0722 * linear_of(c.blue);
         assert_true(luminance > before);
         before = luminance;
     }
@@ -56,8 +58,8 @@ static void order_survives_without_hues(void **state)
 static void beyond_the_ends_are_the_ends(void **state)
 {
     (void)state;
-    struct gd__colour first = gd__colour_of_part(0), last = gd__colour_of_part(1), below = gd__colour_of_part(-3),
-                      above = gd__colour_of_part(7);
+    struct gd__colour first = gd__colour_of_part(0), last = gd__colour_of_part(1),
+                      below = gd__colour_of_part(-3), above = gd__colour_of_part(7);
     assert_memory_equal(&first, &below, sizeof first);
     assert_memory_equal(&last, &above, sizeof last);
 }

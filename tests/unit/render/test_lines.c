@@ -27,7 +27,8 @@ static double distance_to(const struct gd__lines *lines, struct gd__place p)
     double least = INFINITY;
     for (uint32_t k = 0; k + 1 < lines->ends[0]; k++) {
         struct gd__place a = lines->places[k], b = lines->places[k + 1];
-        double x = (double)b.x - a.x, y = (double)b.y - a.y, t = ((p.x - a.x) * x + (p.y - a.y) * y) / (x * x + y * y);
+        double x = (double)b.x - a.x, y = (double)b.y - a.y,
+               t = ((p.x - a.x) * x + (p.y - a.y) * y) / (x * x + y * y);
         t = fmin(fmax(t, 0), 1);
         least = fmin(least, hypot(p.x - a.x - t * x, p.y - a.y - t * y));
     }
@@ -42,7 +43,8 @@ static void fewer_places_same_line(void **state)
     spiral(&few, 1000);
     gd__lines_simplify(&few, 0.1);
     assert_true(few.place_count < 300);
-    for (uint32_t i = 0; i < all.place_count; i++) assert_true(distance_to(&few, all.places[i]) <= 0.1 + 1e-4);
+    for (uint32_t i = 0; i < all.place_count; i++)
+        assert_true(distance_to(&few, all.places[i]) <= 0.1 + 1e-4);
     assert_memory_equal(&few.places[0], &all.places[0], sizeof few.places[0]);
     assert_memory_equal(&few.places[few.place_count - 1], &all.places[999], sizeof few.places[0]);
     gd__lines_free(&all);
@@ -80,7 +82,8 @@ static void dashes_have_their_lengths(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(fewer_places_same_line), cmocka_unit_test(short_lines_stay),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(fewer_places_same_line),
+                                       cmocka_unit_test(short_lines_stay),
                                        cmocka_unit_test(dashes_have_their_lengths)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,14 +6,15 @@
 #include "render/colour.h"
 #include "tests/support/watch.h"
 
-/* --- areas ------------------------------------------------------------------------------------------------------------------- */
+/* --- areas ------------------------------------------------------------------------------------ */
 
 /* Sum of the opacities: pixels. */
 static double opaque_area(const struct pixels *pixels)
 {
     double area = 0;
     assert_int_equal(pixels->channels, 4);
-    for (size_t i = 0; i < (size_t)pixels->width * pixels->height; i++) area += pixels->byte[4 * i + 3] / 255.0;
+    for (size_t i = 0; i < (size_t)pixels->width * pixels->height; i++)
+        area += pixels->byte[4 * i + 3] / 255.0;
     return area;
 }
 
@@ -24,13 +25,19 @@ static void a_triangle_has_its_area(void **state)
     struct rng rng = {3};
     double worst = 0;
     for (int round = 0; round < 20; round++) {
-        double positions[3][3] = {{0, 0, 0}, {1, rng_between(&rng, 0.2, 0.8), 0}, {rng_between(&rng, 0.2, 0.8), 1, 0}};
+        double positions[3][3] = {
+            {0, 0, 0}, {1, rng_between(&rng, 0.2, 0.8), 0}, {rng_between(&rng, 0.2, 0.8), 1, 0}};
         uint32_t corners[3] = {0, 1, 2};
         struct gd_mesh *mesh = test_mesh(&(struct gd_polygons){positions, 3, 1, corners, NULL});
-        struct pixels pixels = draw(&(struct gd_picture){
-            .mesh = mesh, .width = 400, .height = 400, .view = GD_VIEW_FRONT, .background = GD_BACKGROUND_TRANSPARENT});
+        struct pixels pixels = draw(&(struct gd_picture){.mesh = mesh,
+                                                         .width = 400,
+                                                         .height = 400,
+                                                         .view = GD_VIEW_FRONT,
+                                                         .background = GD_BACKGROUND_TRANSPARENT});
         double side = 400 - 2 * 16 * fmax(sqrt(400 * 400 / 480000.0), 0.75);
-        double exact = 0.5 * (positions[1][0] * positions[2][1] - positions[1][1] * positions[2][0]) * side * side;
+        double exact = 0.5 *
+                       (positions[1][0] * positions[2][1] - positions[1][1] * positions[2][0]) *
+                       side * side;
         worst = fmax(worst, check_close(opaque_area(&pixels), exact, 1e-3));
         free(pixels.byte);
         gd_mesh_release(mesh);
@@ -46,8 +53,11 @@ static void borders_are_smooth(void **state)
     uint32_t corners[3] = {0, 1, 2}, levels = 0;
     bool has[17] = {false};
     struct gd_mesh *mesh = test_mesh(&(struct gd_polygons){positions, 3, 1, corners, NULL});
-    struct pixels pixels = draw(&(struct gd_picture){
-        .mesh = mesh, .width = 400, .height = 400, .view = GD_VIEW_FRONT, .background = GD_BACKGROUND_TRANSPARENT});
+    struct pixels pixels = draw(&(struct gd_picture){.mesh = mesh,
+                                                     .width = 400,
+                                                     .height = 400,
+                                                     .view = GD_VIEW_FRONT,
+                                                     .background = GD_BACKGROUND_TRANSPARENT});
     for (size_t i = 0; i < 400 * 400; i++) has[(pixels.byte[4 * i + 3] * 16 + 127) / 255] = true;
     for (int i = 0; i <= 16; i++) levels += has[i];
     assert_int_equal(levels, 17);
@@ -55,7 +65,7 @@ static void borders_are_smooth(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- distances --------------------------------------------------------------------------------------------------------------- */
+/* --- distances -------------------------------------------------------------------------------- */
 
 enum { FLAT_WIDTH = 640, FLAT_HEIGHT = 480, CELLS = 4 };
 
@@ -75,8 +85,8 @@ static struct flat open_flat(double x, double y)
     flat.mesh = test_mesh(&flat.polygons);
     struct gd_seed seed = {.point = test_point_near(flat.mesh, x, y, 0)};
     struct gd_detail detail = {0};
-    check_ok(gd_field_build(flat.mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL,
-                            &flat.field, &detail),
+    check_ok(gd_field_build(flat.mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                            NULL, NULL, &flat.field, &detail),
              &detail);
     flat.scale = fmin((FLAT_WIDTH - 2 * margin) / 4, (FLAT_HEIGHT - 2 * margin) / 3);
     flat.left = FLAT_WIDTH / 2.0 - 2 * flat.scale;
@@ -91,18 +101,22 @@ static void close_flat(struct flat *flat)
     gd_polygons_free(&flat->polygons);
 }
 
-/* In the plane the light is the same everywhere: what is left is the colour of the distance, the true one, though the nearest vertex is far away. */
+/* In the plane the light is the same everywhere: what is left is the colour of the distance, the
+ * true one, though the nearest vertex is far away. */
 static void colours_are_those_of_the_distance(void **state)
 {
     (void)state;
     double x = 1.37, y = 1.11, range = hypot(4 - x, 3 - y), shade = -1, worst = 0;
     struct flat flat = open_flat(x, y);
-    struct pixels pixels = draw(&(struct gd_picture){
-        .mesh = flat.mesh, .field = flat.field, .width = FLAT_WIDTH, .height = FLAT_HEIGHT, .view = GD_VIEW_FRONT});
+    struct pixels pixels = draw(&(struct gd_picture){.mesh = flat.mesh,
+                                                     .field = flat.field,
+                                                     .width = FLAT_WIDTH,
+                                                     .height = FLAT_HEIGHT,
+                                                     .view = GD_VIEW_FRONT});
     for (uint32_t row = 40; row < FLAT_HEIGHT - 40; row++)
         for (uint32_t column = 60; column < FLAT_WIDTH - 60; column++) {
-            double px = (column + 0.5 - flat.left) / flat.scale, py = (flat.bottom - row - 0.5) / flat.scale,
-                   distance = hypot(px - x, py - y);
+            double px = (column + 0.5 - flat.left) / flat.scale,
+                   py = (flat.bottom - row - 0.5) / flat.scale, distance = hypot(px - x, py - y);
             struct gd__colour colour = gd__colour_of_part(distance / range);
             const uint8_t *pixel = pixel_at(&pixels, column, row);
             if (distance * flat.scale < 8) continue; /* its mark */
@@ -117,22 +131,28 @@ static void colours_are_those_of_the_distance(void **state)
     close_flat(&flat);
 }
 
-/* Isolines are where the distance is round: the pixels that they darken are on the circles, and all circles are dark. */
+/* Isolines are where the distance is round: the pixels that they darken are on the circles, and all
+ * circles are dark. */
 static void isolines_are_circles(void **state)
 {
     (void)state;
     double x = 1.9, y = 1.4, step = 0.5;
     struct flat flat = open_flat(x, y);
-    struct gd_picture picture = {
-        .mesh = flat.mesh, .field = flat.field, .width = FLAT_WIDTH, .height = FLAT_HEIGHT, .view = GD_VIEW_FRONT};
+    struct gd_picture picture = {.mesh = flat.mesh,
+                                 .field = flat.field,
+                                 .width = FLAT_WIDTH,
+                                 .height = FLAT_HEIGHT,
+                                 .view = GD_VIEW_FRONT};
     struct pixels without = draw(&picture);
     picture.isolines = 5;
     struct pixels with = draw(&picture);
     for (uint32_t row = 0; row < FLAT_HEIGHT; row++)
         for (uint32_t column = 0; column < FLAT_WIDTH; column++) {
-            double px = (column + 0.5 - flat.left) / flat.scale, py = (flat.bottom - row - 0.5) / flat.scale,
-                   distance = hypot(px - x, py - y), off = fabs(distance - step * round(distance / step)) * flat.scale;
-            bool is_inside = px > 0.05 && px < 3.95 && py > 0.05 && py < 2.95 && distance * flat.scale > 8;
+            double px = (column + 0.5 - flat.left) / flat.scale,
+                   py = (flat.bottom - row - 0.5) / flat.scale, distance = hypot(px - x, py - y),
+                   off = fabs(distance - step * round(distance / step)) * flat.scale;
+            bool is_inside =
+                px > 0.05 && px < 3.95 && py > 0.05 && py < 2.95 && distance * flat.scale > 8;
             int darker = pixel_at(&without, column, row)[1] - pixel_at(&with, column, row)[1];
             if (!is_inside) continue;
             if (darker > 2) assert_true(off < 1.3);
@@ -143,7 +163,7 @@ static void isolines_are_circles(void **state)
     close_flat(&flat);
 }
 
-/* --- paths ------------------------------------------------------------------------------------------------------------------- */
+/* --- paths ------------------------------------------------------------------------------------ */
 
 static bool is_red(const uint8_t *pixel)
 {
@@ -158,14 +178,19 @@ static void a_path_is_where_it_is(void **state)
     struct gd_point to = test_point_near(flat.mesh, to_x, to_y, 0);
     struct gd_path path;
     check_ok(gd_field_path(flat.field, &to, &path), NULL);
-    struct pixels pixels = draw(&(struct gd_picture){
-        .mesh = flat.mesh, .path = &path, .width = FLAT_WIDTH, .height = FLAT_HEIGHT, .view = GD_VIEW_FRONT});
+    struct pixels pixels = draw(&(struct gd_picture){.mesh = flat.mesh,
+                                                     .path = &path,
+                                                     .width = FLAT_WIDTH,
+                                                     .height = FLAT_HEIGHT,
+                                                     .view = GD_VIEW_FRONT});
     uint32_t red = 0;
-    double length = path.length * flat.scale, unit = fmax(sqrt(FLAT_WIDTH * FLAT_HEIGHT / 480000.0), 0.75);
+    double length = path.length * flat.scale,
+           unit = fmax(sqrt(FLAT_WIDTH * FLAT_HEIGHT / 480000.0), 0.75);
     for (uint32_t row = 0; row < FLAT_HEIGHT; row++)
         for (uint32_t column = 0; column < FLAT_WIDTH; column++) {
-            double px = (column + 0.5 - flat.left) / flat.scale - x, py = (flat.bottom - row - 0.5) / flat.scale - y,
-                   dx = to_x - x, dy = to_y - y, along = (px * dx + py * dy) / hypot(dx, dy),
+            double px = (column + 0.5 - flat.left) / flat.scale - x,
+                   py = (flat.bottom - row - 0.5) / flat.scale - y, dx = to_x - x, dy = to_y - y,
+                   along = (px * dx + py * dy) / hypot(dx, dy),
                    across = fabs(px * dy - py * dx) / hypot(dx, dy) * flat.scale;
             bool is_between = along * flat.scale > 8 && along * flat.scale < length - 8,
                  has_red = is_red(pixel_at(&pixels, column, row));
@@ -191,14 +216,19 @@ static void what_is_behind_is_faint(void **state)
     struct gd_point to = test_point_near(mesh, 0.5, -0.2, 1);
     struct gd_field *field;
     struct gd_path path;
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     check_ok(gd_field_path(field, &to, &path), NULL);
     for (int behind = 0; behind < 2; behind++) {
-        struct pixels pixels = draw(&(struct gd_picture){
-            .mesh = mesh, .path = &path, .width = 300, .height = 300, .view = behind ? GD_VIEW_BACK : GD_VIEW_FRONT});
-        for (uint32_t i = 0; i < 300 * 300; i++) red[behind] += is_red(pixels.byte + (size_t)i * pixels.channels);
+        struct pixels pixels =
+            draw(&(struct gd_picture){.mesh = mesh,
+                                      .path = &path,
+                                      .width = 300,
+                                      .height = 300,
+                                      .view = behind ? GD_VIEW_BACK : GD_VIEW_FRONT});
+        for (uint32_t i = 0; i < 300 * 300; i++)
+            red[behind] += is_red(pixels.byte + (size_t)i * pixels.channels);
         free(pixels.byte);
     }
     assert_true(red[0] > 200);
@@ -209,7 +239,7 @@ static void what_is_behind_is_faint(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* --- requests of any kind ---------------------------------------------------------------------------------------------------- */
+/* --- requests of any kind --------------------------------------------------------------------- */
 
 static enum gd_status status_of(const struct gd_picture *picture, const struct gd_control *control)
 {
@@ -256,9 +286,9 @@ static void random_pictures(void **state)
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {.point = test_vertex(mesh, 7)};
     struct gd_field *field;
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                            NULL, &field, NULL),
+             NULL);
     for (int round = 0; round < 60; round++) {
         struct gd_point to = test_point(mesh, test_random_place(&polygons, &rng));
         struct gd_path path;
@@ -296,11 +326,13 @@ static void an_svg_has_lines_and_an_image(void **state)
     void *bytes;
     size_t size;
     check_ok(gd_field_path(flat.field, &to, &path), NULL);
-    check_ok(
-        gd_picture_svg(
-            &(struct gd_picture){.mesh = flat.mesh, .field = flat.field, .path = &path, .isolines = 8, .legend = true},
-            NULL, &bytes, &size),
-        NULL);
+    check_ok(gd_picture_svg(&(struct gd_picture){.mesh = flat.mesh,
+                                                 .field = flat.field,
+                                                 .path = &path,
+                                                 .isolines = 8,
+                                                 .legend = true},
+                            NULL, &bytes, &size),
+             NULL);
     char *text = calloc(size + 1, 1);
     memcpy(text, bytes, size);
     assert_non_null(strstr(text, "<image"));
@@ -313,7 +345,7 @@ static void an_svg_has_lines_and_an_image(void **state)
     close_flat(&flat);
 }
 
-/* --- control ----------------------------------------------------------------------------------------------------------------- */
+/* --- control ---------------------------------------------------------------------------------- */
 
 static void control_is_heard(void **state)
 {
@@ -321,12 +353,14 @@ static void control_is_heard(void **state)
     struct flat flat = open_flat(1, 1);
     struct test_watch watch = {0};
     const struct gd_picture picture = {.mesh = flat.mesh, .field = flat.field, .isolines = 10};
-    assert_int_equal(status_of(&picture, &(struct gd_control){.progress = test_watch, .user = &watch}), GD_OK);
+    assert_int_equal(
+        status_of(&picture, &(struct gd_control){.progress = test_watch, .user = &watch}), GD_OK);
     assert_true(watch.calls > 50 && watch.last > 0.9);
     for (uint32_t most = 1; most < watch.calls; most += 1 + watch.calls / 20) {
         struct test_watch again = {.most = most};
-        assert_int_equal(status_of(&picture, &(struct gd_control){.progress = test_watch, .user = &again}),
-                         GD_CANCELLED);
+        assert_int_equal(
+            status_of(&picture, &(struct gd_control){.progress = test_watch, .user = &again}),
+            GD_CANCELLED);
     }
     assert_int_equal(status_of(&picture, &(struct gd_control){.deadline_ns = 1}), GD_DEADLINE);
     assert_int_equal(status_of(&picture, &(struct gd_control){.budget_bytes = 1 << 20}), GD_BUDGET);

@@ -23,8 +23,12 @@ static struct scene open_scene(struct gd_polygons *polygons, uint32_t rows)
         struct gd_vec3 p = gd_vec3_scale(mesh->position[v], mesh->unit);
         scene.spots[v] = (struct gd__spot){(float)p.x, (float)p.y, (float)p.z};
     }
-    scene.raster = (struct gd__raster){
-        .mesh = mesh, .spots = scene.spots, .width = SIDE, .height = SIDE, .grid = GRID, .rows = rows};
+    scene.raster = (struct gd__raster){.mesh = mesh,
+                                       .spots = scene.spots,
+                                       .width = SIDE,
+                                       .height = SIDE,
+                                       .grid = GRID,
+                                       .rows = rows};
     check_ok(gd__raster_open(&scene.raster, NULL), NULL);
     return scene;
 }
@@ -37,7 +41,8 @@ static void close_scene(struct scene *scene)
 }
 
 /* Calls for each sample of the picture. */
-static void each_sample(struct scene *scene, void (*look)(void *user, uint32_t face, float depth, double x, double y),
+static void each_sample(struct scene *scene,
+                        void (*look)(void *user, uint32_t face, float depth, double x, double y),
                         void *user)
 {
     struct gd__raster *raster = &scene->raster;
@@ -53,7 +58,7 @@ static void each_sample(struct scene *scene, void (*look)(void *user, uint32_t f
     }
 }
 
-/* --- against every triangle at every sample ------------------------------------------------------------------------------ */
+/* --- against every triangle at every sample --------------------------------------------------- */
 
 enum { FACES = 60 };
 
@@ -62,7 +67,8 @@ struct soup {
     uint64_t samples, covered, skipped;
 };
 
-/* Depth of the face there; INFINITY: the sample is outside; NAN: it is on its border, up to rounding. */
+/* Depth of the face there; INFINITY: the sample is outside; NAN: it is on its border, up to
+ * rounding. */
 static double depth_at(const struct scene *scene, uint32_t face, double x, double y)
 {
     uint32_t v[3];
@@ -134,7 +140,7 @@ static void nearest_face_at_every_sample(void **state)
     }
 }
 
-/* --- neighbours ------------------------------------------------------------------------------------------------------------ */
+/* --- neighbours ------------------------------------------------------------------------------- */
 
 static void count_covered(void *user, uint32_t face, float depth, double x, double y)
 {
@@ -145,7 +151,8 @@ static void count_covered(void *user, uint32_t face, float depth, double x, doub
     *count += face != GD_NONE;
 }
 
-/* A sheet of many triangles, moved and sheared within: each sample within is covered, none outside. */
+/* A sheet of many triangles, moved and sheared within: each sample within is covered, none outside.
+ */
 static void no_gaps_between_neighbours(void **state)
 {
     (void)state;
@@ -166,7 +173,7 @@ static void no_gaps_between_neighbours(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* --- control ----------------------------------------------------------------------------------------------------------------- */
+/* --- control ---------------------------------------------------------------------------------- */
 
 static bool refuse(void *user, double fraction)
 {

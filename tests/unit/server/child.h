@@ -12,12 +12,12 @@
 enum { FINE, WRONG = 10, SKIPPED = 77 };
 
 /* Ends the child, naming the line, unless it holds. */
-#define INSIST(holds)                                                                                                  \
-    do {                                                                                                               \
-        if (!(holds)) {                                                                                                \
-            fprintf(stderr, "line %d does not hold (%s)\n", __LINE__, strerror(errno));                                \
-            _exit(WRONG);                                                                                              \
-        }                                                                                                              \
+#define INSIST(holds)                                                                              \
+    do {                                                                                           \
+        if (!(holds)) {                                                                            \
+            fprintf(stderr, "line %d does not hold (%s)\n", __LINE__, strerror(errno));            \
+            _exit(WRONG);                                                                          \
+        }                                                                                          \
     } while (0)
 
 #endif

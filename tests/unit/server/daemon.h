@@ -1,5 +1,5 @@
-/* A daemon without a network: requests go through router, handlers, workers and the registry's writer, and are answered to the
- * test. One at a time. */
+/* A daemon without a network: requests go through router, handlers, workers and the registry's
+ * writer, and are answered to the test. One at a time. */
 #ifndef TESTS_UNIT_SERVER_DAEMON_H
 #define TESTS_UNIT_SERVER_DAEMON_H
 
@@ -19,7 +19,8 @@
 static struct server daemon_server;
 static sem_t daemon_finished;
 static bool
-    daemon_had_state; /* an exchange was finished with its handler's state: others may wait for what that holds */
+    /* an exchange was finished with its handler's state: others may wait for what that holds */
+    daemon_had_state;
 
 static inline void daemon_finish(struct server_exchange *exchange)
 {
@@ -34,7 +35,8 @@ static inline bool daemon_is_gone(struct server_exchange *exchange)
     return false;
 }
 
-static const struct server_transport daemon_transport = {.finish = daemon_finish, .is_gone = daemon_is_gone};
+static const struct server_transport daemon_transport = {.finish = daemon_finish,
+                                                         .is_gone = daemon_is_gone};
 
 /* Starts on a store, which becomes its own. */
 static inline void daemon_start(struct server_store *store)
@@ -85,7 +87,9 @@ struct daemon_request {
     const char *tenant; /* NULL: none */
     const char *method, *target;
     const char
-        *headers;     /* "Name: value" lines besides Host, and besides Content-Length if there is a body; NULL: none */
+        /* "Name: value" lines besides Host, and besides Content-Length if there is a body; NULL:
+           none */
+        *headers;
     const char *body; /* NULL: none */
 };
 
@@ -100,9 +104,11 @@ static inline void daemon_add_headers(struct server_exchange *exchange, char *li
 }
 
 /* What becomes of a request after its headers, which are the caller's to keep. */
-static inline struct server_exchange *daemon_begin(const char *method, const char *target, char *headers)
+static inline struct server_exchange *daemon_begin(const char *method, const char *target,
+                                                   char *headers)
 {
-    struct server_exchange *exchange = server_exchange_create(&daemon_server, &daemon_transport, target);
+    struct server_exchange *exchange =
+        server_exchange_create(&daemon_server, &daemon_transport, target);
     exchange->method = method;
     server_exchange_add_header(exchange, "Host", "localhost");
     daemon_add_headers(exchange, headers);
@@ -129,7 +135,8 @@ static inline struct server_exchange *daemon_ask(struct daemon_request request)
     char headers[512]; /* done with when this returns */
     int size = snprintf(headers, sizeof headers, "%s", request.headers ? request.headers : "");
     if (request.body)
-        snprintf(headers + size, sizeof headers - (size_t)size, "\nContent-Length: %zu", strlen(request.body));
+        snprintf(headers + size, sizeof headers - (size_t)size, "\nContent-Length: %zu",
+                 strlen(request.body));
     struct server_exchange *exchange = daemon_begin(request.method, request.target, headers);
     if (request.tenant) exchange->tenant = request.tenant;
     daemon_end(exchange, request.body);
@@ -139,7 +146,8 @@ static inline struct server_exchange *daemon_ask(struct daemon_request request)
 static inline const char *daemon_header(const struct server_exchange *exchange, const char *name)
 {
     for (uint32_t i = 0; i < exchange->response.header_count; i++)
-        if (strcmp(exchange->response.headers[i].name, name) == 0) return exchange->response.headers[i].value;
+        if (strcmp(exchange->response.headers[i].name, name) == 0)
+            return exchange->response.headers[i].value;
     return NULL;
 }
 

@@ -12,7 +12,8 @@
 
 #define FOLDER_PATH 256
 
-static inline int folder_remove_one(const char *path, const struct stat *facts, int kind, struct FTW *place)
+static inline int folder_remove_one(const char *path, const struct stat *facts, int kind,
+                                    struct FTW *place)
 {
     (void)facts, (void)kind, (void)place;
     return remove(path);

@@ -16,11 +16,12 @@ static inline struct server_key mesh_key(const char *name)
 }
 
 /* A record under that key of a file, and of an attachment (NULL: none), which are texts. */
-static inline struct server_record *new_record_of(struct server_key key, const char *options, const char *bytes,
-                                                  const char *attachment)
+static inline struct server_record *new_record_of(struct server_key key, const char *options,
+                                                  const char *bytes, const char *attachment)
 {
     char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX];
-    struct server_origin origin = {.key = key, .sha256 = sha256, .size = strlen(bytes), .options = options};
+    struct server_origin origin = {
+        .key = key, .sha256 = sha256, .size = strlen(bytes), .options = options};
     server_sha256(bytes, strlen(bytes), sha256);
     if (attachment) {
         server_sha256(attachment, strlen(attachment), attachment_sha256);

@@ -1,4 +1,5 @@
-/* What the tests of the cache share: a cache with one shelf, and requests for the fields of two points. */
+/* What the tests of the cache share: a cache with one shelf, and requests for the fields of two
+ * points. */
 #ifndef TESTS_UNIT_SERVER_SHELVED_H
 #define TESTS_UNIT_SERVER_SHELVED_H
 
@@ -58,28 +59,32 @@ static inline bool has(struct fixture *fixture, uint32_t vertex)
     return cached != NULL;
 }
 
-/* --- fields of sets ----------------------------------------------------------------------------------------------- */
+/* --- fields of sets --------------------------------------------------------------------------- */
 
 struct set {
     struct gd_seed seeds[2];
     struct gd_field_request request;
 };
 
-static inline struct gd_field_request *make_set(struct fixture *fixture, struct set *set, double offset, double radius)
+static inline struct gd_field_request *make_set(struct fixture *fixture, struct set *set,
+                                                double offset, double radius)
 {
     *set = (struct set){.seeds = {{.point = vertex_point(fixture->mesh, 3)},
                                   {.point = vertex_point(fixture->mesh, 8), .offset = offset}}};
-    set->request = (struct gd_field_request){.seeds = set->seeds, .seed_count = 2, .radius = radius};
+    set->request =
+        (struct gd_field_request){.seeds = set->seeds, .seed_count = 2, .radius = radius};
     return &set->request;
 }
 
-static inline struct server_flight *claim(struct fixture *fixture, const struct gd_field_request *request)
+static inline struct server_flight *claim(struct fixture *fixture,
+                                          const struct gd_field_request *request)
 {
     struct server_flight *flight = NULL;
     struct test_job job;
     enum gd_status why;
     test_job_init(&job, NULL);
-    assert_int_equal(server_cache_claim(fixture->shelf, request, &job.job, &flight, &why), SERVER_CACHE_BUILD);
+    assert_int_equal(server_cache_claim(fixture->shelf, request, &job.job, &flight, &why),
+                     SERVER_CACHE_BUILD);
     return flight;
 }
 
@@ -88,7 +93,8 @@ static inline void land_set(struct fixture *fixture, struct server_flight *fligh
 {
     struct gd_field *field;
     assert_int_equal(gd_field_build(fixture->mesh, request, NULL, NULL, &field, NULL), GD_OK);
-    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    assert_true(
+        server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     server_cache_unpin(server_cache_land(flight, field));
 }
 

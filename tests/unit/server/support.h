@@ -1,5 +1,5 @@
-/* What the tests of server share: a mesh with fields, a budget with a cache, jobs that tell what became of them,
- * exchanges without a network. */
+/* What the tests of server share: a mesh with fields, a budget with a cache, jobs that tell what
+ * became of them, exchanges without a network. */
 #ifndef TESTS_UNIT_SERVER_SUPPORT_H
 #define TESTS_UNIT_SERVER_SUPPORT_H
 
@@ -22,7 +22,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-/* --- meshes and fields -------------------------------------------------------------------------------------------- */
+/* --- meshes and fields ------------------------------------------------------------------------ */
 
 static inline struct gd_mesh *new_mesh(void)
 {
@@ -45,13 +45,14 @@ static inline struct gd_field *new_field(const struct gd_mesh *mesh, const struc
 {
     const struct gd_seed seed = {.point = *source};
     struct gd_field *field = NULL;
-    assert_int_equal(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
-        GD_OK);
+    assert_int_equal(gd_field_build(mesh,
+                                    &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                    NULL, NULL, &field, NULL),
+                     GD_OK);
     return field;
 }
 
-/* --- jobs --------------------------------------------------------------------------------------------------------- */
+/* --- jobs ------------------------------------------------------------------------------------- */
 
 struct test_job {
     struct server_job job; /* first */
@@ -81,13 +82,14 @@ static inline void test_job_refuse(struct server_job *job, enum server_refusal w
 
 static inline void test_job_init(struct test_job *job, sem_t *hold)
 {
-    *job = (struct test_job){.job = {.run = test_job_run, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX},
-                             .hold = hold};
+    *job = (struct test_job){
+        .job = {.run = test_job_run, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX},
+        .hold = hold};
     sem_init(&job->began, 0, 0);
     sem_init(&job->done, 0, 0);
 }
 
-/* --- the cache ---------------------------------------------------------------------------------------------------- */
+/* --- the cache -------------------------------------------------------------------------------- */
 
 /* Asks about a source often enough for a field of its own. */
 static inline void ask_often(struct server_shelf *shelf, const struct gd_point *source)

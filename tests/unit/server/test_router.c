@@ -15,15 +15,18 @@ static int tear_down(void **state)
     return 0;
 }
 
-static struct server_exchange *exchange_of(const char *method, const char *target, const char *headers,
-                                           const char *body)
+static struct server_exchange *exchange_of(const char *method, const char *target,
+                                           const char *headers, const char *body)
 {
-    return daemon_ask((struct daemon_request){.method = method, .target = target, .headers = headers, .body = body});
+    return daemon_ask((struct daemon_request){
+        .method = method, .target = target, .headers = headers, .body = body});
 }
 
-static unsigned status_of(const char *method, const char *target, const char *headers, const char *body)
+static unsigned status_of(const char *method, const char *target, const char *headers,
+                          const char *body)
 {
-    return daemon_status((struct daemon_request){.method = method, .target = target, .headers = headers, .body = body});
+    return daemon_status((struct daemon_request){
+        .method = method, .target = target, .headers = headers, .body = body});
 }
 
 static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
@@ -35,15 +38,16 @@ static void an_upload_and_a_question(void **state)
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
     assert_int_equal(PUT_SQUARE(), 200);
-    struct server_exchange *exchange =
-        exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v%3a1&fields=distance", "", NULL);
+    struct server_exchange *exchange = exchange_of(
+        "GET", "/v1/meshes/square/distance?from=v:0&to=v%3a1&fields=distance", "", NULL);
     assert_int_equal(exchange->response.status, 200);
     assert_int_equal(exchange->response.size, strlen("{\"distance\":1}"));
     assert_memory_equal(exchange->response.body, "{\"distance\":1}", exchange->response.size);
     assert_ptr_not_equal(exchange->work, NULL); /* the second lane */
     server_exchange_destroy(exchange);
     for (int i = 1; i < SERVER_CACHE_SEARCHES; i++)
-        assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL), 200);
+        assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL),
+                         200);
     exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:0", "", NULL);
     assert_ptr_equal(exchange->work, NULL); /* the first: by now there is a field of v:0 */
     server_exchange_destroy(exchange);
@@ -65,22 +69,26 @@ static void what_takes_it_becomes_a_job(void **state)
     assert_int_equal(status_of("GET", location, "", NULL), 200);
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("GET", "/v1/meshes", "Prefer: respond-async", NULL), 200);
-    assert_int_equal(status_of("PUT", "/v1/meshes/-/..", prefer, square), 404); /* refused as ever */
+    /* refused as ever */
+    assert_int_equal(status_of("PUT", "/v1/meshes/-/..", prefer, square), 404);
 }
 
 static void a_number_may_hold_a_plus_sign(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
-    assert_int_equal(status_of("GET", "/v1/meshes/square/nearest?point=p:5e-1,2.5e+0,1e+2", "", NULL), 200);
+    assert_int_equal(
+        status_of("GET", "/v1/meshes/square/nearest?point=p:5e-1,2.5e+0,1e+2", "", NULL), 200);
 }
 
 static void targets_that_can_not_be_read(void **state)
 {
     (void)state;
-    static const char *const targets[] = {"/v1/%",        "/v1/%4",  "/v1/%zz", "/v1/%00", "/v1%2fmeshes",
-                                          "/v1%2Fmeshes", "/v1/%0a", "/v1?a=%", "/v1?%00"};
-    for (size_t i = 0; i < COUNT(targets); i++) assert_int_equal(status_of("GET", targets[i], "", NULL), 400);
+    static const char *const targets[] = {"/v1/%",   "/v1/%4",       "/v1/%zz",
+                                          "/v1/%00", "/v1%2fmeshes", "/v1%2Fmeshes",
+                                          "/v1/%0a", "/v1?a=%",      "/v1?%00"};
+    for (size_t i = 0; i < COUNT(targets); i++)
+        assert_int_equal(status_of("GET", targets[i], "", NULL), 400);
     assert_int_equal(status_of("GET", "*", "", NULL), 404);
     assert_int_equal(status_of("GET", "", "", NULL), 404);
 }
@@ -175,7 +183,8 @@ static void work_after_the_cancel_is_told_so(void **state)
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
     server_workers_cancel(daemon_server.workers);
-    struct server_exchange *exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL);
+    struct server_exchange *exchange =
+        exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL);
     assert_int_equal(exchange->response.status, 503);
     assert_int_equal(exchange->response.problem, PROTO_PROBLEM_DRAINING);
     server_exchange_destroy(exchange);
@@ -199,7 +208,8 @@ static void a_search_leaves_a_workspace_that_is_counted(void **state)
     assert_int_equal(counted(SERVER_BUDGET_FLIGHT), 0);
 }
 
-/* The first grant is more than there is: so the workspace of the search before makes way, and all of the rest is granted. */
+/* The first grant is more than there is: so the workspace of the search before makes way, and all
+ * of the rest is granted. */
 static void a_search_that_needs_everything_has_the_workspace_too(void **state)
 {
     (void)state;

@@ -10,7 +10,8 @@
 #include "gd/limit.h"
 #include "tests/support/test.h"
 
-static inline struct gd_subdivision *surface_of(const struct gd_control_mesh *mesh, enum gd_scheme scheme)
+static inline struct gd_subdivision *surface_of(const struct gd_control_mesh *mesh,
+                                                enum gd_scheme scheme)
 {
     struct gd_subdivision *surface = NULL;
     struct gd_detail detail = {0};
@@ -23,7 +24,8 @@ static inline struct gd_subdivision *surface_from(const char *text, enum gd_sche
 {
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail), &detail);
+    check_ok(gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail),
+             &detail);
     struct gd_subdivision *surface = surface_of(&mesh, scheme);
     gd_control_mesh_free(&mesh);
     return surface;
@@ -40,20 +42,22 @@ static inline struct gd_subdivision *surface_from_file(const char *path, enum gd
 }
 
 /* [-1,1]^3; face 0 is z = 1 from (-,-) on. */
-#define CUBE                                                                                                           \
-    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"                             \
+#define CUBE                                                                                       \
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"         \
     "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
 
 /* The same without symmetry. */
-#define SKEW_CUBE                                                                                                      \
-    "v -1 -1 -1\nv 1.2 -1.1 -1\nv -1 .8 -1.4\nv 1.1 1.3 -.7\nv -1 -.6 1\nv .7 -1 1.2\nv -1.3 1 1\nv 1 1.4 .8\n"        \
+#define SKEW_CUBE                                                                                  \
+    "v -1 -1 -1\nv 1.2 -1.1 -1\nv -1 .8 -1.4\nv 1.1 1.3 -.7\nv -1 -.6 1\nv .7 -1 1.2\nv -1.3 1 "   \
+    "1\nv 1 1.4 .8\n"                                                                              \
     "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
 
-#define OCTAHEDRON                                                                                                     \
-    "v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"                                                        \
+#define OCTAHEDRON                                                                                 \
+    "v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"                                    \
     "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n"
 
-/* A bent sheet of n x n cells; triangles: each cell in two. Face (i,j) of quads is number i n + j, its corners (i,j), (i+1,j), (i+1,j+1), (i,j+1). */
+/* A bent sheet of n x n cells; triangles: each cell in two. Face (i,j) of quads is number i n + j,
+ * its corners (i,j), (i+1,j), (i+1,j+1), (i,j+1). */
 static inline void make_sheet(uint32_t n, bool triangles, struct gd_control_mesh *out)
 {
     *out = (struct gd_control_mesh){0};
@@ -81,8 +85,8 @@ static inline void make_sheet(uint32_t n, bool triangles, struct gd_control_mesh
     for (uint32_t i = 0; p->first && i <= p->polygon_count; i++) p->first[i] = 4 * i;
 }
 
-static inline struct gd_limit_jet jet_at(const struct gd_subdivision *surface, uint32_t face, uint32_t corner, double u,
-                                         double v)
+static inline struct gd_limit_jet jet_at(const struct gd_subdivision *surface, uint32_t face,
+                                         uint32_t corner, double u, double v)
 {
     struct gd_limit_jet jet = {0};
     struct gd_detail detail = {0};
@@ -94,7 +98,8 @@ static inline struct gd_limit_jet jet_at(const struct gd_subdivision *surface, u
 static inline void check_near(struct gd_vec3 actual, double x, double y, double z, double absolute)
 {
     double off = gd_vec3_distance(actual, (struct gd_vec3){x, y, z});
-    if (!(off <= absolute)) fail_msg("(%.15g,%.15g,%.15g) is off by %g", actual.x, actual.y, actual.z, off);
+    if (!(off <= absolute))
+        fail_msg("(%.15g,%.15g,%.15g) is off by %g", actual.x, actual.y, actual.z, off);
 }
 
 #endif

@@ -3,7 +3,8 @@
 #include "gd/discretization.h"
 #include "gd/mesh.h"
 
-static struct gd_discretization fine_of(const struct gd_subdivision *surface, uint32_t level, double tolerance)
+static struct gd_discretization fine_of(const struct gd_subdivision *surface, uint32_t level,
+                                        double tolerance)
 {
     struct gd_discretization fine = {0};
     struct gd_detail detail = {0};
@@ -22,7 +23,8 @@ static void check_places(const struct gd_subdivision *surface, const struct gd_d
     for (uint32_t i = 0; i < count; i++) {
         const double *p = fine->polygons.positions[i];
         check_near(jets[i].position, p[0], p[1], p[2], 1e-13);
-        check_near(fine->normals[i], jets[i].normal.x, jets[i].normal.y, jets[i].normal.z, normal_tolerance);
+        check_near(fine->normals[i], jets[i].normal.x, jets[i].normal.y, jets[i].normal.z,
+                   normal_tolerance);
     }
     free(jets);
 }
@@ -41,7 +43,8 @@ static void check_mesh(const struct gd_discretization *fine, int64_t euler, uint
 static void levels(void **state)
 {
     (void)state;
-    static const char *const tags[] = {"", "t crease 4/1/0 4 5 7 6 2.5\n", "t crease 2/1/0 4 5 10\n"};
+    static const char *const tags[] = {"", "t crease 4/1/0 4 5 7 6 2.5\n",
+                                       "t crease 2/1/0 4 5 10\n"};
     char text[1024];
     for (int k = 0; k < 3; k++) {
         snprintf(text, sizeof text, "%s%s", CUBE, tags[k]);
@@ -82,7 +85,8 @@ static void check_tolerance(const struct gd_subdivision *surface, double toleran
         check_ok(gd_limit_nearest(surface, middle, NULL, &foot, NULL), NULL);
         worst = fmax(worst, foot.distance);
     }
-    print_message("# tolerance %g: %u triangles, off by %.2g\n", tolerance, p->polygon_count, worst);
+    print_message("# tolerance %g: %u triangles, off by %.2g\n", tolerance, p->polygon_count,
+                  worst);
     assert_true(worst <= tolerance && worst > tolerance / 20);
     check_places(surface, &fine, 1e-9);
     check_mesh(&fine, 2, 0);
@@ -92,7 +96,8 @@ static void check_tolerance(const struct gd_subdivision *surface, double toleran
 static void tolerances(void **state)
 {
     (void)state;
-    struct gd_subdivision *surface = surface_from(CUBE "t crease 4/1/0 4 5 7 6 2.5\n", GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *surface =
+        surface_from(CUBE "t crease 4/1/0 4 5 7 6 2.5\n", GD_SCHEME_CATMULL_CLARK);
     check_tolerance(surface, 0.01);
     check_tolerance(surface, 0.0005);
     gd_subdivision_release(surface);
@@ -106,7 +111,8 @@ static void tolerances(void **state)
 static void real_mesh(void **state)
 {
     (void)state;
-    struct gd_subdivision *surface = surface_from_file("../shared/meshes/suzanne.obj", GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *surface =
+        surface_from_file("../shared/meshes/suzanne.obj", GD_SCHEME_CATMULL_CLARK);
     if (!surface) {
         print_message("# ../shared/meshes/suzanne.obj is not here: skipped\n");
         return;
@@ -168,12 +174,14 @@ static void a_large_face_is_looked_up_from(void **state)
         struct gd_discretization fine;
         uint32_t looks = 0;
         const struct gd_control control = {.progress = count_looks, .user = &looks};
-        assert_int_equal(gd_discretize(surfaces[i / 2], &wanted[i % 2], &control, &fine, NULL), GD_OK);
+        assert_int_equal(gd_discretize(surfaces[i / 2], &wanted[i % 2], &control, &fine, NULL),
+                         GD_OK);
         assert_true(looks >= 2 * fine.polygons.position_count / 10000);
         gd_discretization_free(&fine);
         looks /= 2;
         const struct gd_control ending = {.progress = stop_later, .user = &looks};
-        assert_int_equal(gd_discretize(surfaces[i / 2], &wanted[i % 2], &ending, &fine, NULL), GD_CANCELLED);
+        assert_int_equal(gd_discretize(surfaces[i / 2], &wanted[i % 2], &ending, &fine, NULL),
+                         GD_CANCELLED);
     }
     gd_subdivision_release(cube);
     gd_subdivision_release(loop);

@@ -12,7 +12,8 @@ static struct gd_limit_mesh *fine_of(const struct gd_subdivision *surface, uint3
     return fine;
 }
 
-/* Vertices are where the discretization says that they are, to the last bit, and so are their normals. */
+/* Vertices are where the discretization says that they are, to the last bit, and so are their
+ * normals. */
 static void check_vertices(const struct gd_subdivision *surface, const struct gd_limit_mesh *fine)
 {
     struct gd_discretization made;
@@ -36,12 +37,13 @@ static void check_vertices(const struct gd_subdivision *surface, const struct gd
 }
 
 /* There and back again, at places all over the face, on the lines of cells too. */
-static void check_places(const struct gd_limit_mesh *fine, uint32_t faces, uint32_t corners, bool triangles)
+static void check_places(const struct gd_limit_mesh *fine, uint32_t faces, uint32_t corners,
+                         bool triangles)
 {
     struct rng rng = {5};
     for (int n = 0; n < 2000; n++) {
-        struct gd_limit_point place = {rng_below(&rng, faces), rng_below(&rng, corners), rng_between(&rng, 0, 1),
-                                       rng_between(&rng, 0, 1)};
+        struct gd_limit_point place = {rng_below(&rng, faces), rng_below(&rng, corners),
+                                       rng_between(&rng, 0, 1), rng_between(&rng, 0, 1)};
         if (n % 3 == 0) place.u = rng_below(&rng, 9) / 8.0;
         if (n % 4 == 0) place.v = rng_below(&rng, 17) / 16.0;
         if (triangles && place.u + place.v > 1) place.u = 1 - place.u, place.v = 1 - place.v;
@@ -83,7 +85,8 @@ static void quads(void **state)
 static void polygons(void **state)
 {
     (void)state;
-    check("v 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 0\nf 1 2 3\nf 1 3 4\nf 2 1 4\nf 3 2 4\n", GD_SCHEME_CATMULL_CLARK, 4, 3);
+    check("v 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 0\nf 1 2 3\nf 1 3 4\nf 2 1 4\nf 3 2 4\n",
+          GD_SCHEME_CATMULL_CLARK, 4, 3);
 }
 
 static void triangles(void **state)
@@ -97,7 +100,8 @@ static void mixed(void **state)
 {
     (void)state;
     struct gd_subdivision *surface =
-        surface_from("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 .5 .2\nf 1 2 3 4\nf 2 5 3\n", GD_SCHEME_CATMULL_CLARK);
+        surface_from("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 .5 .2\nf 1 2 3 4\nf 2 5 3\n",
+                     GD_SCHEME_CATMULL_CLARK);
     struct gd_limit_mesh *fine = fine_of(surface, 3);
     check_vertices(surface, fine);
     check_places(fine, 1, 1, false);
@@ -108,7 +112,8 @@ static void mixed(void **state)
     gd_limit_mesh_free(fine);
     assert_int_equal(gd_limit_mesh_build(surface, 0, 0, NULL, &fine, &detail), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_limit_mesh_build(surface, 4, 100, NULL, &fine, &detail), GD_TOO_LARGE);
-    assert_int_equal(gd_limit_mesh_build(surface, 4, 0, &(struct gd_control){.budget_bytes = 10000}, &fine, &detail),
+    assert_int_equal(gd_limit_mesh_build(surface, 4, 0, &(struct gd_control){.budget_bytes = 10000},
+                                         &fine, &detail),
                      GD_BUDGET);
     assert_int_equal(gd_limit_mesh_least_level(surface), 1);
     gd_subdivision_release(surface);
@@ -122,7 +127,9 @@ static void levels(void **state)
     assert_int_equal(gd_limit_mesh_usual_level(surface), 6);
     size_t cost = gd_limit_mesh_cost(surface, 5);
     struct gd_limit_mesh *fine;
-    check_ok(gd_limit_mesh_build(surface, 5, 0, &(struct gd_control){.budget_bytes = cost}, &fine, NULL), NULL);
+    check_ok(
+        gd_limit_mesh_build(surface, 5, 0, &(struct gd_control){.budget_bytes = cost}, &fine, NULL),
+        NULL);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }
@@ -140,7 +147,8 @@ static void directions(void **state)
         for (double angle = 0.1; angle < 6.2; angle += 0.7) {
             struct gd_vec3 direction = gd_limit_direction(&jet, angle);
             check_close(gd_vec3_length(direction), 1, 1e-14);
-            check_close(gd_limit_angle(&jet, gd_vec3_along(direction, 0.5, jet.normal)), angle, 1e-13);
+            check_close(gd_limit_angle(&jet, gd_vec3_along(direction, 0.5, jet.normal)), angle,
+                        1e-13);
         }
     }
     struct gd_limit_point beside = {1, 0, 1 + 1e-12, -1e-12};

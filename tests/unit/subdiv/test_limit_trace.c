@@ -24,16 +24,18 @@ static double gap(const struct gd_limit_path *path)
     return gd_vec3_distance(path->steps[0].position, last(path)->position);
 }
 
-/* The two closed geodesics in mirror planes of the smoothed cube. The lengths: quadrature of |S'| along them; the second one's, with Gauss nodes graded towards
- * the four vertices of valence 3, is 5.384418260817. */
+/* The two closed geodesics in mirror planes of the smoothed cube. The lengths: quadrature of |S'|
+ * along them; the second one's, with Gauss nodes graded towards the four vertices of valence 3,
+ * is 5.384418260817. */
 static void closed_geodesics(void **state)
 {
     (void)state;
     struct gd_subdivision *cube = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
-    struct gd_limit_path path =
-        trace(cube, (struct gd_limit_point){0, 0, 0.3, 0.5}, (struct gd_vec3){1, 0, 0}, 5.344803240448);
+    struct gd_limit_path path = trace(cube, (struct gd_limit_point){0, 0, 0.3, 0.5},
+                                      (struct gd_vec3){1, 0, 0}, 5.344803240448);
     assert_true(gap(&path) < 1e-11);
-    for (uint32_t i = 0; i < path.step_count; i++) assert_true(fabs(path.steps[i].position.y) < 1e-13);
+    for (uint32_t i = 0; i < path.step_count; i++)
+        assert_true(fabs(path.steps[i].position.y) < 1e-13);
     gd_limit_path_free(&path);
 
     const struct gd_limit_point starts[] = {{0, 0, 0.5, 0.5}, {0, 0, 0.25, 0.25}, {0, 0, 0, 0}};
@@ -51,18 +53,22 @@ static void closed_geodesics(void **state)
 }
 
 /* A geodesic traced back is itself, with creases and boundaries or not, in both schemes. */
-static void check_back(const struct gd_subdivision *surface, double length, uint32_t faces, int count)
+static void check_back(const struct gd_subdivision *surface, double length, uint32_t faces,
+                       int count)
 {
     struct rng rng = {11};
     double worst = 0;
     for (int n = 0; n < count; n++) {
-        struct gd_limit_point start = {rng_below(&rng, faces), 0, rng_between(&rng, 0, 0.5), rng_between(&rng, 0, 0.5)};
+        struct gd_limit_point start = {rng_below(&rng, faces), 0, rng_between(&rng, 0, 0.5),
+                                       rng_between(&rng, 0, 0.5)};
         struct gd_limit_jet jet = jet_at(surface, start.face, 0, start.u, start.v);
         double angle = rng_between(&rng, 0, 2 * M_PI);
-        struct gd_vec3 direction = gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle), jet.dv);
+        struct gd_vec3 direction =
+            gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle), jet.dv);
         struct gd_limit_path there = trace(surface, start, direction, length);
         if (there.end == GD_LIMIT_END_LENGTH) {
-            struct gd_limit_path back = trace(surface, last(&there)->place, gd_vec3_scale(there.direction, -1), length);
+            struct gd_limit_path back =
+                trace(surface, last(&there)->place, gd_vec3_scale(there.direction, -1), length);
             assert_int_equal(back.end, GD_LIMIT_END_LENGTH);
             worst = fmax(worst, gd_vec3_distance(last(&back)->position, jet.position));
             double chords = 0;
@@ -117,7 +123,8 @@ static void flat(void **state)
 static void spike(void **state)
 {
     (void)state;
-    struct gd_subdivision *cube = surface_from(CUBE "t corner 1/1/0 4 10\n", GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *cube =
+        surface_from(CUBE "t corner 1/1/0 4 10\n", GD_SCHEME_CATMULL_CLARK);
     struct gd_limit_point at = {0, 0, 0.4, 0.4};
     struct gd_limit_path path = trace(cube, at, (struct gd_vec3){-1, -1, 0}, 3);
     assert_int_equal(path.end, GD_LIMIT_END_SINGULAR);
@@ -143,13 +150,15 @@ static void spike(void **state)
     gd_subdivision_release(cube);
 }
 
-/* Paths begin at boundary vertices of any number of faces, in the face where the direction leads, whichever face is told: in a flat L they are straight. */
+/* Paths begin at boundary vertices of any number of faces, in the face where the direction leads,
+ * whichever face is told: in a flat L they are straight. */
 static void from_corners(void **state)
 {
     (void)state;
-    struct gd_subdivision *l = surface_from("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2 0\n"
-                                            "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\n",
-                                            GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *l =
+        surface_from("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2 0\n"
+                     "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\n",
+                     GD_SCHEME_CATMULL_CLARK);
     const struct gd_limit_point inner[] = {{0, 0, 1, 1}, {1, 0, 0, 1}, {2, 0, 1, 0}};
     for (int n = 0; n < 3; n++) {
         struct gd_vec3 from = jet_at(l, inner[n].face, 0, inner[n].u, inner[n].v).position;
@@ -157,7 +166,8 @@ static void from_corners(void **state)
             double angle = 0.1 + k * M_PI / 18;
             struct gd_vec3 direction = {cos(angle), sin(angle), 0};
             struct gd_limit_path path = trace(l, inner[n], direction, 0.2);
-            bool out = angle < 0.75 * M_PI - 0.2 || angle > 1.75 * M_PI + 0.2 ? path.length == 0 : false;
+            bool out =
+                angle < 0.75 * M_PI - 0.2 || angle > 1.75 * M_PI + 0.2 ? path.length == 0 : false;
             bool in = angle > 0.75 * M_PI + 0.2 && angle < 1.75 * M_PI - 0.2;
             if (in) {
                 assert_int_equal(path.end, GD_LIMIT_END_LENGTH);
@@ -176,19 +186,21 @@ static void from_corners(void **state)
 static void semi_sharp_vertex(void **state)
 {
     (void)state;
-    struct gd_subdivision *cube =
-        surface_from(CUBE "t corner 1/1/0 4 2.5\nt crease 2/1/0 4 5 1.2\n", GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *cube = surface_from(
+        CUBE "t corner 1/1/0 4 2.5\nt crease 2/1/0 4 5 1.2\n", GD_SCHEME_CATMULL_CLARK);
     struct gd_limit_point at = {0, 0, 0, 0};
     struct gd_limit_jet jet = jet_at(cube, 0, 0, 0, 0);
     for (int k = 0; k < 12; k++) {
         double angle = 0.2 + k * M_PI / 6;
-        struct gd_vec3 direction =
-            gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle), gd_vec3_cross(jet.normal, jet.du));
+        struct gd_vec3 direction = gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle),
+                                                 gd_vec3_cross(jet.normal, jet.du));
         struct gd_limit_path there = trace(cube, at, direction, 0.5);
         assert_int_equal(there.end, GD_LIMIT_END_LENGTH);
-        struct gd_limit_path through = trace(cube, last(&there)->place, gd_vec3_scale(there.direction, -1), 1);
+        struct gd_limit_path through =
+            trace(cube, last(&there)->place, gd_vec3_scale(there.direction, -1), 1);
         assert_int_equal(through.end, GD_LIMIT_END_LENGTH);
-        struct gd_limit_path back = trace(cube, last(&through)->place, gd_vec3_scale(through.direction, -1), 0.5);
+        struct gd_limit_path back =
+            trace(cube, last(&through)->place, gd_vec3_scale(through.direction, -1), 0.5);
         check_near(last(&back)->position, jet.position.x, jet.position.y, jet.position.z, 1e-8);
         gd_limit_path_free(&there);
         gd_limit_path_free(&through);
@@ -217,7 +229,9 @@ static void refusals(void **state)
     gd_subdivision_release(cube);
 }
 
-/* A thousand directions from as many places of a real control mesh, each a part of the bounding box's diagonal long, never fail, on the surface and on its discretization; every tenth begins at a vertex. */
+/* A thousand directions from as many places of a real control mesh, each a part of the bounding
+ * box's diagonal long, never fail, on the surface and on its discretization; every tenth begins at
+ * a vertex. */
 static void check_thousand(const char *path, double part)
 {
     struct gd_subdivision *surface = surface_from_file(path, GD_SCHEME_CATMULL_CLARK);
@@ -227,7 +241,9 @@ static void check_thousand(const char *path, double part)
     }
     struct gd_limit_mesh *fine;
     struct gd_detail detail = {0};
-    check_ok(gd_limit_mesh_build(surface, gd_limit_mesh_usual_level(surface), 0, NULL, &fine, &detail), &detail);
+    check_ok(
+        gd_limit_mesh_build(surface, gd_limit_mesh_usual_level(surface), 0, NULL, &fine, &detail),
+        &detail);
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(fine);
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
     double length = part * gd_vec3_distance(summary->min, summary->max);
@@ -251,11 +267,13 @@ static void check_thousand(const char *path, double part)
         enum gd_status status = gd_direction_along(mesh, &from, direction, &ahead, &detail);
         if (status == GD_NOT_ON_SURFACE) continue; /* over the boundary */
         check_ok(status, &detail);
-        check_ok(gd_trace_follow(mesh, &from, &ahead, length, &options, NULL, &line, &detail), &detail);
+        check_ok(gd_trace_follow(mesh, &from, &ahead, length, &options, NULL, &line, &detail),
+                 &detail);
         gd_trace_free(&line);
     }
-    print_message("# %s: of 1,000 geodesics %u end by length, %u at the boundary, %u at corners and creases\n", path,
-                  ends[0], ends[1], ends[2]);
+    print_message("# %s: of 1,000 geodesics %u end by length, %u at the boundary, %u at corners "
+                  "and creases\n",
+                  path, ends[0], ends[1], ends[2]);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }
@@ -264,7 +282,8 @@ static void real_meshes(void **state)
 {
     (void)state;
     check_thousand("../shared/meshes/suzanne.obj", 0.5);
-    check_thousand("../shared/meshes/beast.obj", 0.03); /* of ten times as many patches to a length */
+    /* of ten times as many patches to a length */
+    check_thousand("../shared/meshes/beast.obj", 0.03);
 }
 
 int main(void)

@@ -11,14 +11,15 @@ static double at(struct lattice lattice, int i, int j, int axis)
     return lattice.p[i * ROW + j][axis];
 }
 
-/* Loop's rules on the regular lattice, whose triangles are (i,j),(i+1,j),(i,j+1) and (i+1,j),(i+1,j+1),(i,j+1); a, b are of the fine one. */
+/* Loop's rules on the regular lattice, whose triangles are (i,j),(i+1,j),(i,j+1) and
+ * (i+1,j),(i+1,j+1),(i,j+1); a, b are of the fine one. */
 static double refined(struct lattice l, int a, int b, int axis)
 {
     int i = a / 2, j = b / 2;
     if (a % 2 == 0 && b % 2 == 0)
         return 0.625 * at(l, i, j, axis) +
-               (at(l, i + 1, j, axis) + at(l, i - 1, j, axis) + at(l, i, j + 1, axis) + at(l, i, j - 1, axis) +
-                at(l, i + 1, j - 1, axis) + at(l, i - 1, j + 1, axis)) /
+               (at(l, i + 1, j, axis) + at(l, i - 1, j, axis) + at(l, i, j + 1, axis) +
+                at(l, i, j - 1, axis) + at(l, i + 1, j - 1, axis) + at(l, i - 1, j + 1, axis)) /
                    16;
     if (b % 2 == 0)
         return 0.375 * (at(l, i, j, axis) + at(l, i + 1, j, axis)) +
@@ -30,7 +31,8 @@ static double refined(struct lattice l, int a, int b, int axis)
            0.125 * (at(l, i, j, axis) + at(l, i + 1, j + 1, axis));
 }
 
-/* The only bounded functions that refinement takes to themselves are the box splines: a sheet and its refinement are one surface. */
+/* The only bounded functions that refinement takes to themselves are the box splines: a sheet and
+ * its refinement are one surface. */
 static void refinement(void **state)
 {
     (void)state;
@@ -44,7 +46,8 @@ static void refinement(void **state)
                 fine.polygons.positions[a * FINE + b][axis] = refined(lattice, a, b, axis);
         }
     }
-    struct gd_subdivision *one = surface_of(&coarse, GD_SCHEME_LOOP), *two = surface_of(&fine, GD_SCHEME_LOOP);
+    struct gd_subdivision *one = surface_of(&coarse, GD_SCHEME_LOOP),
+                          *two = surface_of(&fine, GD_SCHEME_LOOP);
     struct rng rng = {3};
     for (int n = 0; n < 300; n++) {
         uint32_t i = 2 + rng_below(&rng, 2), j = 2 + rng_below(&rng, 2);
@@ -61,7 +64,8 @@ static void refinement(void **state)
     gd_control_mesh_free(&fine);
 }
 
-/* A flat, even lattice stays what it is: inside S(u,v) is linear in (u,v), and at a straight boundary too. */
+/* A flat, even lattice stays what it is: inside S(u,v) is linear in (u,v), and at a straight
+ * boundary too. */
 static void linear_precision(void **state)
 {
     (void)state;
@@ -74,14 +78,16 @@ static void linear_precision(void **state)
     }
     struct gd_subdivision *surface = surface_of(&mesh, GD_SCHEME_LOOP);
     check_near(jet_at(surface, 10, 0, 0.2, 0.3).position, 1.2, 1.3, 0, 1e-14); /* cell (1,1) */
-    check_near(jet_at(surface, 8, 0, 0.2, 0.3).position, 1.2, 0.3, 0, 1e-14);  /* cell (1,0), at the boundary */
+    /* cell (1,0), at the boundary */
+    check_near(jet_at(surface, 8, 0, 0.2, 0.3).position, 1.2, 0.3, 0, 1e-14);
     check_near(jet_at(surface, 8, 0, 0.2, 0).du, 1, 0, 0, 1e-13);
     check_near(jet_at(surface, 8, 0, 0.2, 0).normal, 0, 0, 1, 1e-14);
     gd_subdivision_release(surface);
     gd_control_mesh_free(&mesh);
 }
 
-/* Octahedron: masks at its vertices of valence 4. beta = (5/8 - (3/8)^2) / 4, the vertex keeps w / (w + 4), w = 3 / (8 beta), of itself; the neighbours cancel. */
+/* Octahedron: masks at its vertices of valence 4. beta = (5/8 - (3/8)^2) / 4, the vertex keeps w /
+ * (w + 4), w = 3 / (8 beta), of itself; the neighbours cancel. */
 static void octahedron(void **state)
 {
     (void)state;
@@ -95,7 +101,8 @@ static void octahedron(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refinement), cmocka_unit_test(linear_precision),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refinement),
+                                       cmocka_unit_test(linear_precision),
                                        cmocka_unit_test(octahedron)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

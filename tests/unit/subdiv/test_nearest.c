@@ -13,13 +13,16 @@ static void check_normals(const struct gd_subdivision *surface, uint32_t faces, 
 {
     struct rng rng = {5};
     for (int n = 0; n < 60; n++) {
-        struct gd_limit_point place = {rng_below(&rng, faces), 0, rng_between(&rng, 0, 0.5), rng_between(&rng, 0, 0.5)};
+        struct gd_limit_point place = {rng_below(&rng, faces), 0, rng_between(&rng, 0, 0.5),
+                                       rng_between(&rng, 0, 0.5)};
         if (n % 10 == 0) place.v = 0;
         struct gd_limit_jet jet = jet_at(surface, place.face, 0, place.u, place.v);
-        struct gd_limit_foot foot = foot_of(surface, gd_vec3_along(jet.position, height, jet.normal));
+        struct gd_limit_foot foot =
+            foot_of(surface, gd_vec3_along(jet.position, height, jet.normal));
         check_close(foot.distance, height, 1e-13);
         check_near(foot.position, jet.position.x, jet.position.y, jet.position.z, 1e-7);
-        struct gd_limit_jet there = jet_at(surface, foot.place.face, foot.place.corner, foot.place.u, foot.place.v);
+        struct gd_limit_jet there =
+            jet_at(surface, foot.place.face, foot.place.corner, foot.place.u, foot.place.v);
         check_near(there.position, foot.position.x, foot.position.y, foot.position.z, 1e-14);
         foot = foot_of(surface, jet.position);
         assert_true(foot.distance < 1e-13);
@@ -34,7 +37,8 @@ static void along_normals(void **state)
     (void)state;
     struct gd_subdivision *surface = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
     check_normals(surface, 6, 0.3);
-    struct gd_limit_foot foot = foot_of(surface, (struct gd_vec3){3, 3, 3}); /* the vertex of valence 3 */
+    /* the vertex of valence 3 */
+    struct gd_limit_foot foot = foot_of(surface, (struct gd_vec3){3, 3, 3});
     check_near(foot.position, 0.5, 0.5, 0.5, 1e-12);
     check_close(foot.distance, 2.5 * sqrt(3), 1e-14);
     gd_subdivision_release(surface);
@@ -58,7 +62,8 @@ static void boundary(void **state)
     foot = foot_of(sheet, (struct gd_vec3){-5, -5, 0});
     check_near(foot.position, mesh.polygons.positions[0][0], mesh.polygons.positions[0][1],
                mesh.polygons.positions[0][2], 1e-12);
-    assert_int_equal(gd_limit_nearest(sheet, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_limit_nearest(sheet, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL),
+                     GD_INVALID_ARGUMENT);
     gd_subdivision_release(sheet);
     gd_control_mesh_free(&mesh);
 }

@@ -2,7 +2,8 @@
 
 #include "gd/limit_path.h"
 
-/* Traced geodesics whose polylines are told coarsely, by three points one of which is off, are found again. */
+/* Traced geodesics whose polylines are told coarsely, by three points one of which is off, are
+ * found again. */
 static void check_found(const struct gd_subdivision *surface, uint32_t faces, double length)
 {
     struct rng rng = {2};
@@ -11,7 +12,8 @@ static void check_found(const struct gd_subdivision *surface, uint32_t faces, do
                                        rng_between(&rng, 0.1, 0.5)};
         struct gd_limit_jet jet = jet_at(surface, start.face, 0, start.u, start.v);
         double angle = rng_between(&rng, 0, 2 * M_PI);
-        struct gd_vec3 direction = gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle), jet.dv);
+        struct gd_vec3 direction =
+            gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle), jet.dv);
         struct gd_vec3 aside = gd_vec3_along(direction, 0.2, gd_vec3_cross(jet.normal, direction));
         struct gd_limit_path path, off;
         check_ok(gd_limit_trace(surface, &start, direction, length, NULL, &path, NULL), NULL);
@@ -24,7 +26,8 @@ static void check_found(const struct gd_subdivision *surface, uint32_t faces, do
         check_close(found.path.length, length, 1e-10);
         assert_true(fabs(found.path.length - length) <= found.error_estimate + 1e-13 * length);
         struct gd_vec3 end = path.steps[path.step_count - 1].position;
-        check_near(found.path.steps[found.path.step_count - 1].position, end.x, end.y, end.z, 1e-11);
+        check_near(found.path.steps[found.path.step_count - 1].position, end.x, end.y, end.z,
+                   1e-11);
         gd_limit_path_free(&found.path);
         gd_limit_path_free(&path);
         gd_limit_path_free(&off);
@@ -42,7 +45,8 @@ static void found_again(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Around a hole no geodesic leads straight: the shortest path hugs the boundary, and that is said. */
+/* Around a hole no geodesic leads straight: the shortest path hugs the boundary, and that is said.
+ */
 static void around_a_corner(void **state)
 {
     (void)state;
@@ -50,12 +54,14 @@ static void around_a_corner(void **state)
         surface_from("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2 0\n"
                      "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\n",
                      GD_SCHEME_CATMULL_CLARK);
-    const struct gd_limit_point polyline[3] = {{1, 0, 0.9, 0.9}, {0, 0, 0.8, 0.8}, {2, 0, 0.9, 0.9}};
+    const struct gd_limit_point polyline[3] = {
+        {1, 0, 0.9, 0.9}, {0, 0, 0.8, 0.8}, {2, 0, 0.9, 0.9}};
     struct gd_limit_geodesic found = {0};
     check_ok(gd_limit_relax(corner, polyline, 3, NULL, &found, NULL), NULL);
     assert_false(found.converged);
     assert_null(found.path.steps);
-    const struct gd_limit_point chord[2] = {polyline[0], polyline[2]}; /* leads over the gap, straight to the end */
+    /* leads over the gap, straight to the end */
+    const struct gd_limit_point chord[2] = {polyline[0], polyline[2]};
     check_ok(gd_limit_relax(corner, chord, 2, NULL, &found, NULL), NULL);
     assert_false(found.converged);
     assert_int_equal(gd_limit_relax(corner, polyline, 1, NULL, &found, NULL), GD_INVALID_ARGUMENT);
@@ -66,6 +72,7 @@ static void around_a_corner(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(found_again), cmocka_unit_test(around_a_corner)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(found_again),
+                                       cmocka_unit_test(around_a_corner)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,8 +32,8 @@ static void plane(void **state)
     struct gd_subdivision *surface = surface_of(&sheet, GD_SCHEME_CATMULL_CLARK);
     gd_control_mesh_free(&sheet);
     struct gd_limit_mesh *fine = fine_of(surface, 3);
-    struct gd_limit_shortest shortest =
-        find(fine, (struct gd_limit_point){5, 0, 0.25, 0.5}, (struct gd_limit_point){10, 0, 0.5, 0.125});
+    struct gd_limit_shortest shortest = find(fine, (struct gd_limit_point){5, 0, 0.25, 0.5},
+                                             (struct gd_limit_point){10, 0, 0.5, 0.125});
     check_close(shortest.distance, hypot(1.25, 0.625), 1e-12);
     check_close(shortest.mesh_distance, shortest.distance, 1e-12);
     assert_true(shortest.relaxed);
@@ -42,7 +42,8 @@ static void plane(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Half of the closed geodesic in the mirror plane y = 0 of the smoothed cube, from the middle of the top to that of the bottom: smooth.md's length. */
+/* Half of the closed geodesic in the mirror plane y = 0 of the smoothed cube, from the middle of
+ * the top to that of the bottom: smooth.md's length. */
 static void half_a_turn(void **state)
 {
     (void)state;
@@ -50,8 +51,8 @@ static void half_a_turn(void **state)
     double before = 1;
     for (uint32_t level = 2; level <= 5; level++) {
         struct gd_limit_mesh *fine = fine_of(surface, level);
-        struct gd_limit_shortest shortest =
-            find(fine, (struct gd_limit_point){0, 0, 0.5, 0.5}, (struct gd_limit_point){5, 0, 0.5, 0.5});
+        struct gd_limit_shortest shortest = find(fine, (struct gd_limit_point){0, 0, 0.5, 0.5},
+                                                 (struct gd_limit_point){5, 0, 0.5, 0.5});
         check_close(shortest.distance, 5.344803240448 / 4, 1e-11);
         assert_true(shortest.relaxed && shortest.error_estimate < 1e-10);
         check_close(shortest.steps[0].position.z, 68.0 / 81, 1e-12);
@@ -77,26 +78,31 @@ static void laws(void **state)
         struct gd_limit_point place[3];
         double distance[3], error = 0;
         for (int i = 0; i < 3; i++)
-            place[i] = (struct gd_limit_point){rng_below(&rng, 6), 0, rng_between(&rng, 0, 1), rng_between(&rng, 0, 1)};
+            place[i] = (struct gd_limit_point){rng_below(&rng, 6), 0, rng_between(&rng, 0, 1),
+                                               rng_between(&rng, 0, 1)};
         for (int i = 0; i < 3; i++) {
             struct gd_limit_shortest there = find(fine, place[i], place[(i + 1) % 3]);
             struct gd_limit_shortest back = find(fine, place[(i + 1) % 3], place[i]);
             distance[i] = there.distance;
             error += there.error_estimate;
             relaxed += there.relaxed;
-            assert_true(fabs(there.distance - back.distance) <= there.error_estimate + back.error_estimate + 1e-11);
+            assert_true(fabs(there.distance - back.distance) <=
+                        there.error_estimate + back.error_estimate + 1e-11);
             check_close(there.distance, there.mesh_distance, 2e-3);
             gd_limit_shortest_free(&there);
             gd_limit_shortest_free(&back);
         }
-        for (int i = 0; i < 3; i++) assert_true(distance[i] <= distance[(i + 1) % 3] + distance[(i + 2) % 3] + error);
+        for (int i = 0; i < 3; i++)
+            assert_true(distance[i] <= distance[(i + 1) % 3] + distance[(i + 2) % 3] + error);
     }
-    assert_true(relaxed > 110); /* the others end at conjugate points, or pass a vertex of valence 3 */
+    /* the others end at conjugate points, or pass a vertex of valence 3 */
+    assert_true(relaxed > 110);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }
 
-/* Around a corner that turns in, where the path is not a geodesic, its length converges, and the estimate tells how far. */
+/* Around a corner that turns in, where the path is not a geodesic, its length converges, and the
+ * estimate tells how far. */
 static void around_a_corner(void **state)
 {
     (void)state;
@@ -107,12 +113,14 @@ static void around_a_corner(void **state)
     struct gd_limit_shortest by_level[3];
     for (int i = 0; i < 3; i++) {
         struct gd_limit_mesh *fine = fine_of(corner, 2 + 3 * (uint32_t)i);
-        by_level[i] = find(fine, (struct gd_limit_point){1, 0, 0.9, 0.9}, (struct gd_limit_point){2, 0, 0.9, 0.9});
+        by_level[i] = find(fine, (struct gd_limit_point){1, 0, 0.9, 0.9},
+                           (struct gd_limit_point){2, 0, 0.9, 0.9});
         gd_limit_mesh_free(fine);
         assert_false(by_level[i].relaxed);
     }
     for (int i = 0; i < 2; i++) {
-        assert_true(fabs(by_level[i].distance - by_level[2].distance) <= by_level[i].error_estimate);
+        assert_true(fabs(by_level[i].distance - by_level[2].distance) <=
+                    by_level[i].error_estimate);
         assert_true(by_level[i + 1].error_estimate < by_level[i].error_estimate / 16);
     }
     for (int i = 0; i < 3; i++) gd_limit_shortest_free(&by_level[i]);
@@ -127,7 +135,8 @@ static void edges(void **state)
                      "f 1 2 3 4\nf 5 6 7 8\n",
                      GD_SCHEME_CATMULL_CLARK);
     struct gd_limit_mesh *fine = fine_of(surface, 3);
-    const struct gd_limit_point here = {0, 0, 0.3, 0.4}, there = {1, 0, 0.5, 0.5}, nowhere = {2, 0, 0, 0};
+    const struct gd_limit_point here = {0, 0, 0.3, 0.4}, there = {1, 0, 0.5, 0.5},
+                                nowhere = {2, 0, 0, 0};
     struct gd_limit_shortest shortest = find(fine, here, there);
     assert_true(isinf(shortest.distance) && shortest.step_count == 0);
     gd_limit_shortest_free(&shortest);
@@ -137,17 +146,20 @@ static void edges(void **state)
     shortest = find(fine, here, (struct gd_limit_point){0, 0, 0.3, 0.4 + 1e-13});
     assert_true(shortest.distance < 1e-12);
     gd_limit_shortest_free(&shortest);
-    assert_int_equal(gd_limit_shortest_find(fine, &here, &nowhere, NULL, &shortest, NULL), GD_OUT_OF_RANGE);
-    assert_int_equal(
-        gd_limit_shortest_find(fine, &here, &here, &(struct gd_control){.deadline_ns = 1}, &shortest, NULL),
-        GD_DEADLINE);
+    assert_int_equal(gd_limit_shortest_find(fine, &here, &nowhere, NULL, &shortest, NULL),
+                     GD_OUT_OF_RANGE);
+    assert_int_equal(gd_limit_shortest_find(fine, &here, &here,
+                                            &(struct gd_control){.deadline_ns = 1}, &shortest,
+                                            NULL),
+                     GD_DEADLINE);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(plane), cmocka_unit_test(half_a_turn), cmocka_unit_test(laws),
-                                       cmocka_unit_test(around_a_corner), cmocka_unit_test(edges)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(plane), cmocka_unit_test(half_a_turn),
+                                       cmocka_unit_test(laws), cmocka_unit_test(around_a_corner),
+                                       cmocka_unit_test(edges)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

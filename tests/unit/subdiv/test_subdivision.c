@@ -1,17 +1,20 @@
 #include "tests/unit/subdiv/surfaces.h"
 
-static void check_refused(const char *text, enum gd_scheme scheme, enum gd_status expected, const char *words)
+static void check_refused(const char *text, enum gd_scheme scheme, enum gd_status expected,
+                          const char *words)
 {
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    enum gd_status status = gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail);
+    enum gd_status status =
+        gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail);
     struct gd_subdivision *surface = NULL;
     if (!status) {
         status = gd_subdivision_create(&mesh, scheme, NULL, &surface, &detail);
         gd_control_mesh_free(&mesh);
     }
     if (status != expected)
-        fail_msg("%s instead of %s: %s", gd_status_name(status), gd_status_name(expected), detail.text);
+        fail_msg("%s instead of %s: %s", gd_status_name(status), gd_status_name(expected),
+                 detail.text);
     if (!strstr(detail.text, words)) fail_msg("'%s' doesn't say '%s'", detail.text, words);
     assert_null(surface);
 }
@@ -23,11 +26,13 @@ static void refused_by_name(void **state)
     (void)state;
     const enum gd_scheme quads = GD_SCHEME_CATMULL_CLARK;
     check_refused(SQUARE "f 2 5 6 6\n", quads, GD_DEGENERATE_FACE, "face 1 has one vertex twice");
-    check_refused(SQUARE "f 2 5 6 3\nf 3 2 7\n", quads, GD_NON_MANIFOLD_EDGE, "vertices 1 and 2 belongs to 3 faces");
+    check_refused(SQUARE "f 2 5 6 3\nf 3 2 7\n", quads, GD_NON_MANIFOLD_EDGE,
+                  "vertices 1 and 2 belongs to 3 faces");
     check_refused(SQUARE "f 2 3 6 5\n", quads, GD_NON_ORIENTABLE, "faces 0 and 1 run along");
     check_refused(SQUARE "f 3 5 6\n", quads, GD_NON_MANIFOLD_VERTEX, "around vertex 2");
     check_refused(SQUARE, GD_SCHEME_LOOP, GD_NOT_TRIANGLES, "face 0 has 4 corners");
-    check_refused(SQUARE "t crease 2/1/0 0 2 1\n", quads, GD_NO_SUCH_EDGE, "vertices 0 and 2, which share no edge");
+    check_refused(SQUARE "t crease 2/1/0 0 2 1\n", quads, GD_NO_SUCH_EDGE,
+                  "vertices 0 and 2, which share no edge");
     check_refused(SQUARE "t crease 2/1/0 0 1 -1\n", quads, GD_INVALID_ARGUMENT, "sharpness -1");
     check_refused(SQUARE "t crease 2/1/0 0 1 nan\n", quads, GD_INVALID_ARGUMENT, "sharpness");
     check_refused(SQUARE "t corner 1/1/0 6 2\n", quads, GD_UNREFERENCED_VERTEX, "vertex 6");
@@ -80,29 +85,35 @@ static void summaries(void **state)
 static void tags(void **state)
 {
     (void)state;
-    static const char text[] = CUBE "t crease 3/2/0 4 5 7 2.5 10\nt crease 2/1/0 0 1 1\nt corner 2/1/0 3 4 7\n"
-                                    "t facevaryinginterpolateboundary 1/0/0 3\nt interpolateboundary 1/0/0 2 # edges\n";
+    static const char text[] =
+        CUBE "t crease 3/2/0 4 5 7 2.5 10\nt crease 2/1/0 0 1 1\nt corner 2/1/0 3 4 7\n"
+             "t facevaryinginterpolateboundary 1/0/0 3\nt interpolateboundary 1/0/0 2 # edges\n";
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(text, sizeof text - 1, GD_FORMAT_ANY, NULL, &mesh, &detail), &detail);
+    check_ok(gd_read_control_mesh(text, sizeof text - 1, GD_FORMAT_ANY, NULL, &mesh, &detail),
+             &detail);
     assert_int_equal(mesh.crease_count, 3);
     assert_int_equal(mesh.creases[1].vertices[0], 5);
     assert_int_equal(mesh.creases[1].vertices[1], 7);
-    assert_true(mesh.creases[0].sharpness == 2.5 && mesh.creases[1].sharpness == 10 && mesh.creases[2].sharpness == 1);
+    assert_true(mesh.creases[0].sharpness == 2.5 && mesh.creases[1].sharpness == 10 &&
+                mesh.creases[2].sharpness == 1);
     assert_int_equal(mesh.corner_count, 2);
-    assert_true(mesh.corners[1].vertex == 4 && mesh.corners[1].sharpness == 7 && mesh.corners[0].sharpness == 7);
+    assert_true(mesh.corners[1].vertex == 4 && mesh.corners[1].sharpness == 7 &&
+                mesh.corners[0].sharpness == 7);
     assert_int_equal(mesh.boundary, GD_INTERPOLATE_EDGE_ONLY);
     gd_control_mesh_free(&mesh);
 }
 
-/* More of them than a mesh of one triangle has sides (found by the fuzzer): they are no part of the surface, which is that of the triangle alone. */
+/* More of them than a mesh of one triangle has sides (found by the fuzzer): they are no part of the
+ * surface, which is that of the triangle alone. */
 static void unreferenced_vertices(void **state)
 {
     (void)state;
     static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nt corner 1/1/0 1 2\n";
     char text[2048];
     size_t size = (size_t)snprintf(text, sizeof text, "%s", triangle);
-    for (int i = 0; i < 60; i++) size += (size_t)snprintf(text + size, sizeof text - size, "v %d 2 3\n", i);
+    for (int i = 0; i < 60; i++)
+        size += (size_t)snprintf(text + size, sizeof text - size, "v %d 2 3\n", i);
     struct gd_subdivision *alone = surface_from(triangle, GD_SCHEME_CATMULL_CLARK);
     struct gd_subdivision *among = surface_from(text, GD_SCHEME_CATMULL_CLARK);
     assert_int_equal(gd_subdivision_summary(among).vertex_count, 63);
@@ -119,7 +130,8 @@ static void unreferenced_vertices(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_by_name), cmocka_unit_test(summaries),
-                                       cmocka_unit_test(tags), cmocka_unit_test(unreferenced_vertices)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_by_name),
+                                       cmocka_unit_test(summaries), cmocka_unit_test(tags),
+                                       cmocka_unit_test(unreferenced_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

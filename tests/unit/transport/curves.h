@@ -6,7 +6,8 @@
 
 #include "gd/curve.h"
 
-static inline struct gd_curve curve_through(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
+static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
+                                            const struct gd_point *points, uint32_t count,
                                             bool closed)
 {
     struct gd_curve curve;
@@ -17,8 +18,10 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh, const st
     return curve;
 }
 
-/* Consecutive points lie in one face: what joins them is a segment, whose middle is on the surface. */
-static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve *curve, double size)
+/* Consecutive points lie in one face: what joins them is a segment, whose middle is on the surface.
+ */
+static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                               double size)
 {
     for (uint32_t i = 1; i < curve->count + curve->closed; i++) {
         struct gd_vec3 a = gd_point_position(mesh, &curve->points[i - 1]),

@@ -47,7 +47,8 @@ static inline bool surface_read(const char *name, struct surface *out)
     char *bytes = test_read_file(path, &size);
     if (!bytes) return false;
     check_ok(gd_read_polygons(bytes, size, GD_FORMAT_OBJ, NULL, &out->polygons, &detail), &detail);
-    check_ok(gd_mesh_build(&out->polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &out->mesh, &detail),
+    check_ok(gd_mesh_build(&out->polygons, &(struct gd_mesh_options){.repair_split = true}, NULL,
+                           &out->mesh, &detail),
              &detail);
     free(bytes);
     return true;
@@ -67,20 +68,24 @@ static inline struct gd_point nearest(const struct gd_mesh *mesh, double x, doub
     return point;
 }
 
-static inline struct gd_direction along(const struct gd_mesh *mesh, struct gd_point point, double x, double y, double z)
+static inline struct gd_direction along(const struct gd_mesh *mesh, struct gd_point point, double x,
+                                        double y, double z)
 {
     struct gd_direction direction;
     struct gd_detail detail = {0};
-    check_ok(gd_direction_along(mesh, &point, (struct gd_vec3){x, y, z}, &direction, &detail), &detail);
+    check_ok(gd_direction_along(mesh, &point, (struct gd_vec3){x, y, z}, &direction, &detail),
+             &detail);
     return direction;
 }
 
-static inline struct gd_trace follow(const struct gd_mesh *mesh, struct gd_point start, struct gd_direction ahead,
-                                     double length, const struct gd_trace_options *options)
+static inline struct gd_trace follow(const struct gd_mesh *mesh, struct gd_point start,
+                                     struct gd_direction ahead, double length,
+                                     const struct gd_trace_options *options)
 {
     struct gd_trace trace;
     struct gd_detail detail = {0};
-    check_ok(gd_trace_follow(mesh, &start, &ahead, length, options, NULL, &trace, &detail), &detail);
+    check_ok(gd_trace_follow(mesh, &start, &ahead, length, options, NULL, &trace, &detail),
+             &detail);
     return trace;
 }
 
@@ -89,19 +94,23 @@ static inline struct gd_point end_of(const struct gd_trace *trace)
     return trace->path.points[trace->path.count - 1];
 }
 
-static inline void expect_place(struct gd_vec3 actual, double x, double y, double z, double tolerance)
+static inline void expect_place(struct gd_vec3 actual, double x, double y, double z,
+                                double tolerance)
 {
     if (!(gd_vec3_distance(actual, (struct gd_vec3){x, y, z}) <= tolerance))
-        fail_msg("(%.17g %.17g %.17g) instead of (%.17g %.17g %.17g)", actual.x, actual.y, actual.z, x, y, z);
+        fail_msg("(%.17g %.17g %.17g) instead of (%.17g %.17g %.17g)", actual.x, actual.y, actual.z,
+                 x, y, z);
 }
 
 static inline void expect_near(double actual, double expected, double tolerance)
 {
-    if (!(fabs(actual - expected) <= tolerance)) fail_msg("%.17g instead of %.17g", actual, expected);
+    if (!(fabs(actual - expected) <= tolerance))
+        fail_msg("%.17g instead of %.17g", actual, expected);
 }
 
 /* Any direction that is on the surface. */
-static inline struct gd_direction random_direction(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
+static inline struct gd_direction random_direction(const struct gd_mesh *mesh,
+                                                   struct gd_point point, struct rng *rng)
 {
     struct gd_direction direction;
     while (gd_direction_at_angle(mesh, &point, rng_between(rng, 0, 2 * M_PI), &direction, NULL)) {

@@ -9,7 +9,8 @@ static double sum_at(const struct gd__pull *pulls, uint32_t count, double turn, 
 {
     double sum = 0;
     for (uint32_t i = 0; i < count; i++) {
-        double apart = circle > 0 ? fabs(remainder(pulls[i].turn - turn, circle)) : fabs(pulls[i].turn - turn);
+        double apart =
+            circle > 0 ? fabs(remainder(pulls[i].turn - turn, circle)) : fabs(pulls[i].turn - turn);
         sum += pulls[i].strength * cos(fmin(apart, M_PI));
     }
     return sum;
@@ -19,7 +20,8 @@ static double sum_at(const struct gd__pull *pulls, uint32_t count, double turn, 
 static void check_point(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     bool is_closed = gd__turn_is_closed(mesh, &point);
-    double total = gd__turn_total(mesh, &point), first = 0, extent = total, best = -INFINITY, turn = NAN;
+    double total = gd__turn_total(mesh, &point), first = 0, extent = total, best = -INFINITY,
+           turn = NAN;
     struct gd__pull pulls[MOST];
     if (!is_closed && point.kind == GD_POINT_EDGE) {
         struct gd_direction inward = gd_trace_fan(mesh, &point, 3, 1);
@@ -27,16 +29,21 @@ static void check_point(const struct gd_mesh *mesh, struct gd_point point, struc
         first = gd__turn_of_angle(mesh, &point, inward.angle) - M_PI_2;
     }
     for (int i = 0; i < MOST; i++)
-        pulls[i] = (struct gd__pull){
-            .turn = first + rng_between(rng, 0, extent), .strength = rng_between(rng, 0, 2), .weight = 1, .bend = 1};
+        pulls[i] = (struct gd__pull){.turn = first + rng_between(rng, 0, extent),
+                                     .strength = rng_between(rng, 0, 2),
+                                     .weight = 1,
+                                     .bend = 1};
     double found = gd__ascent(mesh, &point, pulls, MOST, &turn), circle = is_closed ? total : 0;
-    for (int i = 0; i <= STEPS; i++) best = fmax(best, sum_at(pulls, MOST, first + extent * i / STEPS, circle));
+    for (int i = 0; i <= STEPS; i++)
+        best = fmax(best, sum_at(pulls, MOST, first + extent * i / STEPS, circle));
     expect_near(found, best, 1e-5);
     assert_true(found >= best - 1e-12);
     double apart = is_closed ? 0 : fmax(first - turn, turn - first - extent);
     if (!is_closed && point.kind == GD_POINT_EDGE && apart > 0) apart = fabs(apart - 2 * M_PI);
     assert_true(apart <= 1e-9);
-    expect_near(sum_at(pulls, MOST, is_closed ? turn : fmin(fmax(turn, first), first + extent), circle), found, 1e-9);
+    expect_near(
+        sum_at(pulls, MOST, is_closed ? turn : fmin(fmax(turn, first), first + extent), circle),
+        found, 1e-9);
 }
 
 static void greatest_of_all(void **state)
@@ -58,7 +65,8 @@ static void greatest_of_all(void **state)
     surface_free(&grid);
 }
 
-/* In the plane Newton's step leads to the mean of the vectors' ends, also of those that bend: to the second order. */
+/* In the plane Newton's step leads to the mean of the vectors' ends, also of those that bend: to
+ * the second order. */
 static void steps_to_the_mean(void **state)
 {
     (void)state;
@@ -77,6 +85,7 @@ static void steps_to_the_mean(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(greatest_of_all), cmocka_unit_test(steps_to_the_mean)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(greatest_of_all),
+                                       cmocka_unit_test(steps_to_the_mean)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

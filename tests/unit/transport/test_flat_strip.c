@@ -23,18 +23,21 @@ static double span(const double a[2], const double b[2])
     return hypot(b[0] - a[0], b[1] - a[1]);
 }
 
-static double segment(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
+static double segment(const struct gd_mesh *mesh, const struct gd_point *a,
+                      const struct gd_point *b)
 {
     return gd_vec3_distance(gd_point_position(mesh, a), gd_point_position(mesh, b));
 }
 
 /* Lengths in the plane are lengths on the surface. */
-static void check_points(const struct gd_mesh *mesh, const struct gd_path *path, const struct gd_flat_strip *strip)
+static void check_points(const struct gd_mesh *mesh, const struct gd_path *path,
+                         const struct gd_flat_strip *strip)
 {
     assert_int_equal(strip->point_count, path->count);
     for (uint32_t i = 0; i + 1 < path->count; i++) {
         double expected = segment(mesh, &path->points[i], &path->points[i + 1]);
-        assert_true(fabs(span(strip->points[i], strip->points[i + 1]) - expected) <= 1e-11 * path->length);
+        assert_true(fabs(span(strip->points[i], strip->points[i + 1]) - expected) <=
+                    1e-11 * path->length);
     }
 }
 
@@ -57,13 +60,14 @@ static void check_faces(const struct gd_flat_strip *strip, double error)
     for (uint32_t i = 0; i < strip->face_count; i++) {
         int shared = 0;
         assert_true(area(&strip->faces[i]) > 0);
-        for (int k = 0; i && k < 3; k++) shared += has_corner(&strip->faces[i - 1], strip->faces[i].corners[k], error);
+        for (int k = 0; i && k < 3; k++)
+            shared += has_corner(&strip->faces[i - 1], strip->faces[i].corners[k], error);
         assert_int_equal(shared, i ? 2 : 0);
     }
 }
 
-static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                       bool is_straight)
+static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
+                       const struct gd_point *to, bool is_straight)
 {
     struct gd_pair_answer answer;
     struct gd_flat_strip strip;
@@ -72,16 +76,19 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from, 
     const double *end = strip.points[strip.point_count - 1];
     check_points(mesh, &answer.path, &strip);
     check_faces(&strip, 1e-9);
-    assert_true(fabs(strip.points[0][0]) <= 1e-12 && fabs(strip.points[0][1]) <= 1e-12 && end[0] >= 0);
+    assert_true(fabs(strip.points[0][0]) <= 1e-12 && fabs(strip.points[0][1]) <= 1e-12 &&
+                end[0] >= 0);
     if (is_straight)
-        for (uint32_t i = 0; i < strip.point_count; i++) assert_true(fabs(strip.points[i][1]) <= 1e-9);
+        for (uint32_t i = 0; i < strip.point_count; i++)
+            assert_true(fabs(strip.points[i][1]) <= 1e-9);
     if (is_straight) assert_true(fabs(end[0] - answer.distance) <= 1e-11);
     assert_true(end[0] <= answer.distance * (1 + 1e-11));
     gd_flat_strip_free(&strip);
     gd_pair_answer_free(&answer);
 }
 
-/* The law: on a convex surface a shortest path passes through no vertex, so unfolded it is one straight line. */
+/* The law: on a convex surface a shortest path passes through no vertex, so unfolded it is one
+ * straight line. */
 static void straight_where_the_surface_is_convex(void **state)
 {
     (void)state;
@@ -91,7 +98,8 @@ static void straight_where_the_surface_is_convex(void **state)
     for (uint32_t i = 0; i < 60; i++) {
         const double inside[3] = {0.2, 0.3, 0.5};
         struct gd_point from, to;
-        check_ok(gd_point_in_face(mesh, (struct gd_face){i * 7 % faces}, inside, &from, NULL), NULL);
+        check_ok(gd_point_in_face(mesh, (struct gd_face){i * 7 % faces}, inside, &from, NULL),
+                 NULL);
         check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){i * 31 % count}, &to, NULL), NULL);
         check_pair(mesh, &from, &to, true);
     }
@@ -108,7 +116,8 @@ static void lengths_are_kept_everywhere(void **state)
     for (uint32_t i = 0; i < 300; i++) {
         struct gd_point from, to;
         check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){i * 37 % count}, &from, NULL), NULL);
-        check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){(i * i + 5 * i) % count}, &to, NULL), NULL);
+        check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){(i * i + 5 * i) % count}, &to, NULL),
+                 NULL);
         check_pair(mesh, &from, &to, false);
     }
     gd_mesh_release(mesh);
@@ -128,12 +137,16 @@ static void keeps_ways_back(void **state)
     check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &ends[2], NULL), NULL);
     for (int i = 0; i < 2; i++) {
         struct gd_flat_strip strip;
-        check_ok(gd_pair_solve(mesh, &ends[0], &ends[1], GD_PAIR_PATH, NULL, NULL, &there, NULL), NULL);
-        check_ok(gd_pair_solve(mesh, &ends[1], &ends[2 * i], GD_PAIR_PATH, NULL, NULL, &back, NULL), NULL);
-        struct gd_path path = {there.path.length + back.path.length, there.path.count + back.path.count, NULL};
+        check_ok(gd_pair_solve(mesh, &ends[0], &ends[1], GD_PAIR_PATH, NULL, NULL, &there, NULL),
+                 NULL);
+        check_ok(gd_pair_solve(mesh, &ends[1], &ends[2 * i], GD_PAIR_PATH, NULL, NULL, &back, NULL),
+                 NULL);
+        struct gd_path path = {there.path.length + back.path.length,
+                               there.path.count + back.path.count, NULL};
         path.points = malloc(path.count * sizeof *path.points);
         memcpy(path.points, there.path.points, there.path.count * sizeof *path.points);
-        memcpy(path.points + there.path.count, back.path.points, back.path.count * sizeof *path.points);
+        memcpy(path.points + there.path.count, back.path.points,
+               back.path.count * sizeof *path.points);
         check_ok(gd_flat_strip_of(mesh, &path, NULL, &strip), NULL);
         check_points(mesh, &path, &strip);
         check_faces(&strip, 1e-9);

@@ -3,9 +3,10 @@
 #include "gd/query.h"
 #include "tests/support/field.h"
 
-/* Counts the vertices to which the map has another way than the path: as long, or it would be none of the shortest. */
-static void check_vertex(const struct gd_field *field, struct gd_point from, uint32_t index, double angle,
-                         double length, uint32_t *others)
+/* Counts the vertices to which the map has another way than the path: as long, or it would be none
+ * of the shortest. */
+static void check_vertex(const struct gd_field *field, struct gd_point from, uint32_t index,
+                         double angle, double length, uint32_t *others)
 {
     const struct gd_mesh *mesh = gd_field_mesh(field);
     struct gd_point to = vertex(mesh, index);
@@ -56,7 +57,8 @@ static void as_by_the_paths(void **state)
         struct surface surface = surface_of(surfaces[s].name, surfaces[s].values);
         struct rng rng = {s + 1};
         for (int i = 0; i < 6; i++)
-            check_map(surface.mesh, test_point(surface.mesh, test_random_place(&surface.polygons, &rng)));
+            check_map(surface.mesh,
+                      test_point(surface.mesh, test_random_place(&surface.polygons, &rng)));
         surface_free(&surface);
     }
     static const char *const names[] = {"spot", "cow", "suzanne", "rocker-arm", "teapot"};
@@ -96,13 +98,15 @@ static void other_fields_are_refused(void **state)
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){9, 9, 1, 1});
     uint32_t count = gd_mesh_summary(grid.mesh)->index_count;
     double *angles = malloc(2 * count * sizeof *angles);
-    const struct gd_seed seeds[2] = {{.point = vertex(grid.mesh, 0)}, {.point = vertex(grid.mesh, 5)}};
+    const struct gd_seed seeds[2] = {{.point = vertex(grid.mesh, 0)},
+                                     {.point = vertex(grid.mesh, 5)}};
     const struct gd_field_request requests[] = {{.seeds = seeds, .seed_count = 2},
                                                 {.seeds = seeds, .seed_count = 1, .radius = 0.3}};
     for (uint32_t i = 0; i < COUNT(requests); i++) {
         struct gd_field *field;
         check_ok(gd_field_build(grid.mesh, &requests[i], NULL, NULL, &field, NULL), NULL);
-        assert_int_equal(gd_vector_log_all(field, NULL, angles, angles + count, NULL), GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_vector_log_all(field, NULL, angles, angles + count, NULL),
+                         GD_INVALID_ARGUMENT);
         gd_field_release(field);
     }
     struct gd_field *field = test_field_from(grid.mesh, seeds[0].point);

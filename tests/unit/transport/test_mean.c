@@ -2,12 +2,13 @@
 
 #include "gd/mean.h"
 
-static struct gd_mean mean_of(const struct gd_mesh *mesh, const struct gd_point *points, const double *weights,
-                              uint32_t count, bool one_step)
+static struct gd_mean mean_of(const struct gd_mesh *mesh, const struct gd_point *points,
+                              const double *weights, uint32_t count, bool one_step)
 {
     struct gd_mean mean;
     struct gd_detail detail = {0};
-    const struct gd_mean_request request = {.points = points, .weights = weights, .count = count, .one_step = one_step};
+    const struct gd_mean_request request = {
+        .points = points, .weights = weights, .count = count, .one_step = one_step};
     check_ok(gd_mean_find(mesh, &request, NULL, &mean, &detail), &detail);
     return mean;
 }
@@ -38,14 +39,18 @@ static void arithmetic_in_the_plane(void **state)
     surface_free(&grid);
 }
 
-/* Whatever the order, and with equal weights given or not: the same point, where the vectors cancel out. */
+/* Whatever the order, and with equal weights given or not: the same point, where the vectors cancel
+ * out. */
 static void does_not_depend_on_the_order(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"terrain", {20, 0.6, 3}}, {"genus2", {5, 0.1}}, {"box", {1, 2, 3, 2}}, {"icosphere", {3, 1}}};
+    } surfaces[] = {{"terrain", {20, 0.6, 3}},
+                    {"genus2", {5, 0.1}},
+                    {"box", {1, 2, 3, 2}},
+                    {"icosphere", {3, 1}}};
     for (uint32_t s = 0; s < COUNT(surfaces); s++) {
         struct surface surface = surface_of(surfaces[s].name, surfaces[s].values);
         struct rng rng = {s};
@@ -61,7 +66,8 @@ static void does_not_depend_on_the_order(void **state)
                            b = mean_of(surface.mesh, turned, weights, MOST, false);
             struct gd_vec3 p = gd_point_position(surface.mesh, &a.point);
             assert_true(a.converged && a.residual <= 1e-11 * a.spread);
-            expect_place(gd_point_position(surface.mesh, &b.point), p.x, p.y, p.z, promise * a.spread);
+            expect_place(gd_point_position(surface.mesh, &b.point), p.x, p.y, p.z,
+                         promise * a.spread);
             struct gd_mean once = mean_of(surface.mesh, points, NULL, MOST, true);
             assert_true(once.iterations == 1);
         }
@@ -89,7 +95,8 @@ static void symmetric_on_a_ball(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* At a saddle's apex, whose angle is much more than 2 pi, a mean stands fast: points may move and it stays. */
+/* At a saddle's apex, whose angle is much more than 2 pi, a mean stands fast: points may move and
+ * it stays. */
 static void stands_at_a_saddle(void **state)
 {
     (void)state;
@@ -116,7 +123,8 @@ static void what_has_no_mean(void **state)
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     uint32_t corners[] = {0, 1, 2, 3, 4, 5};
-    struct gd_polygons polygons = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_point points[2] = {vertex(mesh, 0), vertex(mesh, 4)};
     static const double nothing[2] = {0, 0}, negative[2] = {1, -1}, infinite[2] = {INFINITY, 1};

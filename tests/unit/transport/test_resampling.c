@@ -20,8 +20,8 @@ static void equal_lengths(void **state)
         for (uint32_t i = 0; i < 7; i++) {
             double s = length * i / (closed ? 7 : 6), back = fmax(s - 3, 0);
             struct gd_vec3 at = gd_point_position(plane.mesh, &resampling.points[i]);
-            expect_place(at, 0.5 + fmin(s, 2) - 2 * back / sqrt(5), 0.5 + fmin(fmax(s - 2, 0), 1) - back / sqrt(5), 0,
-                         1e-12);
+            expect_place(at, 0.5 + fmin(s, 2) - 2 * back / sqrt(5),
+                         0.5 + fmin(fmax(s - 2, 0), 1) - back / sqrt(5), 0, 1e-12);
         }
         check_curve(plane.mesh, &resampling.curve, 3);
         gd_resampling_free(&resampling);
@@ -30,8 +30,10 @@ static void equal_lengths(void **state)
     struct gd_curve dot = curve_through(plane.mesh, points, 1, false);
     struct gd_resampling resampling;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_curve_resample(plane.mesh, &dot, 7, NULL, &resampling, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_curve_resample(plane.mesh, &dot, 1, NULL, &resampling, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_curve_resample(plane.mesh, &dot, 7, NULL, &resampling, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_curve_resample(plane.mesh, &dot, 1, NULL, &resampling, &detail),
+                     GD_INVALID_ARGUMENT);
     gd_curve_free(&dot);
     surface_free(&plane);
 }
@@ -48,7 +50,8 @@ static void offsets_in_the_plane(void **state)
     assert_true(isoline.lines[0].closed);
     check_close(isoline.lines[0].length, 2 * sqrt(1.01) + 2 * M_PI * 0.3, 1e-9);
     gd_isoline_free(&isoline);
-    assert_int_equal(gd_curve_offset(plane.mesh, &curve, 0, NULL, &isoline, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_curve_offset(plane.mesh, &curve, 0, NULL, &isoline, NULL),
+                     GD_INVALID_ARGUMENT);
     check_ok(gd_curve_offset(plane.mesh, &curve, 7, NULL, &isoline, NULL), NULL);
     assert_int_equal(isoline.line_count, 0);
     gd_isoline_free(&isoline);
@@ -58,6 +61,7 @@ static void offsets_in_the_plane(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(equal_lengths), cmocka_unit_test(offsets_in_the_plane)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(equal_lengths),
+                                       cmocka_unit_test(offsets_in_the_plane)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

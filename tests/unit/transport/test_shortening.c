@@ -6,7 +6,8 @@
 #include "gd/query.h"
 #include "gd/shortening.h"
 
-static struct gd_shortening shorten(const struct gd_mesh *mesh, const struct gd_curve *curve, uint32_t rounds)
+static struct gd_shortening shorten(const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                    uint32_t rounds)
 {
     struct gd_shortening shortening;
     struct gd_detail detail = {0};
@@ -14,7 +15,8 @@ static struct gd_shortening shorten(const struct gd_mesh *mesh, const struct gd_
     return shortening;
 }
 
-static double distance_between(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)
+static double distance_between(const struct gd_mesh *mesh, const struct gd_point *p,
+                               const struct gd_point *q)
 {
     struct gd_pair_answer answer;
     check_ok(gd_pair_solve(mesh, p, q, false, NULL, NULL, &answer, NULL), NULL);
@@ -45,15 +47,18 @@ static void detours_in_the_plane(void **state)
     surface_free(&plane);
 }
 
-/* On any surface it is never shorter than the distance, never longer than it was, and pulled again stays. */
+/* On any surface it is never shorter than the distance, never longer than it was, and pulled again
+ * stays. */
 static void detours_on_surfaces(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
         double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {
-        {"terrain", {24, 0.5, 3}}, {"icosphere", {3, 1}}, {"genus2", {4, 0.03}}, {"saddle", {1, 0.9, 12, 4}}};
+    } surfaces[] = {{"terrain", {24, 0.5, 3}},
+                    {"icosphere", {3, 1}},
+                    {"genus2", {4, 0.03}},
+                    {"saddle", {1, 0.9, 12, 4}}};
     for (uint32_t s = 0; s < COUNT(surfaces); s++) {
         struct surface surface = surface_of(surfaces[s].name, surfaces[s].values);
         struct rng rng = {s};
@@ -63,8 +68,10 @@ static void detours_on_surfaces(void **state)
             for (int k = 0; k < 3; k++)
                 points[k] = test_point(surface.mesh, test_random_place(&surface.polygons, &rng));
             struct gd_curve curve = curve_through(surface.mesh, points, 3, false);
-            struct gd_shortening once = shorten(surface.mesh, &curve, 0), twice = shorten(surface.mesh, &once.curve, 0);
-            double before = gd_curve_length(surface.mesh, &curve), after = gd_curve_length(surface.mesh, &once.curve),
+            struct gd_shortening once = shorten(surface.mesh, &curve, 0),
+                                 twice = shorten(surface.mesh, &once.curve, 0);
+            double before = gd_curve_length(surface.mesh, &curve),
+                   after = gd_curve_length(surface.mesh, &once.curve),
                    distance = distance_between(surface.mesh, &points[0], &points[2]);
             assert_true(after <= before * (1 + 1e-12));
             assert_true(after >= distance * (1 - 1e-9));
@@ -87,14 +94,16 @@ static void closed_geodesics(void **state)
     struct surface tube = surface_of("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 24, 12});
     struct gd_point points[6];
     for (int i = 0; i < 6; i++)
-        points[i] = nearest(tube.mesh, cos(2 * M_PI * i / 6), sin(2 * M_PI * i / 6), 1 + 0.4 * sin(5.0 * i));
+        points[i] = nearest(tube.mesh, cos(2 * M_PI * i / 6), sin(2 * M_PI * i / 6),
+                            1 + 0.4 * sin(5.0 * i));
     struct gd_curve curve = curve_through(tube.mesh, points, 6, true);
     struct gd_shortening shortening = shorten(tube.mesh, &curve, 0);
     check_close(gd_curve_length(tube.mesh, &shortening.curve), 48 * sin(M_PI / 24), 1e-9);
     assert_true(shortening.is_geodesic && shortening.curve.closed);
     check_curve(tube.mesh, &shortening.curve, 1);
     gd_shortening_free(&shortening);
-    shortening = shorten(tube.mesh, &curve, 100); /* Birkhoff's way is slower, and comes from above */
+    /* Birkhoff's way is slower, and comes from above */
+    shortening = shorten(tube.mesh, &curve, 100);
     double length = gd_curve_length(tube.mesh, &shortening.curve);
     assert_true(length > 48 * sin(M_PI / 24) && length < 48.2 * sin(M_PI / 24));
     assert_int_equal(shortening.rounds, 100);
@@ -113,7 +122,8 @@ static void loops_that_shrink_to_points(void **state)
     struct gd_curve curve = curve_through(plane.mesh, points, 3, true);
     struct gd_shortening shortening;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_curve_shorten(plane.mesh, &curve, 0, 0, NULL, &shortening, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_curve_shorten(plane.mesh, &curve, 0, 0, NULL, &shortening, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_non_null(strstr(detail.text, "shrinks to a point"));
     double before = gd_curve_length(plane.mesh, &curve), length;
     for (uint32_t rounds = 1; rounds < 20; rounds++, before = length) {
@@ -128,8 +138,8 @@ static void loops_that_shrink_to_points(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(detours_in_the_plane), cmocka_unit_test(detours_on_surfaces),
-                                       cmocka_unit_test(closed_geodesics),
-                                       cmocka_unit_test(loops_that_shrink_to_points)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(detours_in_the_plane), cmocka_unit_test(detours_on_surfaces),
+        cmocka_unit_test(closed_geodesics), cmocka_unit_test(loops_that_shrink_to_points)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

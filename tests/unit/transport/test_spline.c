@@ -28,20 +28,23 @@ static struct gd_spline_line sample(const struct gd_mesh *mesh, const struct gd_
     return line;
 }
 
-static void random_points(const struct surface *surface, struct rng *rng, struct gd_point *out, uint32_t count)
+static void random_points(const struct surface *surface, struct rng *rng, struct gd_point *out,
+                          uint32_t count)
 {
     for (uint32_t i = 0; i < count;) {
         out[i] = test_point(surface->mesh, test_random_place(&surface->polygons, rng));
-        bool is_apart = gd_point_component(surface->mesh, &out[i]) == gd_point_component(surface->mesh, &out[0]);
+        bool is_apart = gd_point_component(surface->mesh, &out[i]) ==
+                        gd_point_component(surface->mesh, &out[0]);
         for (uint32_t k = 0; k < i; k++) is_apart &= !gd_point_equal(&out[i], &out[k]);
         i += is_apart;
     }
 }
 
-/* --- the plane ----------------------------------------------------------------------------------------------------------- */
+/* --- the plane -------------------------------------------------------------------------------- */
 
 /* The cubic through the points i and i + 1 with the tangents m, by Hermite's basis. */
-static struct gd_vec3 hermite(const struct gd_vec3 *p, const struct gd_vec3 *m, double span, double t)
+static struct gd_vec3 hermite(const struct gd_vec3 *p, const struct gd_vec3 *m, double span,
+                              double t)
 {
     double t2 = t * t, t3 = t2 * t;
     struct gd_vec3 at = gd_vec3_scale(p[0], 2 * t3 - 3 * t2 + 1);
@@ -50,24 +53,30 @@ static struct gd_vec3 hermite(const struct gd_vec3 *p, const struct gd_vec3 *m, 
     return gd_vec3_along(at, (t3 - t2) * span, m[1]);
 }
 
-static void check_plane(const struct gd_mesh *mesh, const struct gd_point *points, bool closed, double alpha,
-                        double tension, enum gd_tangent_rule rule)
+static void check_plane(const struct gd_mesh *mesh, const struct gd_point *points, bool closed,
+                        double alpha, double tension, enum gd_tangent_rule rule)
 {
     struct gd_vec3 p[POINTS + 1], m[POINTS + 1];
     double u[POINTS + 1] = {0};
     uint32_t count = POINTS - !closed;
     for (uint32_t i = 0; i <= POINTS; i++) p[i] = gd_point_position(mesh, &points[i % POINTS]);
-    for (uint32_t i = 0; i < POINTS; i++) u[i + 1] = u[i] + pow(gd_vec3_distance(p[i], p[i + 1]), alpha);
+    for (uint32_t i = 0; i < POINTS; i++)
+        u[i + 1] = u[i] + pow(gd_vec3_distance(p[i], p[i + 1]), alpha);
     for (uint32_t i = 0; i <= count; i++) {
         uint32_t before = i ? i - 1 : POINTS - 1, after = i == count && closed ? 1 : i + 1;
-        double span = (i == count && closed ? u[1] : i < POINTS ? u[i + 1] - u[i] : 0) + u[before + 1] - u[before];
+        double span = (i == count && closed ? u[1]
+                       : i < POINTS         ? u[i + 1] - u[i]
+                                            : 0) +
+                      u[before + 1] - u[before];
         if (after > POINTS) continue;
         m[i] = gd_vec3_scale(gd_vec3_sub(p[after], p[before]), (1 - tension) / span);
     }
     if (!closed) {
-        m[0] = gd_vec3_along(gd_vec3_scale(gd_vec3_sub(p[1], p[0]), 1.5 / (u[1] - u[0])), -0.5, m[1]);
+        m[0] =
+            gd_vec3_along(gd_vec3_scale(gd_vec3_sub(p[1], p[0]), 1.5 / (u[1] - u[0])), -0.5, m[1]);
         uint32_t n = POINTS - 1;
-        m[n] = gd_vec3_along(gd_vec3_scale(gd_vec3_sub(p[n], p[n - 1]), 1.5 / (u[n] - u[n - 1])), -0.5, m[n - 1]);
+        m[n] = gd_vec3_along(gd_vec3_scale(gd_vec3_sub(p[n], p[n - 1]), 1.5 / (u[n] - u[n - 1])),
+                             -0.5, m[n - 1]);
     }
     struct gd_spline spline = build(mesh, &(struct gd_spline_request){.points = points,
                                                                       .count = POINTS,
@@ -75,7 +84,8 @@ static void check_plane(const struct gd_mesh *mesh, const struct gd_point *point
                                                                       .alpha = alpha,
                                                                       .tension = tension,
                                                                       .tangent_rule = rule});
-    struct gd_spline_line line = sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 7});
+    struct gd_spline_line line =
+        sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 7});
     assert_int_equal(line.count, 7 * count + 1);
     for (uint32_t i = 0; i < line.count; i++) {
         uint32_t k = i == 7 * count ? count - 1 : i / 7;
@@ -95,25 +105,29 @@ static void classical_in_the_plane(void **state)
     for (int i = 0; i < 20; i++) {
         struct gd_point points[POINTS];
         for (uint32_t k = 0; k < POINTS; k++)
-            points[k] = nearest(plane.mesh, rng_between(&rng, 0.4, 0.6), rng_between(&rng, 0.4, 0.6), 0);
-        check_plane(plane.mesh, points, i % 2, 0.5 * (i % 3), 0.25 * (i % 4), (enum gd_tangent_rule)(i / 2 % 2));
+            points[k] =
+                nearest(plane.mesh, rng_between(&rng, 0.4, 0.6), rng_between(&rng, 0.4, 0.6), 0);
+        check_plane(plane.mesh, points, i % 2, 0.5 * (i % 3), 0.25 * (i % 4),
+                    (enum gd_tangent_rule)(i / 2 % 2));
     }
     surface_free(&plane);
 }
 
-/* --- laws ---------------------------------------------------------------------------------------------------------------- */
+/* --- laws ------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *name;
     double values[SAMPLE_PARAMETERS];
 } surfaces[] = {{"icosphere", {3, 1}}, {"torus", {36, 24, 1, 0.4}}, {"cylinder", {1, 2, 24, 12}}};
 
-/* All points lie on the surface, one face for two that follow each other, and the length is the sum. */
+/* All points lie on the surface, one face for two that follow each other, and the length is the
+ * sum. */
 static void check_path(const struct gd_mesh *mesh, const struct gd_path *path)
 {
     double length = 0;
     for (uint32_t i = 1; i < path->count; i++) {
-        struct gd_vec3 a = gd_point_position(mesh, &path->points[i - 1]), b = gd_point_position(mesh, &path->points[i]);
+        struct gd_vec3 a = gd_point_position(mesh, &path->points[i - 1]),
+                       b = gd_point_position(mesh, &path->points[i]);
         length += gd_vec3_distance(a, b);
     }
     check_close(path->length, length, 1e-12);
@@ -126,13 +140,15 @@ static bool is_clipped(const struct gd_spline *spline)
     return is;
 }
 
-static void check_laws(const struct surface *surface, const struct gd_point *points, struct gd_spline_request request)
+static void check_laws(const struct surface *surface, const struct gd_point *points,
+                       struct gd_spline_request request)
 {
     const struct gd_mesh *mesh = surface->mesh;
     struct gd_point turned[POINTS];
     request.points = points;
     struct gd_spline spline = build(mesh, &request);
-    struct gd_spline_line line = sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 8});
+    struct gd_spline_line line =
+        sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 8});
     check_path(mesh, &line.path);
     for (uint32_t i = 0; i <= spline.count; i++) {
         assert_true(gd_point_equal(&line.places[8 * i].point, &points[i % request.count]));
@@ -144,9 +160,11 @@ static void check_laws(const struct surface *surface, const struct gd_point *poi
     request.points = turned;
     struct gd_spline back = build(mesh, &request);
     uint32_t shift = request.closed ? 8 * (spline.count - 1) : line.count - 1;
-    struct gd_spline_line other = sample(mesh, &back, (struct gd_spline_sampling){.per_segment = 8});
+    struct gd_spline_line other =
+        sample(mesh, &back, (struct gd_spline_sampling){.per_segment = 8});
     for (uint32_t i = 0; i < line.count; i++) {
-        uint32_t k = request.closed ? (shift + 8 * spline.count - i) % (8 * spline.count) : shift - i;
+        uint32_t k =
+            request.closed ? (shift + 8 * spline.count - i) % (8 * spline.count) : shift - i;
         struct gd_vec3 at = gd_point_position(mesh, &other.places[k].point);
         expect_place(gd_point_position(mesh, &line.places[i].point), at.x, at.y, at.z, 1e-9);
     }
@@ -165,8 +183,11 @@ static void laws_on_surfaces(void **state)
         for (int i = 0; i < 40; i++) {
             struct gd_point points[POINTS];
             random_points(&surface, &rng, points, POINTS);
-            struct gd_spline_request request = {
-                .count = POINTS, .closed = i % 2, .alpha = 0.5 * (i % 3), .tension = 0.4, .end_rule = i / 2 % 2};
+            struct gd_spline_request request = {.count = POINTS,
+                                                .closed = i % 2,
+                                                .alpha = 0.5 * (i % 3),
+                                                .tension = 0.4,
+                                                .end_rule = i / 2 % 2};
             if (surfaces[s].name[0] == 'c') request.tension = 0.9;
             check_laws(&surface, points, request);
         }
@@ -178,7 +199,8 @@ static void laws_on_surfaces(void **state)
 static void laws_on_shared_meshes(void **state)
 {
     (void)state;
-    static const char *const names[] = {"cow", "fandisk", "spot", "suzanne", "rocker-arm", "stanford-bunny"};
+    static const char *const names[] = {"cow",     "fandisk",    "spot",
+                                        "suzanne", "rocker-arm", "stanford-bunny"};
     for (uint32_t i = 0; i < COUNT(names); i++) {
         struct surface surface;
         if (!surface_read(names[i], &surface)) continue;
@@ -186,7 +208,8 @@ static void laws_on_shared_meshes(void **state)
         for (int k = 0; k < 3; k++) {
             struct gd_point points[POINTS];
             random_points(&surface, &rng, points, POINTS);
-            check_laws(&surface, points, (struct gd_spline_request){.count = POINTS, .closed = k % 2, .alpha = 0.5});
+            check_laws(&surface, points,
+                       (struct gd_spline_request){.count = POINTS, .closed = k % 2, .alpha = 0.5});
         }
         surface_free(&surface);
     }
@@ -200,14 +223,18 @@ static void any_scale(void **state)
     for (int i = 0; i < 3; i++) {
         double scale = i == 0 ? 1 : i == 1 ? 1e-6 : 1e6;
         struct surface sphere = {0};
-        check_ok(sample_find("icosphere")->generate((double[SAMPLE_PARAMETERS]){3, 1}, &sphere.polygons), NULL);
+        check_ok(
+            sample_find("icosphere")->generate((double[SAMPLE_PARAMETERS]){3, 1}, &sphere.polygons),
+            NULL);
         for (uint32_t v = 0; v < sphere.polygons.position_count; v++)
             for (int k = 0; k < 3; k++) sphere.polygons.positions[v][k] *= scale;
         sphere.mesh = test_mesh(&sphere.polygons);
-        struct gd_point points[3] = {vertex(sphere.mesh, 5), vertex(sphere.mesh, 77), vertex(sphere.mesh, 300)};
-        struct gd_spline spline =
-            build(sphere.mesh, &(struct gd_spline_request){.points = points, .count = 3, .closed = true});
-        struct gd_spline_line line = sample(sphere.mesh, &spline, (struct gd_spline_sampling){.even = 30});
+        struct gd_point points[3] = {vertex(sphere.mesh, 5), vertex(sphere.mesh, 77),
+                                     vertex(sphere.mesh, 300)};
+        struct gd_spline spline = build(
+            sphere.mesh, &(struct gd_spline_request){.points = points, .count = 3, .closed = true});
+        struct gd_spline_line line =
+            sample(sphere.mesh, &spline, (struct gd_spline_sampling){.even = 30});
         if (i == 0) length = line.path.length;
         double speed = line.path.length / 30; /* of each step, but for the bend of its chord */
         for (uint32_t k = 1; k < line.count; k++)
@@ -226,10 +253,13 @@ static void lengths(void **state)
 {
     (void)state;
     struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){36, 24, 1, 0.4});
-    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 200), vertex(torus.mesh, 500)};
-    struct gd_spline_request request = {.points = points, .count = 3, .tension = 1, .end_rule = GD_END_ZERO};
+    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 200),
+                                 vertex(torus.mesh, 500)};
+    struct gd_spline_request request = {
+        .points = points, .count = 3, .tension = 1, .end_rule = GD_END_ZERO};
     struct gd_spline spline = build(torus.mesh, &request);
-    struct gd_spline_line line = sample(torus.mesh, &spline, (struct gd_spline_sampling){.tolerance = 1e-3});
+    struct gd_spline_line line =
+        sample(torus.mesh, &spline, (struct gd_spline_sampling){.tolerance = 1e-3});
     check_close(line.path.length, spline.segments[0].distance + spline.segments[1].distance, exact);
     gd_spline_line_free(&line);
     gd_spline_free(&spline);
@@ -243,7 +273,8 @@ static void lengths(void **state)
         gd_spline_line_free(&line);
     }
     struct gd_curve curve;
-    check_ok(gd_spline_curve(torus.mesh, &request, &(struct gd_spline_sampling){.tolerance = 1e-6}, NULL, &curve, NULL),
+    check_ok(gd_spline_curve(torus.mesh, &request, &(struct gd_spline_sampling){.tolerance = 1e-6},
+                             NULL, &curve, NULL),
              NULL);
     check_close(gd_curve_length(torus.mesh, &curve), before, 1e-5);
     gd_curve_free(&curve);
@@ -257,7 +288,7 @@ static bool never(void *user, double fraction)
     return false;
 }
 
-/* --- two searches at a time ---------------------------------------------------------------------------------------------- */
+/* --- two searches at a time ------------------------------------------------------------------- */
 
 struct task {
     void (*run)(void *context, uint32_t index);
@@ -272,7 +303,8 @@ static void *do_first(void *user)
 }
 
 /* An executor of two threads: the caller's takes the second task. */
-static void run_on_two(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run_on_two(void *user, void (*task)(void *context, uint32_t index), void *context,
+                       uint32_t count)
 {
     pthread_t thread;
     struct task first = {task, context};
@@ -302,8 +334,10 @@ static void check_same(const struct gd_spline *a, const struct gd_spline *b)
 {
     assert_int_equal(a->count, b->count);
     for (uint32_t i = 0; i < a->count; i++) {
-        assert_true(a->segments[i].distance == b->segments[i].distance && a->segments[i].end == b->segments[i].end);
-        for (int k = 0; k < 4; k++) assert_true(gd_point_equal(&a->segments[i].control[k], &b->segments[i].control[k]));
+        assert_true(a->segments[i].distance == b->segments[i].distance &&
+                    a->segments[i].end == b->segments[i].end);
+        for (int k = 0; k < 4; k++)
+            assert_true(gd_point_equal(&a->segments[i].control[k], &b->segments[i].control[k]));
         for (int k = 0; k < 3; k++) {
             const struct gd_path *leg = &a->segments[i].legs[k], *other = &b->segments[i].legs[k];
             assert_true(leg->count == other->count && leg->length == other->length);
@@ -311,7 +345,8 @@ static void check_same(const struct gd_spline *a, const struct gd_spline *b)
     }
 }
 
-/* With any executor the spline is the same to the last bit; progress is heard on the caller's thread and never falls; a search that is no longer wanted ends. */
+/* With any executor the spline is the same to the last bit; progress is heard on the caller's
+ * thread and never falls; a search that is no longer wanted ends. */
 static void two_at_a_time(void **state)
 {
     (void)state;
@@ -327,7 +362,8 @@ static void two_at_a_time(void **state)
                                             .count = MANY,
                                             .closed = way & 1,
                                             .alpha = 0.5,
-                                            .tangent_rule = way & 2 ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC};
+                                            .tangent_rule =
+                                                way & 2 ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC};
         struct gd_spline alone = build(torus.mesh, &request), together;
         struct listener listener = {.home = pthread_self(), .most = UINT32_MAX};
         request.executor = &executor;
@@ -339,7 +375,8 @@ static void two_at_a_time(void **state)
         gd_spline_free(&together);
         assert_true(listener.calls > 0);
         listener = (struct listener){.home = pthread_self(), .most = 3};
-        assert_int_equal(gd_spline_build(torus.mesh, &request, &control, &together, NULL), GD_CANCELLED);
+        assert_int_equal(gd_spline_build(torus.mesh, &request, &control, &together, NULL),
+                         GD_CANCELLED);
         gd_spline_free(&alone);
     }
     gd_workspace_destroy(control.workspace);
@@ -359,11 +396,15 @@ static void two_refuse_as_one(void **state)
     const bool is_given[MANY] = {false, false, true, false, true, false};
     tangents[2].length = tangents[4].length = 1e9;
     const struct gd_executor executor = {.width = 2, .run = run_on_two};
-    struct gd_spline_request request = {
-        .points = points, .count = MANY, .tangents = tangents, .is_given = is_given, .executor = &executor};
+    struct gd_spline_request request = {.points = points,
+                                        .count = MANY,
+                                        .tangents = tangents,
+                                        .is_given = is_given,
+                                        .executor = &executor};
     struct gd_spline spline;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_true(detail.count == 1 && detail.elements[0][0] == 2 && strstr(detail.text, "point 2"));
     surface_free(&torus);
 }
@@ -373,12 +414,14 @@ static void two_within_the_budget_of_one(void **state)
 {
     (void)state;
     struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){60, 40, 1, 0.4});
-    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 900), vertex(torus.mesh, 1500)};
+    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 900),
+                                 vertex(torus.mesh, 1500)};
     const struct gd_executor executor = {.width = 2, .run = run_on_two};
     struct gd_spline_request request = {.points = points, .count = 3};
     struct gd_control control = {0};
     struct gd_spline spline;
-    for (control.budget_bytes = 1024; gd_spline_build(torus.mesh, &request, &control, &spline, NULL) == GD_BUDGET;)
+    for (control.budget_bytes = 1024;
+         gd_spline_build(torus.mesh, &request, &control, &spline, NULL) == GD_BUDGET;)
         control.budget_bytes += control.budget_bytes / 8;
     gd_spline_free(&spline);
     request.executor = &executor;
@@ -391,31 +434,40 @@ static void refusals(void **state)
 {
     (void)state;
     struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){36, 24, 1, 0.4});
-    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 200), vertex(torus.mesh, 200)};
+    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 200),
+                                 vertex(torus.mesh, 200)};
     struct gd_spline spline;
     struct gd_detail detail = {0};
     struct gd_spline_request request = {.points = points, .count = 3};
-    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_true(detail.count == 1 && detail.elements[0][0] == 2);
     request.count = 1;
-    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail),
+                     GD_INVALID_ARGUMENT);
     request.count = 2;
     request.alpha = 1.5;
-    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail),
+                     GD_INVALID_ARGUMENT);
     request.alpha = 0.5;
     const struct gd_control cancel = {.progress = never}, poor = {.budget_bytes = 100};
     assert_int_equal(gd_spline_build(torus.mesh, &request, &poor, &spline, &detail), GD_BUDGET);
     spline = build(torus.mesh, &request);
     struct gd_spline_line line;
     struct gd_spline_sampling sampling = {.per_segment = 4};
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &cancel, &line, &detail), GD_CANCELLED);
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &poor, &line, &detail), GD_BUDGET);
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &cancel, &line, &detail),
+                     GD_CANCELLED);
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &poor, &line, &detail),
+                     GD_BUDGET);
     sampling.spacing = 1;
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail),
+                     GD_INVALID_ARGUMENT);
     sampling = (struct gd_spline_sampling){.spacing = 1e-9};
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail), GD_TOO_LARGE);
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail),
+                     GD_TOO_LARGE);
     sampling = (struct gd_spline_sampling){.parameters = (double[2]){0.5, 0.1}, .count = 2};
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail),
+                     GD_INVALID_ARGUMENT);
     gd_spline_free(&spline);
     surface_free(&torus);
 }

@@ -9,8 +9,10 @@ static struct gd_vec3 heading(const struct gd_mesh *mesh, struct gd_point point,
     return gd__turn_direction(mesh, &point, gd__turn_reduce(mesh, &point, turn)).xyz;
 }
 
-/* Of all directions around the vertex that lie in the plane and go ahead, by search, the one that turns least. */
-static double search(const struct gd_mesh *mesh, struct gd_point point, struct gd_vec3 across, struct gd_vec3 ahead)
+/* Of all directions around the vertex that lie in the plane and go ahead, by search, the one that
+ * turns least. */
+static double search(const struct gd_mesh *mesh, struct gd_point point, struct gd_vec3 across,
+                     struct gd_vec3 ahead)
 {
     double total = gd__turn_total(mesh, &point), best = 0, found = NAN;
     for (int i = 0; i < STEPS; i++) {
@@ -40,16 +42,20 @@ static void least_turn_in_the_plane(void **state)
     struct rng rng = {5};
     uint32_t found = 0;
     for (int i = 0; i < 60; i++) {
-        struct gd_vec3 normal = {rng_between(&rng, -1, 1), rng_between(&rng, -1, 1), rng_between(&rng, 0.1, 1)};
+        struct gd_vec3 normal = {rng_between(&rng, -1, 1), rng_between(&rng, -1, 1),
+                                 rng_between(&rng, 0.1, 1)};
         for (uint32_t k = 0; k < saddle.polygons.position_count; k++) normals[k] = normal;
         double back = rng_between(&rng, 0, gd__turn_total(saddle.mesh, &apex)), out;
-        struct gd_vec3 v = heading(saddle.mesh, apex, back), n = gd_vec3_scale(normal, 1 / gd_vec3_length(normal));
+        struct gd_vec3 v = heading(saddle.mesh, apex, back),
+                       n = gd_vec3_scale(normal, 1 / gd_vec3_length(normal));
         struct gd_vec3 ahead = gd_vec3_sub(gd_vec3_scale(n, gd_vec3_dot(v, n)), v);
         double expected = search(saddle.mesh, apex, gd_vec3_cross(v, n), ahead);
-        const struct gd_trace_options options = {.vertex_rule = GD_VERTEX_RULE_NORMAL, .normals = normals};
+        const struct gd_trace_options options = {.vertex_rule = GD_VERTEX_RULE_NORMAL,
+                                                 .normals = normals};
         assert_true(gd__straight_on(saddle.mesh, apex.element, back, &options, &out));
         if (isnan(expected)) { /* no way in the plane: half of the angle */
-            expected = gd__turn_reduce(saddle.mesh, &apex, back + gd__turn_total(saddle.mesh, &apex) / 2);
+            expected =
+                gd__turn_reduce(saddle.mesh, &apex, back + gd__turn_total(saddle.mesh, &apex) / 2);
         } else {
             found++;
         }
@@ -73,7 +79,8 @@ static void slides_round_a_hexagon(void **state)
         corners[3 * i + 1] = i;
         corners[3 * i + 2] = (i + 1) % 6;
     }
-    struct gd_polygons polygons = {.positions = positions, .position_count = 7, .polygon_count = 6, .corners = corners};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 7, .polygon_count = 6, .corners = corners};
     struct gd_mesh *mesh = test_mesh(&polygons);
     const struct gd_trace_options slide = {.boundary_rule = GD_BOUNDARY_RULE_SLIDE};
     struct gd_point start = nearest(mesh, 0, sqrt(0.75), 0); /* the middle of a side */
@@ -98,7 +105,8 @@ static void runs_along_a_straight_side(void **state)
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){7, 5, 1, 1});
     for (int sense = -1; sense <= 1; sense += 2) {
         struct gd_point start = nearest(grid.mesh, 0.5 - 0.45 * sense, 0, 0);
-        struct gd_trace trace = follow(grid.mesh, start, along(grid.mesh, start, sense, 0, 0), 0.9, NULL);
+        struct gd_trace trace =
+            follow(grid.mesh, start, along(grid.mesh, start, sense, 0, 0), 0.9, NULL);
         struct gd_point end = end_of(&trace);
         assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
         expect_place(gd_point_position(grid.mesh, &end), 0.5 + 0.45 * sense, 0, 0, exact);

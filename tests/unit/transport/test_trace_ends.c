@@ -1,9 +1,10 @@
-/* Where lines end: at the boundary and at limits; and what is traced of several at once. The ways there: test_trace.c. */
+/* Where lines end: at the boundary and at limits; and what is traced of several at once. The ways
+ * there: test_trace.c. */
 #include "lines.h"
 
 #include <string.h>
 
-/* --- the boundary -------------------------------------------------------------------------------------------------------- */
+/* --- the boundary ----------------------------------------------------------------------------- */
 
 static void stops_at_the_boundary(void **state)
 {
@@ -31,7 +32,8 @@ static void stops_at_the_boundary(void **state)
     surface_free(&grid);
 }
 
-/* A square of 3 x 3 cells without the middle of its right side: (1..2, 1..2) to (2..3, 1..2) is a notch. */
+/* A square of 3 x 3 cells without the middle of its right side: (1..2, 1..2) to (2..3, 1..2) is a
+ * notch. */
 static struct gd_mesh *notched_square(void)
 {
     enum { TRIANGLES = 16 };
@@ -48,8 +50,10 @@ static struct gd_mesh *notched_square(void)
         memcpy(corners + count, two, sizeof two);
         count += 6;
     }
-    struct gd_polygons polygons = {
-        .positions = positions, .position_count = 16, .polygon_count = TRIANGLES, .corners = corners};
+    struct gd_polygons polygons = {.positions = positions,
+                                   .position_count = 16,
+                                   .polygon_count = TRIANGLES,
+                                   .corners = corners};
     return test_mesh(&polygons);
 }
 
@@ -59,18 +63,21 @@ static void slides_along_the_boundary(void **state)
     const struct gd_trace_options slide = {.boundary_rule = GD_BOUNDARY_RULE_SLIDE};
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){5, 5, 1, 1});
     struct gd_point start = nearest(grid.mesh, 0.5, 0.5, 0);
-    struct gd_trace trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), sqrt(1.25) / 2 + 0.1, &slide);
+    struct gd_trace trace =
+        follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), sqrt(1.25) / 2 + 0.1, &slide);
     struct gd_point end = end_of(&trace);
     assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
     expect_place(gd_point_position(grid.mesh, &end), 1, 0.85, 0, exact);
     expect_place(trace.direction.xyz, 0, 1, 0, exact);
     gd_trace_free(&trace);
-    trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), 9, &slide); /* the corner turns a right angle */
+    /* the corner turns a right angle */
+    trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), 9, &slide);
     end = end_of(&trace);
     assert_int_equal(trace.end, GD_TRACE_END_BOUNDARY);
     expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
     gd_trace_free(&trace);
-    trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 0, 0), 9, &slide); /* leans to neither side */
+    /* leans to neither side */
+    trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 0, 0), 9, &slide);
     check_close(trace.path.length, 0.5, exact);
     gd_trace_free(&trace);
     surface_free(&grid);
@@ -85,7 +92,7 @@ static void slides_along_the_boundary(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- limits -------------------------------------------------------------------------------------------------------------- */
+/* --- limits ----------------------------------------------------------------------------------- */
 
 static bool cancel(void *user, double fraction)
 {
@@ -107,7 +114,8 @@ static void limits(void **state)
     again = follow(torus.mesh, end, trace.direction, 1, NULL);
     struct gd_trace whole = follow(torus.mesh, start, ahead, trace.path.length + 1, NULL);
     struct gd_point p = end_of(&again), q = end_of(&whole);
-    assert_true(gd_vec3_distance(gd_point_position(torus.mesh, &p), gd_point_position(torus.mesh, &q)) < 1e-12);
+    assert_true(gd_vec3_distance(gd_point_position(torus.mesh, &p),
+                                 gd_point_position(torus.mesh, &q)) < 1e-12);
     gd_trace_free(&trace);
     gd_trace_free(&again);
     gd_trace_free(&whole);
@@ -116,16 +124,22 @@ static void limits(void **state)
     check_close(trace.path.length, 1e4, 1e-15);
     gd_trace_free(&trace);
     struct gd_control control = {.budget_bytes = 4096};
-    assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_BUDGET);
+    assert_int_equal(
+        gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_BUDGET);
     control = (struct gd_control){.progress = cancel};
-    assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_CANCELLED);
+    assert_int_equal(
+        gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL),
+        GD_CANCELLED);
     control = (struct gd_control){.deadline_ns = 1};
-    assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_DEADLINE);
+    assert_int_equal(
+        gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL),
+        GD_DEADLINE);
     static const double lengths[] = {-1, NAN, INFINITY};
     struct gd_detail detail;
     for (uint32_t i = 0; i < COUNT(lengths); i++)
-        assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, lengths[i], NULL, NULL, &trace, &detail),
-                         GD_INVALID_ARGUMENT);
+        assert_int_equal(
+            gd_trace_follow(torus.mesh, &start, &ahead, lengths[i], NULL, NULL, &trace, &detail),
+            GD_INVALID_ARGUMENT);
     trace = follow(torus.mesh, start, ahead, 0, NULL);
     assert_int_equal(trace.path.count, 1);
     assert_true(trace.direction.angle == ahead.angle);
@@ -133,22 +147,26 @@ static void limits(void **state)
     surface_free(&torus);
 }
 
-/* Several at once are what they are one by one, to the last bit, whatever each meets; and fail together. */
+/* Several at once are what they are one by one, to the last bit, whatever each meets; and fail
+ * together. */
 static void many(void **state)
 {
     (void)state;
     struct surface terrain = surface_of("terrain", (double[SAMPLE_PARAMETERS]){24, 1, 2});
     struct gd_point start = nearest(terrain.mesh, 0.4, 0.6, 0);
     struct gd_direction ahead[GD_TRACE_LANES];
-    for (uint32_t i = 0; i < GD_TRACE_LANES; i++) ahead[i] = gd_trace_fan(terrain.mesh, &start, GD_TRACE_LANES, i);
-    const struct gd_trace_options options[] = {{.vertex_rule = GD_VERTEX_RULE_NORMAL},
-                                               {.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .step_limit = 40},
-                                               {.stop_at_self_intersection = true}};
+    for (uint32_t i = 0; i < GD_TRACE_LANES; i++)
+        ahead[i] = gd_trace_fan(terrain.mesh, &start, GD_TRACE_LANES, i);
+    const struct gd_trace_options options[] = {
+        {.vertex_rule = GD_VERTEX_RULE_NORMAL},
+        {.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .step_limit = 40},
+        {.stop_at_self_intersection = true}};
     struct gd_trace traces[GD_TRACE_LANES];
     for (uint32_t n = 0; n < 3 * COUNT(options); n++) {
         const struct gd_trace_options *how = &options[n / 3];
         double length = n % 3 * 1.3;
-        check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, length, how, NULL, traces, NULL),
+        check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, length, how,
+                                      NULL, traces, NULL),
                  NULL);
         for (uint32_t i = 0; i < GD_TRACE_LANES; i++) {
             struct gd_trace alone = follow(terrain.mesh, start, ahead[i], length, how);
@@ -163,13 +181,16 @@ static void many(void **state)
         }
     }
     struct gd_control control = {.budget_bytes = 8192}; /* enough for one, and not for all */
-    check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, 1, 0.1, NULL, &control, traces, NULL), NULL);
+    check_ok(
+        gd_trace_follow_many(terrain.mesh, &start, ahead, 1, 0.1, NULL, &control, traces, NULL),
+        NULL);
     gd_trace_free(&traces[0]);
-    assert_int_equal(
-        gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL, &control, traces, NULL),
-        GD_BUDGET);
+    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL,
+                                          &control, traces, NULL),
+                     GD_BUDGET);
     ahead[5].angle = NAN;
-    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL, NULL, traces, NULL),
+    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL,
+                                          NULL, traces, NULL),
                      GD_INVALID_ARGUMENT);
     surface_free(&terrain);
 }

@@ -5,10 +5,12 @@
 static const struct {
     const char *name;
     double values[SAMPLE_PARAMETERS];
-} surfaces[] = {{"terrain", {24, 0.8, 3}},   {"torus", {30, 15, 2, 0.7}}, {"genus2", {6, 0.1}}, {"box", {1, 2, 3, 3}},
-                {"saddle", {1, 0.7, 12, 6}}, {"tangle", {150, 11}},       {"tangle", {150, 4}}, {"grid", {9, 9, 1, 1}}};
+} surfaces[] = {{"terrain", {24, 0.8, 3}}, {"torus", {30, 15, 2, 0.7}}, {"genus2", {6, 0.1}},
+                {"box", {1, 2, 3, 3}},     {"saddle", {1, 0.7, 12, 6}}, {"tangle", {150, 11}},
+                {"tangle", {150, 4}},      {"grid", {9, 9, 1, 1}}};
 
-static struct gd_path shortest(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to, double *distance)
+static struct gd_path shortest(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to,
+                               double *distance)
 {
     struct gd_pair_answer answer;
     struct gd_detail detail = {0};
@@ -25,7 +27,7 @@ static struct gd_log log_of(const struct gd_mesh *mesh, const struct gd_path *pa
     return log;
 }
 
-/* --- exp and log --------------------------------------------------------------------------------------------------------- */
+/* --- exp and log ------------------------------------------------------------------------------ */
 
 static void check_pair(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q)
 {
@@ -38,7 +40,8 @@ static void check_pair(const struct gd_mesh *mesh, struct gd_point p, struct gd_
     check_close(sum, log.vector.length, exact);
     struct gd_trace trace;
     struct gd_detail detail = {0};
-    check_ok(gd_vector_exp(mesh, &p, log.segments, log.count, NULL, NULL, &trace, &detail), &detail);
+    check_ok(gd_vector_exp(mesh, &p, log.segments, log.count, NULL, NULL, &trace, &detail),
+             &detail);
     struct gd_point end = end_of(&trace);
     struct gd_vec3 to = gd_point_position(mesh, &q);
     assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
@@ -55,7 +58,8 @@ static void exp_of_log(void **state)
         struct surface surface = surface_of(surfaces[s].name, surfaces[s].values);
         struct rng rng = {s};
         for (int i = 0; i < 300; i++)
-            check_pair(surface.mesh, test_point(surface.mesh, test_random_place(&surface.polygons, &rng)),
+            check_pair(surface.mesh,
+                       test_point(surface.mesh, test_random_place(&surface.polygons, &rng)),
                        test_point(surface.mesh, test_random_place(&surface.polygons, &rng)));
         surface_free(&surface);
     }
@@ -76,15 +80,17 @@ static struct gd_point random_point(const struct gd_mesh *mesh, struct rng *rng)
 static void exp_of_log_on_shared_meshes(void **state)
 {
     (void)state;
-    static const char *const names[] = {"beast", "beetle",     "cow",    "fandisk",        "homer",
-                                        "spot",  "rocker-arm", "teapot", "stanford-bunny", "suzanne"};
+    static const char *const names[] = {"beast",          "beetle", "cow",        "fandisk",
+                                        "homer",          "spot",   "rocker-arm", "teapot",
+                                        "stanford-bunny", "suzanne"};
     for (uint32_t i = 0; i < COUNT(names); i++) {
         struct surface surface;
         if (!surface_read(names[i], &surface)) continue;
         struct rng rng = {i};
         int pairs = gd_mesh_summary(surface.mesh)->faces > 50000 ? 10 : 60;
         for (int k = 0; k < pairs; k++)
-            check_pair(surface.mesh, random_point(surface.mesh, &rng), random_point(surface.mesh, &rng));
+            check_pair(surface.mesh, random_point(surface.mesh, &rng),
+                       random_point(surface.mesh, &rng));
         surface_free(&surface);
     }
 }
@@ -94,14 +100,17 @@ static void bends_are_kept(void **state)
 {
     (void)state;
     struct surface saddle = surface_of("saddle", (double[SAMPLE_PARAMETERS]){1, 0.9, 12, 4});
-    struct gd_point p = nearest(saddle.mesh, 0.5, 0.01, 0.3), q = nearest(saddle.mesh, -0.5, 0.02, 0.3);
+    struct gd_point p = nearest(saddle.mesh, 0.5, 0.01, 0.3),
+                    q = nearest(saddle.mesh, -0.5, 0.02, 0.3);
     double distance;
     struct gd_path path = shortest(saddle.mesh, p, q, &distance);
     struct gd_log log = log_of(saddle.mesh, &path);
     struct gd_vec3 apex = {0, 0, 0};
     assert_int_equal(log.count, 2);
-    check_close(log.segments[0].length, gd_vec3_distance(gd_point_position(saddle.mesh, &p), apex), exact);
-    check_close(log.segments[1].length, gd_vec3_distance(gd_point_position(saddle.mesh, &q), apex), exact);
+    check_close(log.segments[0].length, gd_vec3_distance(gd_point_position(saddle.mesh, &p), apex),
+                exact);
+    check_close(log.segments[1].length, gd_vec3_distance(gd_point_position(saddle.mesh, &q), apex),
+                exact);
     gd_log_free(&log);
     gd_path_free(&path);
     /* what is not the path of two points has no vector */
@@ -118,12 +127,14 @@ static void bends_are_kept(void **state)
     surface_free(&saddle);
 }
 
-/* Where a segment ends by a vertex up to rounding, the next one begins in it; and where it has come to the boundary with no more left than that. */
+/* Where a segment ends by a vertex up to rounding, the next one begins in it; and where it has come
+ * to the boundary with no more left than that. */
 static void joints_are_found(void **state)
 {
     (void)state;
     struct surface saddle = surface_of("saddle", (double[SAMPLE_PARAMETERS]){1, 0.9, 12, 4});
-    struct gd_point p = nearest(saddle.mesh, 0.5, 0.01, 0.3), q = nearest(saddle.mesh, -0.5, 0.02, 0.3);
+    struct gd_point p = nearest(saddle.mesh, 0.5, 0.01, 0.3),
+                    q = nearest(saddle.mesh, -0.5, 0.02, 0.3);
     double distance;
     struct gd_path path = shortest(saddle.mesh, p, q, &distance);
     struct gd_log log = log_of(saddle.mesh, &path);
@@ -142,8 +153,9 @@ static void joints_are_found(void **state)
     surface_free(&saddle);
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){3, 3, 1, 1});
     struct gd_point start = nearest(grid.mesh, 0.4, 0.7, 0), corner = nearest(grid.mesh, 1, 1, 0);
-    const struct gd_vector over[2] = {{along(grid.mesh, start, 0.6, 0.3, 0), hypot(0.6, 0.3) * (1 + 2e-10)},
-                                      {along(grid.mesh, corner, -1, 0, 0), 0.25}};
+    const struct gd_vector over[2] = {
+        {along(grid.mesh, start, 0.6, 0.3, 0), hypot(0.6, 0.3) * (1 + 2e-10)},
+        {along(grid.mesh, corner, -1, 0, 0), 0.25}};
     struct gd_trace trace;
     check_ok(gd_vector_exp(grid.mesh, &start, over, 2, NULL, NULL, &trace, NULL), NULL);
     struct gd_point end = end_of(&trace);
@@ -153,7 +165,7 @@ static void joints_are_found(void **state)
     surface_free(&grid);
 }
 
-/* --- transport ----------------------------------------------------------------------------------------------------------- */
+/* --- transport -------------------------------------------------------------------------------- */
 
 static struct gd_vector moved(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to,
                               struct gd_vector vector)
@@ -182,8 +194,10 @@ static double defect_at(const struct surface *surface, uint32_t index)
     return defect;
 }
 
-/* Three points of faces close around a vertex; false: they are not inside faces, or the vertex is of the boundary. */
-static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre, struct gd_point corner[3])
+/* Three points of faces close around a vertex; false: they are not inside faces, or the vertex is
+ * of the boundary. */
+static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre,
+                            struct gd_point corner[3])
 {
     struct gd_direction out;
     double small = 0.05 * gd_mesh_summary(mesh)->edge_length.min;
@@ -198,7 +212,8 @@ static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre, 
     return true;
 }
 
-/* Gauss and Bonnet: around a small triangle a vector turns by the curvature inside, which sits in the vertices. At a saddle the sides would bend. */
+/* Gauss and Bonnet: around a small triangle a vector turns by the curvature inside, which sits in
+ * the vertices. At a saddle the sides would bend. */
 static void turns_by_the_angle_defect(void **state)
 {
     (void)state;
@@ -207,14 +222,20 @@ static void turns_by_the_angle_defect(void **state)
         struct rng rng = {s};
         uint32_t tried = 0;
         for (uint32_t i = 0; i < 400 && tried < 30; i++) {
-            uint32_t index = (uint32_t)(rng_next(&rng) % gd_mesh_summary(surface.mesh)->index_count);
+            uint32_t index =
+                (uint32_t)(rng_next(&rng) % gd_mesh_summary(surface.mesh)->index_count);
             struct gd_point corner[3];
             double defect = defect_at(&surface, index);
-            if (defect < 1e-6 || defect > 1.6 || !triangle_around(surface.mesh, vertex(surface.mesh, index), corner))
+            if (defect < 1e-6 || defect > 1.6 ||
+                !triangle_around(surface.mesh, vertex(surface.mesh, index), corner))
                 continue;
-            struct gd_vector vector = {random_direction(surface.mesh, corner[0], &rng), 1}, turned = vector;
-            for (uint32_t k = 0; k < 3; k++) turned = moved(surface.mesh, corner[k], corner[(k + 1) % 3], turned);
-            expect_near(remainder(turned.direction.angle - vector.direction.angle - defect, 2 * M_PI), 0, promise);
+            struct gd_vector vector = {random_direction(surface.mesh, corner[0], &rng), 1},
+                             turned = vector;
+            for (uint32_t k = 0; k < 3; k++)
+                turned = moved(surface.mesh, corner[k], corner[(k + 1) % 3], turned);
+            expect_near(
+                remainder(turned.direction.angle - vector.direction.angle - defect, 2 * M_PI), 0,
+                promise);
             tried++;
         }
         assert_true(tried > 3);
@@ -222,7 +243,8 @@ static void turns_by_the_angle_defect(void **state)
     }
 }
 
-/* In the plane a vector is the same everywhere; there and back it is itself on any surface, also over bends. */
+/* In the plane a vector is the same everywhere; there and back it is itself on any surface, also
+ * over bends. */
 static void moves_and_comes_back(void **state)
 {
     (void)state;
@@ -230,7 +252,8 @@ static void moves_and_comes_back(void **state)
     struct rng rng = {8};
     for (int i = 0; i < 100; i++) {
         struct gd_point p = random_point(grid.mesh, &rng), q = random_point(grid.mesh, &rng);
-        struct gd_vector vector = {random_direction(grid.mesh, p, &rng), 0.5}, there = moved(grid.mesh, p, q, vector);
+        struct gd_vector vector = {random_direction(grid.mesh, p, &rng), 0.5},
+                         there = moved(grid.mesh, p, q, vector);
         struct gd_vec3 v = vector.direction.xyz;
         expect_place(there.direction.xyz, v.x, v.y, v.z, 1e-12);
         assert_true(there.length == 0.5);
@@ -239,24 +262,30 @@ static void moves_and_comes_back(void **state)
     for (uint32_t s = 0; s < COUNT(surfaces); s++) {
         struct surface surface = surface_of(surfaces[s].name, surfaces[s].values);
         for (int i = 0; i < 30; i++) {
-            struct gd_point p = random_point(surface.mesh, &rng), q = random_point(surface.mesh, &rng);
+            struct gd_point p = random_point(surface.mesh, &rng),
+                            q = random_point(surface.mesh, &rng);
             double distance;
             struct gd_path path = shortest(surface.mesh, p, q, &distance);
             gd_path_free(&path);
             if (isinf(distance)) continue;
             struct gd_vector vector = {random_direction(surface.mesh, p, &rng), 1};
-            double angle = moved(surface.mesh, q, p, moved(surface.mesh, p, q, vector)).direction.angle;
+            double angle =
+                moved(surface.mesh, q, p, moved(surface.mesh, p, q, vector)).direction.angle;
             struct gd_log log;
             path = shortest(surface.mesh, p, q, &distance);
             log = log_of(surface.mesh, &path);
-            if (log.count == 1) expect_near(remainder(angle - vector.direction.angle, 2 * M_PI), 0, promise);
+            if (log.count == 1)
+                expect_near(remainder(angle - vector.direction.angle, 2 * M_PI), 0, promise);
             /* the path's own direction stays on the path */
             struct gd_vector tangent = log.vector;
             check_ok(gd_vector_transport(surface.mesh, &path, &tangent, 1, &tangent, NULL), NULL);
             struct gd_trace trace;
-            check_ok(gd_vector_exp(surface.mesh, &p, log.segments, log.count, NULL, NULL, &trace, NULL), NULL);
+            check_ok(
+                gd_vector_exp(surface.mesh, &p, log.segments, log.count, NULL, NULL, &trace, NULL),
+                NULL);
             if (end_of(&trace).kind == q.kind)
-                expect_near(remainder(tangent.direction.angle - trace.direction.angle, 2 * M_PI), 0, promise);
+                expect_near(remainder(tangent.direction.angle - trace.direction.angle, 2 * M_PI), 0,
+                            promise);
             gd_trace_free(&trace);
             gd_log_free(&log);
             gd_path_free(&path);
@@ -270,8 +299,9 @@ static void sums(void **state)
     (void)state;
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){3, 3, 1, 1});
     struct gd_point p = nearest(grid.mesh, 0.4, 0.3, 0), corner = nearest(grid.mesh, 1, 1, 0);
-    const struct gd_vector vectors[3] = {
-        {along(grid.mesh, p, 1, 0, 0), 2}, {along(grid.mesh, p, 0, 1, 0), 3}, {along(grid.mesh, p, 3, 4, 0), 5}};
+    const struct gd_vector vectors[3] = {{along(grid.mesh, p, 1, 0, 0), 2},
+                                         {along(grid.mesh, p, 0, 1, 0), 3},
+                                         {along(grid.mesh, p, 3, 4, 0), 5}};
     struct gd_vector sum = gd_vector_combine(grid.mesh, &p, vectors, (const double[]){1, -1, 2}, 3);
     expect_place(gd_vec3_scale(sum.direction.xyz, sum.length), 2 + 6, -3 + 8, 0, 1e-13);
     sum = gd_vector_combine(grid.mesh, &p, vectors, (const double[]){0, 0, 0}, 3);
@@ -281,7 +311,8 @@ static void sums(void **state)
                                         {along(grid.mesh, corner, 0, -1, 0), 1}};
     sum = gd_vector_combine(grid.mesh, &corner, inward, (const double[]){1, 1}, 2);
     expect_place(sum.direction.xyz, -M_SQRT1_2, -M_SQRT1_2, 0, 1e-13);
-    sum = gd_vector_combine(grid.mesh, &corner, inward, (const double[]){-1, 0}, 2); /* off the surface */
+    /* off the surface */
+    sum = gd_vector_combine(grid.mesh, &corner, inward, (const double[]){-1, 0}, 2);
     expect_place(sum.direction.xyz, 1, 0, 0, 1e-13);
     surface_free(&grid);
 }

@@ -1,4 +1,5 @@
-/* Windows at random, and the model that lists are compared with: at each place the least over all windows that were offered. */
+/* Windows at random, and the model that lists are compared with: at each place the least over all
+ * windows that were offered. */
 #ifndef TESTS_UNIT_WEDGE_MODEL_H
 #define TESTS_UNIT_WEDGE_MODEL_H
 
@@ -75,9 +76,10 @@ static inline void build_windows(const struct gd__stack *from, struct gd__window
     for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
 }
 
-/* Windows of a stack as children that nobody has looked at yet: from `tangled` on they may overlap. */
-static inline void build_children(const struct gd__stack *from, uint32_t tangled, struct gd__pool *pool,
-                                  struct gd__children *out)
+/* Windows of a stack as children that nobody has looked at yet: from `tangled` on they may overlap.
+ */
+static inline void build_children(const struct gd__stack *from, uint32_t tangled,
+                                  struct gd__pool *pool, struct gd__children *out)
 {
     check_ok(gd__children_open(out, pool, from->count), NULL);
     for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
@@ -87,7 +89,8 @@ static inline void build_children(const struct gd__stack *from, uint32_t tangled
 }
 
 /* And back. */
-static inline void load_windows(const struct gd__windows *from, uint32_t count, struct gd__stack *out)
+static inline void load_windows(const struct gd__windows *from, uint32_t count,
+                                struct gd__stack *out)
 {
     check_ok(gd__stack_reserve(out, count + 1), NULL);
     out->count = 0;

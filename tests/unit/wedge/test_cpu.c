@@ -8,7 +8,8 @@
 static void refuses_unknown_names(void **state)
 {
     (void)state;
-    static const char *const names[] = {"", "sse2", "AVX2", "avx", "avx2 ", "avx5122", "base", "automatic", "plain"};
+    static const char *const names[] = {"",        "sse2", "AVX2",      "avx",  "avx2 ",
+                                        "avx5122", "base", "automatic", "plain"};
     check_ok(gd_cpu_select("baseline"), NULL);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         assert_int_equal(gd_cpu_select(names[i]), GD_INVALID_ARGUMENT);
@@ -28,16 +29,19 @@ static void takes_what_the_machine_has(void **state)
         const char *name;
         bool has;
     } sets[] = {{"avx2", __builtin_cpu_supports("avx2")},
-                {"avx512", __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                {"avx512", __builtin_cpu_supports("avx512f") &&
+                               __builtin_cpu_supports("avx512vl") &&
                                __builtin_cpu_supports("avx512dq")}};
     for (int i = 0; i < 2; i++) {
         check_ok(gd_cpu_select("baseline"), NULL);
         assert_int_equal(gd_cpu_select(sets[i].name), sets[i].has ? GD_OK : GD_UNSUPPORTED);
         assert_string_equal(gd_cpu_name(), sets[i].has ? sets[i].name : "baseline");
-        print_message("# %s: %s\n", sets[i].name, sets[i].has ? "supported" : "not on this machine");
+        print_message("# %s: %s\n", sets[i].name,
+                      sets[i].has ? "supported" : "not on this machine");
     }
 #else
-    assert_int_equal(gd_cpu_select("avx2"), GD_INVALID_ARGUMENT); /* of another machine: never there */
+    /* of another machine: never there */
+    assert_int_equal(gd_cpu_select("avx2"), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_cpu_select("avx512"), GD_INVALID_ARGUMENT);
 #endif
 }

@@ -9,7 +9,8 @@
 #include "gd/field.h"
 #include "tests/samples/samples.h"
 
-/* Two wavefronts that share a surface give the distances of one, up to rounding, and the same to the last bit however their turns are run. */
+/* Two wavefronts that share a surface give the distances of one, up to rounding, and the same to
+ * the last bit however their turns are run. */
 
 struct task {
     void (*task)(void *context, uint32_t index);
@@ -24,7 +25,8 @@ static void *run_task(void *user)
     return NULL;
 }
 
-static void run_on_threads(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run_on_threads(void *user, void (*task)(void *context, uint32_t index), void *context,
+                           uint32_t count)
 {
     pthread_t thread[8];
     struct task tasks[8];
@@ -37,14 +39,16 @@ static void run_on_threads(void *user, void (*task)(void *context, uint32_t inde
     ++*(uint32_t *)user;
 }
 
-static void run_backwards(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+static void run_backwards(void *user, void (*task)(void *context, uint32_t index), void *context,
+                          uint32_t count)
 {
     while (count--) task(context, count);
     ++*(uint32_t *)user;
 }
 
-static struct gd_field *build_from(const struct gd_mesh *mesh, struct gd_seed seed,
-                                   void (*run)(void *, void (*)(void *, uint32_t), void *, uint32_t), uint32_t *turns)
+static struct gd_field *
+build_from(const struct gd_mesh *mesh, struct gd_seed seed,
+           void (*run)(void *, void (*)(void *, uint32_t), void *, uint32_t), uint32_t *turns)
 {
     struct gd_executor executor = {.width = 2, .run = run, .user = turns};
     struct gd_field *field;
@@ -56,7 +60,8 @@ static struct gd_field *build_from(const struct gd_mesh *mesh, struct gd_seed se
 }
 
 static struct gd_field *build(const struct gd_mesh *mesh, struct gd_point source,
-                              void (*run)(void *, void (*)(void *, uint32_t), void *, uint32_t), uint32_t *turns)
+                              void (*run)(void *, void (*)(void *, uint32_t), void *, uint32_t),
+                              uint32_t *turns)
 {
     return build_from(mesh, (struct gd_seed){.point = source, .offset = 0.25}, run, turns);
 }
@@ -71,8 +76,8 @@ static void check_same_bits(const struct gd_field *a, const struct gd_field *b)
 }
 
 /* Distances and paths at random points; how much the worst differs. */
-static double compare(const struct gd_polygons *polygons, const struct gd_field *one, const struct gd_field *two,
-                      struct rng *rng)
+static double compare(const struct gd_polygons *polygons, const struct gd_field *one,
+                      const struct gd_field *two, struct rng *rng)
 {
     double worst = 0;
     for (int i = 0; i < 300; i++) {
@@ -98,7 +103,8 @@ static void check_surface(const char *name, struct gd_polygons *polygons)
     double worst = 0;
     for (int k = 0; k < 3; k++) {
         struct gd_point source = test_point(mesh, test_random_place(polygons, &rng));
-        struct gd_field *one = build(mesh, source, NULL, NULL), *two = build(mesh, source, run_on_threads, &turns),
+        struct gd_field *one = build(mesh, source, NULL, NULL),
+                        *two = build(mesh, source, run_on_threads, &turns),
                         *again = build(mesh, source, run_backwards, &turns);
         check_same_bits(two, again);
         worst = fmax(worst, compare(polygons, one, two, &rng));
@@ -140,17 +146,20 @@ static void limits(void **state)
     struct gd_polygons polygons;
     check_ok(sample_torus(160, 80, 2, 1, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seed = {.point = test_point(mesh, test_random_place(&polygons, &(struct rng){3}))};
+    struct gd_seed seed = {.point =
+                               test_point(mesh, test_random_place(&polygons, &(struct rng){3}))};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     uint32_t turns = 0;
     int calls = 0;
     struct gd_executor executor = {.width = 2, .run = run_on_threads, .user = &turns};
     struct gd_field *field = NULL;
     struct gd_control cancel = {.progress = stop_soon, .user = &calls}, late = {.deadline_ns = 1};
-    assert_int_equal(gd_field_build(mesh, &request, &cancel, &executor, &field, NULL), GD_CANCELLED);
+    assert_int_equal(gd_field_build(mesh, &request, &cancel, &executor, &field, NULL),
+                     GD_CANCELLED);
     assert_int_equal(calls, 5);
     assert_int_equal(gd_field_build(mesh, &request, &late, &executor, &field, NULL), GD_DEADLINE);
-    uint32_t before = turns; /* a budget that may not do for two: what is left to share out is the check in the end */
+    /* a budget that may not do for two: what is left to share out is the check in the end */
+    uint32_t before = turns;
     struct gd_control tight = {.budget_bytes = 900 * (size_t)mesh->edge_count};
     check_ok(gd_field_build(mesh, &request, &tight, &executor, &field, NULL), NULL);
     assert_int_equal(turns, before + 1);
@@ -159,14 +168,16 @@ static void limits(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A budget that does for one wavefront but not for both: one does it after all, as if it had been asked at once. */
+/* A budget that does for one wavefront but not for both: one does it after all, as if it had been
+ * asked at once. */
 static void one_does_what_two_cannot(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
     check_ok(sample_torus(40, 320, 2, 0.7, &polygons), NULL); /* long faces: many wedges an edge */
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seed = {.point = test_point(mesh, test_random_place(&polygons, &(struct rng){3})), .offset = 0.25};
+    struct gd_seed seed = {
+        .point = test_point(mesh, test_random_place(&polygons, &(struct rng){3})), .offset = 0.25};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     uint32_t turns = 0;
     struct gd_executor executor = {.width = 2, .run = run_backwards, .user = &turns};
@@ -194,7 +205,8 @@ static void both_emit_beside_a_vertex(void **state)
     check_ok(sample_terrain(104, 20, 3, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     check_ok(gd_point_in_face(mesh, (struct gd_face){15203}, weight, &source, NULL), NULL);
-    struct gd_field *one = build(mesh, source, NULL, NULL), *two = build(mesh, source, run_backwards, &turns);
+    struct gd_field *one = build(mesh, source, NULL, NULL),
+                    *two = build(mesh, source, run_backwards, &turns);
     assert_true(turns > 0);
     compare(&polygons, one, two, &rng);
     gd_field_release(one);

@@ -5,7 +5,8 @@
 
 #include "tests/samples/samples.h"
 
-/* A face has one half, its sides and corners know it, and about equally many faces are on both sides at any distance from the source. */
+/* A face has one half, its sides and corners know it, and about equally many faces are on both
+ * sides at any distance from the source. */
 
 #define SHELLS 8
 
@@ -25,7 +26,8 @@ static void check_records(const struct halves *halves)
         for (int k = 0; k < 3; k++) {
             uint32_t side = mesh->face_side[face][k];
             assert_int_equal(halves->side[side], half);
-            if (gd__side_is_boundary(mesh, side ^ 1)) assert_int_equal(halves->side[side ^ 1], half);
+            if (gd__side_is_boundary(mesh, side ^ 1))
+                assert_int_equal(halves->side[side ^ 1], half);
             vertex[mesh->origin[side]] |= (uint8_t)(1 << half);
         }
     }
@@ -36,8 +38,10 @@ static void check_records(const struct halves *halves)
 static double distance_of(const struct halves *halves, uint32_t face)
 {
     const struct gd_mesh *mesh = halves->mesh;
-    const struct gd_vec3 *p = &mesh->position[mesh->origin[mesh->face_side[face][0]]], *q = &halves->source;
-    return sqrt((p->x - q->x) * (p->x - q->x) + (p->y - q->y) * (p->y - q->y) + (p->z - q->z) * (p->z - q->z));
+    const struct gd_vec3 *p = &mesh->position[mesh->origin[mesh->face_side[face][0]]],
+                         *q = &halves->source;
+    return sqrt((p->x - q->x) * (p->x - q->x) + (p->y - q->y) * (p->y - q->y) +
+                (p->z - q->z) * (p->z - q->z));
 }
 
 /* What two that are always equally busy would gain: 2; one that waits for the other: 1. */
@@ -45,7 +49,8 @@ static double gain_of(const struct halves *halves)
 {
     uint32_t faces = halves->mesh->face_count, count[SHELLS][2] = {{0}}, longest = 0;
     double farthest = 0;
-    for (uint32_t face = 0; face < faces; face++) farthest = fmax(farthest, distance_of(halves, face));
+    for (uint32_t face = 0; face < faces; face++)
+        farthest = fmax(farthest, distance_of(halves, face));
     for (uint32_t face = 0; face < faces; face++) {
         int shell = (int)(distance_of(halves, face) / farthest * (SHELLS - 1e-9));
         count[shell][halves->side[halves->mesh->face_side[face][0]]]++;
@@ -58,7 +63,8 @@ static double gain_of(const struct halves *halves)
 static void check_surface(const char *name, double least, struct gd_polygons *polygons)
 {
     struct gd_mesh *mesh = test_mesh(polygons);
-    struct halves halves = {.mesh = mesh, .side = malloc(2 * mesh->edge_count), .vertex = malloc(mesh->vertex_count)};
+    struct halves halves = {
+        .mesh = mesh, .side = malloc(2 * mesh->edge_count), .vertex = malloc(mesh->vertex_count)};
     double worst = 2;
     for (uint32_t i = 0; i < 10; i++) {
         halves.source = mesh->position[i * (mesh->vertex_count - 1) / 9];
@@ -97,6 +103,7 @@ static void few_faces(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(even_at_any_distance), cmocka_unit_test(few_faces)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(even_at_any_distance),
+                                       cmocka_unit_test(few_faces)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Every kernel that this machine has against the plain one, to the last bit, and the plain one against the window by window. */
+/* Every kernel that this machine has against the plain one, to the last bit, and the plain one
+ * against the window by window. */
 #include "tests/unit/wedge/model.h"
 
 #include <stdlib.h>
@@ -10,7 +11,7 @@
 
 enum { MOST = 40, ROUNDS = 60, GUARD = 2 * GD__WINDOWS_GROUP };
 
-/* --- kernels ------------------------------------------------------------------------------------------------------------- */
+/* --- kernels ---------------------------------------------------------------------------------- */
 
 static const struct gd__kernel *kernels[3];
 static int kernel_count;
@@ -27,7 +28,7 @@ static int find_kernels(void **state)
     return 0;
 }
 
-/* --- lists as propagation meets them, and worse ---------------------------------------------------------------------------- */
+/* --- lists as propagation meets them, and worse ----------------------------------------------- */
 
 enum kind { ANY, CONTINUOUS, TIED, RUNS, GRAZING, NARROW, KINDS };
 
@@ -36,11 +37,12 @@ static double pick(struct rng *rng, const double *values, uint32_t count)
     return values[rng_below(rng, count)];
 }
 
-#define PICK(rng, ...) pick(rng, (const double[]){__VA_ARGS__}, sizeof((double[]){__VA_ARGS__}) / sizeof(double))
+#define PICK(rng, ...)                                                                             \
+    pick(rng, (const double[]){__VA_ARGS__}, sizeof((double[]){__VA_ARGS__}) / sizeof(double))
 
 /* The source of the window behind `before`, which begins where that ends. */
-static struct gd__window next_source(struct rng *rng, enum kind kind, double length, const struct gd__window *before,
-                                     uint32_t number)
+static struct gd__window next_source(struct rng *rng, enum kind kind, double length,
+                                     const struct gd__window *before, uint32_t number)
 {
     double joint = before->b1;
     struct gd__window w = {.x = rng_between(rng, -1, 2) * length,
@@ -68,17 +70,20 @@ static struct gd__window next_source(struct rng *rng, enum kind kind, double len
 
 static double width_of(struct rng *rng, enum kind kind)
 {
-    return kind == NARROW || rng_unit(rng) < 0.02 ? pow(10, rng_between(rng, -15, -1)) : 0.01 + rng_unit(rng);
+    return kind == NARROW || rng_unit(rng) < 0.02 ? pow(10, rng_between(rng, -15, -1))
+                                                  : 0.01 + rng_unit(rng);
 }
 
 /* Sorted and disjoint on an edge of that length; about half of the lists leave no gap. */
-static void random_list(struct rng *rng, enum kind kind, uint32_t count, double length, struct gd__stack *out)
+static void random_list(struct rng *rng, enum kind kind, uint32_t count, double length,
+                        struct gd__stack *out)
 {
     double end[MOST + 2] = {rng_unit(rng) < 0.5 ? 0 : rng_unit(rng)};
     bool to_the_end = rng_unit(rng) < 0.5, gaps = rng_unit(rng) < 0.3;
     for (uint32_t i = 0; i <= count; i++) end[i + 1] = end[i] + width_of(rng, kind);
     double scale = length / end[to_the_end ? count : count + 1];
-    struct gd__window before = {.b1 = end[0] * scale, .x = 0.4 * length, .y = 0.6 * length, .sigma = length};
+    struct gd__window before = {
+        .b1 = end[0] * scale, .x = 0.4 * length, .y = 0.6 * length, .sigma = length};
     out->count = 0;
     for (uint32_t i = 0; i < count; i++) {
         struct gd__window w = next_source(rng, kind, length, &before, i);
@@ -94,8 +99,10 @@ static void random_list(struct rng *rng, enum kind kind, uint32_t count, double 
 static struct gd_side random_side(struct rng *rng)
 {
     double length = exp(rng_between(rng, -2, 2)), px = rng_between(rng, -0.5, 1.5) * length,
-           py = length * (rng_unit(rng) < 0.2 ? pow(10, rng_between(rng, -6, -1)) : rng_between(rng, 0.1, 1.5));
-    struct gd_side s = {.length = length, .left_length = hypot(px, py), .right_length = hypot(length - px, py)};
+           py = length * (rng_unit(rng) < 0.2 ? pow(10, rng_between(rng, -6, -1))
+                                              : rng_between(rng, 0.1, 1.5));
+    struct gd_side s = {
+        .length = length, .left_length = hypot(px, py), .right_length = hypot(length - px, py)};
     s.left_x = px / s.left_length;
     s.left_y = py / s.left_length;
     s.right_x = (length - px) / s.right_length;
@@ -103,9 +110,10 @@ static struct gd_side random_side(struct rng *rng)
     return s;
 }
 
-/* --- comparison ---------------------------------------------------------------------------------------------------------- */
+/* --- comparison ------------------------------------------------------------------------------- */
 
-static void check_same_windows(const struct gd__windows *a, const struct gd__windows *b, uint32_t count)
+static void check_same_windows(const struct gd__windows *a, const struct gd__windows *b,
+                               uint32_t count)
 {
     assert_memory_equal(a->b0, b->b0, count * sizeof(double));
     assert_memory_equal(a->b1, b->b1, count * sizeof(double));
@@ -142,11 +150,12 @@ static void for_all_lists(uint64_t seed, void (*test)(struct rng *rng, double le
             }
 }
 
-/* --- filter -------------------------------------------------------------------------------------------------------------- */
+/* --- filter ----------------------------------------------------------------------------------- */
 
 static uint64_t offered, kept;
 
-/* The distances of the edge's ends as they may be when a list is looked at: what it gives them itself, more, or less. */
+/* The distances of the edge's ends as they may be when a list is looked at: what it gives them
+ * itself, more, or less. */
 static double end_distance(struct rng *rng, double length, bool at_end)
 {
     double t = at_end ? length : 0, least = GD_NONE * length;
@@ -155,10 +164,12 @@ static double end_distance(struct rng *rng, double length, bool at_end)
         double at = fmin(fmax(t, w->b0), w->b1);
         least = fmin(least, gd__window_distance(w, at) + fabs(t - at));
     }
-    return rng_unit(rng) < 0.1 ? 1e300 : least * PICK(rng, 1, 1, 1 - 1e-15, 1 + 1e-14, 0.9, 0.5, 0, 1.1);
+    return rng_unit(rng) < 0.1 ? 1e300
+                               : least * PICK(rng, 1, 1, 1 - 1e-15, 1 + 1e-14, 0.9, 0.5, 0, 1.1);
 }
 
-static double least_round_an_end(const struct gd__stack *windows, double length, double d0, double d1, double t)
+static double least_round_an_end(const struct gd__stack *windows, double length, double d0,
+                                 double d1, double t)
 {
     return fmin(least_distance(windows, t), fmin(d0 + t, d1 + length - t));
 }
@@ -176,8 +187,8 @@ static void filter(struct rng *rng, double length)
     load_windows(&plain.at, count, &actual);
     for (int i = 0; i < 20; i++) { /* nothing is lost: the way round an end was as short */
         double t = rng_unit(rng) * length;
-        check_close(least_round_an_end(&actual, length, d0, d1, t), least_round_an_end(&list, length, d0, d1, t),
-                    1e-12);
+        check_close(least_round_an_end(&actual, length, d0, d1, t),
+                    least_round_an_end(&list, length, d0, d1, t), 1e-12);
     }
     for (uint32_t i = 0; i < count; i++)
         assert_true(actual.windows[i].b0 >= 0 && actual.windows[i].b1 <= length &&
@@ -191,17 +202,19 @@ static void filters(void **state)
     (void)state;
     offered = kept = 0;
     for_all_lists(1, filter);
-    print_message("# filter: %llu windows, %llu kept\n", (unsigned long long)offered, (unsigned long long)kept);
+    print_message("# filter: %llu windows, %llu kept\n", (unsigned long long)offered,
+                  (unsigned long long)kept);
     assert_true(kept > offered / 10 && kept < offered * 9 / 10);
 }
 
-/* --- within -------------------------------------------------------------------------------------------------------------- */
+/* --- within ----------------------------------------------------------------------------------- */
 
 static void within(struct rng *rng, double length)
 {
     double bound = rng_unit(rng) < 0.5
                        ? rng_between(rng, 0, 4) * length
-                       : gd__window_nearest(&list.windows[rng_below(rng, list.count)]); /* just reached */
+                       /* just reached */
+                       : gd__window_nearest(&list.windows[rng_below(rng, list.count)]);
     build_windows(&list, &plain);
     uint32_t count = kernels[0]->within(&plain.at, list.count, bound);
     for (int k = 1; k < kernel_count; k++) {
@@ -223,7 +236,7 @@ static void keeps_what_is_within_a_bound(void **state)
     for_all_lists(2, within);
 }
 
-/* --- store --------------------------------------------------------------------------------------------------------------- */
+/* --- store ------------------------------------------------------------------------------------ */
 
 struct store_counts {
     uint64_t stored, ends, refused, off_by_one;
@@ -243,16 +256,19 @@ static double *on_shelf(struct shelf *shelf)
     return shelf->data;
 }
 
-static void check_as_written(const struct gd__wedges *stored, const struct gd__wedges *written, uint32_t count)
+static void check_as_written(const struct gd__wedges *stored, const struct gd__wedges *written,
+                             uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         assert_true(stored->x[i] == written->x[i] && stored->y[i] == written->y[i]);
         assert_true(signbit(stored->y[i]) == signbit(written->y[i]));
         assert_int_equal(gd__wedge_source(stored->start[i]), gd__wedge_source(written->start[i]));
-        int64_t off = (int64_t)gd__wedge_start(stored->start[i]) - (int64_t)gd__wedge_start(written->start[i]);
+        int64_t off = (int64_t)gd__wedge_start(stored->start[i]) -
+                      (int64_t)gd__wedge_start(written->start[i]);
         assert_true(off >= -1 && off <= 1); /* one multiplies by what the other divides by */
         if (off) stores.off_by_one++;
-        if (i) assert_true(gd__wedge_start(stored->start[i]) >= gd__wedge_start(stored->start[i - 1]));
+        if (i)
+            assert_true(gd__wedge_start(stored->start[i]) >= gd__wedge_start(stored->start[i - 1]));
     }
     assert_int_equal(gd__wedge_start(stored->start[0]), 0);
 }
@@ -269,10 +285,14 @@ static void store(struct rng *rng, double length)
     static struct shelf shelves[3], general;
     bool mirrored = rng_unit(rng) < 0.5;
     build_windows(&list, &plain);
-    uint32_t stored = kernels[0]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[0]));
+    uint32_t stored =
+        kernels[0]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[0]));
     for (int k = 1; k < kernel_count; k++) {
-        assert_int_equal(kernels[k]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[k])), stored);
-        if (stored) assert_memory_equal(&shelves[k], &shelves[0], sizeof shelves[0]); /* the guards too */
+        assert_int_equal(
+            kernels[k]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[k])),
+            stored);
+        /* the guards too */
+        if (stored) assert_memory_equal(&shelves[k], &shelves[0], sizeof shelves[0]);
     }
     uint32_t count = gd__wedges_write(&plain.at, list.count, length, mirrored, on_shelf(&general));
     assert_true(count <= gd__wedges_bound(list.count));
@@ -282,7 +302,8 @@ static void store(struct rng *rng, double length)
     stores.refused += !stored;
     if (!stored) return;
     assert_int_equal(stored, count);
-    struct gd__wedges first = gd__wedges_at(shelves[0].data, count), written = gd__wedges_at(general.data, count);
+    struct gd__wedges first = gd__wedges_at(shelves[0].data, count),
+                      written = gd__wedges_at(general.data, count);
     check_as_written(&first, &written, count);
 }
 
@@ -291,14 +312,15 @@ static void stores_what_leaves_no_gap_inside(void **state)
     (void)state;
     stores = (struct store_counts){0};
     for_all_lists(3, store);
-    print_message("# store: %llu lists stored, %llu with gaps at their ends, %llu refused for gaps inside, %llu starts "
+    print_message("# store: %llu lists stored, %llu with gaps at their ends, %llu refused for gaps "
+                  "inside, %llu starts "
                   "one unit off the general form's\n",
                   (unsigned long long)stores.stored, (unsigned long long)stores.ends,
                   (unsigned long long)stores.refused, (unsigned long long)stores.off_by_one);
     assert_true(stores.stored > 1000 && stores.ends > 300 && stores.refused > 1000);
 }
 
-/* --- cast ---------------------------------------------------------------------------------------------------------------- */
+/* --- cast ------------------------------------------------------------------------------------- */
 
 static struct gd__pool pool;
 static struct gd__children left[2], right[2];
@@ -320,8 +342,8 @@ static int close_pool(void **state)
 }
 
 /* Casts windows [first, first + count) of `plain`. */
-static struct gd__apex cast(const struct gd__kernel *kernel, const struct gd_side *side, uint32_t first, uint32_t count,
-                            bool coalesce, double known, int result)
+static struct gd__apex cast(const struct gd__kernel *kernel, const struct gd_side *side,
+                            uint32_t first, uint32_t count, bool coalesce, double known, int result)
 {
     struct gd__windows w = plain.at;
     w.b0 += first, w.b1 += first, w.x += first, w.y += first, w.sigma += first, w.source += first;
@@ -340,7 +362,8 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
     check_same_windows(&a->at, &b->at, a->count);
 }
 
-/* Which windows pass beside the apex, and the best straight way to it through the others, by the definition. */
+/* Which windows pass beside the apex, and the best straight way to it through the others, by the
+ * definition. */
 static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
     struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
@@ -363,7 +386,8 @@ static void check_order(const struct gd__children *children, double length)
     uint32_t end = children->tangled < children->count ? children->tangled : children->count;
     const struct gd__windows *w = &children->at;
     for (uint32_t i = 0; i < end; i++) {
-        assert_true(w->b1[i] - w->b0[i] > GD_TOL_WIDTH * length && w->b0[i] >= 0 && w->b1[i] <= length);
+        assert_true(w->b1[i] - w->b0[i] > GD_TOL_WIDTH * length && w->b0[i] >= 0 &&
+                    w->b1[i] <= length);
         if (i) assert_true(w->b0[i] >= w->b1[i - 1] - GD_TOL_WIDTH * length);
     }
 }
@@ -372,7 +396,8 @@ static void check_order(const struct gd__children *children, double length)
 static void check_against_single(struct rng *rng, struct gd__children *children, double length,
                                  const struct gd__stack *alone)
 {
-    if (children->tangled != GD_NONE) check_ok(gd__untangle(children, &pool, GD_TOL_WIDTH * length, &scratch), NULL);
+    if (children->tangled != GD_NONE)
+        check_ok(gd__untangle(children, &pool, GD_TOL_WIDTH * length, &scratch), NULL);
     load_windows(&children->at, children->count, &actual);
     for (int i = 0; i < 8; i++) {
         double t = rng_unit(rng) * length;
@@ -385,10 +410,12 @@ static void cast_list(struct rng *rng, double unused)
     (void)unused;
     struct gd_side side = random_side(rng);
     bool coalesce = rng_unit(rng) < 0.7;
-    for (uint32_t i = 0; i < list.count; i++) { /* the lists are drawn for an edge of another length */
+    /* the lists are drawn for an edge of another length */
+    for (uint32_t i = 0; i < list.count; i++) {
         struct gd__window *w = &list.windows[i];
         double scale = side.length / unused;
-        w->b0 *= scale, w->b1 = fmin(w->b1 * scale, side.length), w->x *= scale, w->y *= scale, w->sigma *= scale;
+        w->b0 *= scale, w->b1 = fmin(w->b1 * scale, side.length), w->x *= scale, w->y *= scale,
+                        w->sigma *= scale;
     }
     build_windows(&list, &plain);
     double known = rng_unit(rng) < 0.5 ? 1e300 : rng_between(rng, 0, 3) * side.length;
@@ -398,7 +425,8 @@ static void cast_list(struct rng *rng, double unused)
         assert_memory_equal(&again.distance, &apex.distance, sizeof apex.distance);
         assert_true(again.improved == apex.improved);
         assert_true(again.last_left == apex.last_left && again.first_right == apex.first_right);
-        if (apex.improved) assert_true(again.x == apex.x && again.y == apex.y && again.source == apex.source);
+        if (apex.improved)
+            assert_true(again.x == apex.x && again.y == apex.y && again.source == apex.source);
         check_same_children(&left[1], &left[0]);
         check_same_children(&right[1], &right[0]);
     }
@@ -408,8 +436,10 @@ static void cast_list(struct rng *rng, double unused)
     struct gd__stack alone[2] = {{0}, {0}};
     for (uint32_t i = 0; i < list.count; i++) {
         cast(kernels[0], &side, i, 1, false, 1e300, 1);
-        for (uint32_t k = 0; k < left[1].count; k++) append_window(&alone[0], gd__windows_get(&left[1].at, k));
-        for (uint32_t k = 0; k < right[1].count; k++) append_window(&alone[1], gd__windows_get(&right[1].at, k));
+        for (uint32_t k = 0; k < left[1].count; k++)
+            append_window(&alone[0], gd__windows_get(&left[1].at, k));
+        for (uint32_t k = 0; k < right[1].count; k++)
+            append_window(&alone[1], gd__windows_get(&right[1].at, k));
     }
     check_close(apex.distance, best.distance, 3e-14);
     assert_true(apex.last_left == best.last_left && apex.first_right == best.first_right);
@@ -429,30 +459,32 @@ static void casts(void **state)
     cast_children = cast_joined = cast_tangled = 0;
     for_all_lists(4, cast_list);
     print_message("# cast: %llu children, %llu more were joined, %llu of %d lists tangled\n",
-                  (unsigned long long)cast_children, (unsigned long long)cast_joined, (unsigned long long)cast_tangled,
-                  2 * KINDS * MOST * ROUNDS);
+                  (unsigned long long)cast_children, (unsigned long long)cast_joined,
+                  (unsigned long long)cast_tangled, 2 * KINDS * MOST * ROUNDS);
     assert_true(cast_children > 100000 && cast_joined > 1000 && cast_tangled > 1000);
 }
 
-/* --- rings --------------------------------------------------------------------------------------------------------------- */
+/* --- rings ------------------------------------------------------------------------------------ */
 
 enum { RING_GROUPS = 5 };
 
 static double sag(double d, double part, double own)
 {
     double both = part + own;
-    return both > 0 ? (part * part + own * own) / 8 * d / fmax(d * d - both * both, both * d / 8) : 0;
+    return both > 0 ? (part * part + own * own) / 8 * d / fmax(d * d - both * both, both * d / 8)
+                    : 0;
 }
 
 /* The same in double precision, point by point. */
-static float ring_by_single(const struct gd__ring_group *groups, uint32_t count, struct gd__place p, float own)
+static float ring_by_single(const struct gd__ring_group *groups, uint32_t count, struct gd__place p,
+                            float own)
 {
     double least = GD__RING_NOWHERE;
     for (uint32_t i = 0; i < count * GD__RING_LANES; i++) {
         const struct gd__ring_group *g = &groups[i / GD__RING_LANES];
         uint32_t lane = i % GD__RING_LANES;
-        double x = (double)g->x[lane] - p.x, y = (double)g->y[lane] - p.y, z = (double)g->z[lane] - p.z,
-               d = sqrt(x * x + y * y + z * z);
+        double x = (double)g->x[lane] - p.x, y = (double)g->y[lane] - p.y,
+               z = (double)g->z[lane] - p.z, d = sqrt(x * x + y * y + z * z);
         least = fmin(least, d + g->lower[lane] - sag(d, g->part[lane], own));
     }
     return (float)least;
@@ -465,7 +497,8 @@ static void random_ring(struct rng *rng, struct gd__ring_group *groups, uint32_t
     for (uint32_t i = 0; i < count * GD__RING_LANES; i++) {
         float *first = &groups[i / GD__RING_LANES].x[i % GD__RING_LANES];
         for (int k = 0; k < 4; k++)
-            first[k * GD__RING_LANES] = i < taken ? (float)rng_between(rng, -1, 1) : GD__RING_NOWHERE;
+            first[k * GD__RING_LANES] =
+                i < taken ? (float)rng_between(rng, -1, 1) : GD__RING_NOWHERE;
         first[4 * GD__RING_LANES] = i < taken ? (float)rng_between(rng, 0, 0.3) : 0;
     }
 }
@@ -480,9 +513,11 @@ static void rings(void **state)
         random_ring(&rng, groups, count);
         struct gd__place p = {(float)rng_between(&rng, -1, 1), (float)rng_between(&rng, -1, 1), 0};
         float own = round % 2 ? (float)rng_between(&rng, 0, 0.3) : 0;
-        float single = ring_by_single(groups, count, p, own), first = kernels[0]->ring(groups, groups + count, p, own);
+        float single = ring_by_single(groups, count, p, own),
+              first = kernels[0]->ring(groups, groups + count, p, own);
         assert_true(fabsf(first - single) <= 1e-6f);
-        for (int k = 1; k < kernel_count; k++) assert_true(kernels[k]->ring(groups, groups + count, p, own) == first);
+        for (int k = 1; k < kernel_count; k++)
+            assert_true(kernels[k]->ring(groups, groups + count, p, own) == first);
     }
     assert_true(kernels[0]->ring(groups, groups, (struct gd__place){0}, 0) == GD__RING_NOWHERE);
 }
@@ -500,7 +535,8 @@ struct two_edges {
 
 static double between(const struct two_edges *edges, double t, double u)
 {
-    struct gd_vec3 p = gd_vec3_along(edges->from, t, edges->along), q = gd_vec3_along(edges->to, u, edges->beside);
+    struct gd_vec3 p = gd_vec3_along(edges->from, t, edges->along),
+                   q = gd_vec3_along(edges->to, u, edges->beside);
     return gd_vec3_length(gd_vec3_sub(q, p));
 }
 
@@ -514,26 +550,31 @@ static double told_at(const struct two_edges *edges, double t, double own)
         group.lower[i] = 0, group.part[i] = (float)gd_vec3_length(edges->beside);
     }
     struct gd_vec3 p = gd_vec3_along(edges->from, t, edges->along);
-    return kernels[0]->ring(&group, &group + 1, (struct gd__place){(float)p.x, (float)p.y, (float)p.z}, (float)own);
+    return kernels[0]->ring(&group, &group + 1,
+                            (struct gd__place){(float)p.x, (float)p.y, (float)p.z}, (float)own);
 }
 
-/* No way from a point of an edge to one of another is shorter than the linear function of what is told at its ends: edges near to each other, far from each
- * other, of one length and of lengths that differ by a thousand. */
+/* No way from a point of an edge to one of another is shorter than the linear function of what is
+ * told at its ends: edges near to each other, far from each other, of one length and of lengths
+ * that differ by a thousand. */
 static void no_distance_between_edges_is_below_what_rings_tell(void **state)
 {
     (void)state;
     struct rng rng = {7};
     for (int round = 0; round < 100 * ROUNDS; round++) {
-        double own = pow(10, rng_between(&rng, -3, 0)), part = round % 3 ? own : pow(10, rng_between(&rng, -3, 0));
+        double own = pow(10, rng_between(&rng, -3, 0)),
+               part = round % 3 ? own : pow(10, rng_between(&rng, -3, 0));
         struct two_edges edges = {.from = {0.1, 0.2, 0.3}, .along = random_vector(&rng, own)};
         edges.to =
-            gd_vec3_add(edges.from, random_vector(&rng, fmax(own, part) * pow(10, rng_between(&rng, -1.5, 1.5))));
+            gd_vec3_add(edges.from, random_vector(&rng, fmax(own, part) *
+                                                            pow(10, rng_between(&rng, -1.5, 1.5))));
         edges.beside = random_vector(&rng, part);
         double first = told_at(&edges, 0, own), last = told_at(&edges, 1, own),
                slack = 1e-6 * (1 + between(&edges, 0, 0));
         for (int i = 0; i <= 8; i++)
             for (int k = 0; k <= 8; k++)
-                assert_true(between(&edges, i / 8.0, k / 8.0) >= first + (last - first) * i / 8 - slack);
+                assert_true(between(&edges, i / 8.0, k / 8.0) >=
+                            first + (last - first) * i / 8 - slack);
     }
 }
 

@@ -1,11 +1,12 @@
-/* A list is the lower envelope of the windows that were offered to it: sorted, disjoint, nowhere worse than any of them. */
+/* A list is the lower envelope of the windows that were offered to it: sorted, disjoint, nowhere
+ * worse than any of them. */
 #include "tests/unit/wedge/model.h"
 
 #include "gd/polygons.h"
 
 #define OFFERED 12
 
-/* --- a list, and what was offered to it ---------------------------------------------------------------------------------- */
+/* --- a list, and what was offered to it ------------------------------------------------------- */
 
 static struct gd__pool pool;
 static struct gd__list list;
@@ -57,7 +58,7 @@ static void check_list(void)
     check_envelope(&actual, &offered);
 }
 
-/* --- pushing ------------------------------------------------------------------------------------------------------------- */
+/* --- pushing ---------------------------------------------------------------------------------- */
 
 static void pushing_gives_the_envelope(void **state)
 {
@@ -76,7 +77,7 @@ static void pushing_gives_the_envelope(void **state)
     gd__stack_destroy(&pushed);
 }
 
-/* --- untangling ---------------------------------------------------------------------------------------------------------- */
+/* --- untangling ------------------------------------------------------------------------------- */
 
 /* Windows nearly in order, as children are: some reach back a little, few of them far. */
 static struct gd__window nearly_next(struct rng *rng, uint32_t i, uint32_t count)
@@ -97,7 +98,8 @@ static void untangling_gives_the_envelope(void **state)
         bool in_any_order = round % 3 == 0;
         offered.count = 0;
         for (uint32_t i = 0; i < count; i++) {
-            struct gd__window w = in_any_order ? random_window(&rng, i) : nearly_next(&rng, i, count);
+            struct gd__window w =
+                in_any_order ? random_window(&rng, i) : nearly_next(&rng, i, count);
             if (i < in_order) { /* those before `from` neither overlap nor stand out of order */
                 w.b0 = (double)i / count;
                 w.b1 = (double)(i + 1) / count;
@@ -122,7 +124,8 @@ static void untangling_joins_neighbours(void **state)
         offered.count = 0;
         for (int i = 0; i < 10; i++)
             append_window(&offered,
-                          (struct gd__window){.b0 = i / 10.0, .b1 = (i + 1) / 10.0, .x = 0.5, .y = 2, .source = 3});
+                          (struct gd__window){
+                              .b0 = i / 10.0, .b1 = (i + 1) / 10.0, .x = 0.5, .y = 2, .source = 3});
         build_children(&offered, 0, &pool, &newer);
         check_ok(gd__untangle(&newer, &pool, WIDTH, &scratch), NULL);
         assert_int_equal(newer.count, apart ? 10 : 1);
@@ -130,7 +133,7 @@ static void untangling_joins_neighbours(void **state)
     }
 }
 
-/* --- inserting ----------------------------------------------------------------------------------------------------------- */
+/* --- inserting -------------------------------------------------------------------------------- */
 
 static void inserting_gives_the_envelope(void **state)
 {
@@ -160,8 +163,9 @@ static void insert_pieces(struct rng *rng, const double (*pieces)[2], uint32_t c
     insert_last(count);
 }
 
-#define PIECES(...)                                                                                                    \
-    ((const double[][2]){__VA_ARGS__}), (uint32_t)(sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]))
+#define PIECES(...)                                                                                \
+    ((const double[][2]){__VA_ARGS__}),                                                            \
+        (uint32_t)(sizeof((double[][2]){__VA_ARGS__}) / sizeof(double[2]))
 
 static void appends(void **state)
 {
@@ -185,7 +189,8 @@ static void prepends(void **state)
     check_list();
 }
 
-/* Ends that overlap by less than the least width are cut to meet: nothing is contested, nothing overlaps. */
+/* Ends that overlap by less than the least width are cut to meet: nothing is contested, nothing
+ * overlaps. */
 static void ends_that_touch_are_cut(void **state)
 {
     (void)state;
@@ -208,7 +213,8 @@ static void fills_a_gap(void **state)
     check_list();
 }
 
-/* The newer windows reach around what is there on both sides, whether they win in the middle (sigma), lose there, or leave it out. */
+/* The newer windows reach around what is there on both sides, whether they win in the middle
+ * (sigma), lose there, or leave it out. */
 static void overlaps_in_the_middle(void **state)
 {
     (void)state;
@@ -218,7 +224,8 @@ static void overlaps_in_the_middle(void **state)
         insert_pieces(&rng, PIECES({0, 0.1}, {0.4, 0.5}, {0.5, 0.62}, {0.93, 1}), 0.3);
         double sigma = round % 3 == 0 ? 3 : round % 3 == 1 ? -0.2 : 0.3;
         if (round % 2)
-            insert_pieces(&rng, PIECES({0.15, 0.2}, {0.2, 0.3}, {0.35, 0.7}, {0.7, 0.8}, {0.8, 0.9}), sigma);
+            insert_pieces(
+                &rng, PIECES({0.15, 0.2}, {0.2, 0.3}, {0.35, 0.7}, {0.7, 0.8}, {0.8, 0.9}), sigma);
         else
             insert_pieces(&rng, PIECES({0.15, 0.2}, {0.2, 0.3}, {0.7, 0.8}, {0.85, 0.9}), sigma);
         check_list();
@@ -228,7 +235,8 @@ static void overlaps_in_the_middle(void **state)
 
 static struct gd__window of_source(double b0, double b1, uint32_t source)
 {
-    return (struct gd__window){.b0 = b0, .b1 = b1, .x = 0.3 * source, .y = 0.5 + 0.1 * source, .source = source};
+    return (struct gd__window){
+        .b0 = b0, .b1 = b1, .x = 0.3 * source, .y = 0.5 + 0.1 * source, .source = source};
 }
 
 /* Neighbours of one source become one at either end of what is inserted, or at both. */
@@ -255,7 +263,8 @@ static void joins_at_both_seams(void **state)
     append_window(&offered, of_source(0.7, 0.8, 2));
     insert_last(3);
     w = gd__list_windows(&list);
-    assert_true(w.b0[0] == 0 && w.b1[0] == 0.3 && w.b0[list.count - 1] == 0.7 && w.b1[list.count - 1] == 1);
+    assert_true(w.b0[0] == 0 && w.b1[0] == 0.3 && w.b0[list.count - 1] == 0.7 &&
+                w.b1[list.count - 1] == 1);
     check_list();
 }
 
@@ -286,7 +295,8 @@ static void neighbours_that_see_one_source_become_one(void **state)
     check_list();
 }
 
-/* Hundreds of windows in pieces of every size up to some groups, from all sides: blocks grow, and nothing is lost on the way. */
+/* Hundreds of windows in pieces of every size up to some groups, from all sides: blocks grow, and
+ * nothing is lost on the way. */
 static void blocks_grow(void **state)
 {
     (void)state;
@@ -319,12 +329,14 @@ static void blocks_grow(void **state)
     }
 }
 
-/* --- one window ---------------------------------------------------------------------------------------------------------- */
+/* --- one window ------------------------------------------------------------------------------- */
 
 static void insert_one(void)
 {
     const struct gd__window *w = &offered.windows[offered.count - 1];
-    check_ok(list.count ? gd__list_add_one(&list, &pool, w, WIDTH, &scratch) : gd__list_begin(&list, &pool, w), NULL);
+    check_ok(list.count ? gd__list_add_one(&list, &pool, w, WIDTH, &scratch)
+                        : gd__list_begin(&list, &pool, w),
+             NULL);
     assert_true(list.count + GD__WINDOWS_GROUP <= gd__list_capacity(&list));
 }
 
@@ -361,30 +373,37 @@ static void lines_one_by_one_give_the_envelope(void **state)
     for (int round = 0; round < 3000; round++) {
         empty_list();
         for (uint32_t i = 0; i < OFFERED; i++) {
-            append_window(&offered, rng_below(&rng, 3) ? random_line(&rng, i) : random_window(&rng, i));
+            append_window(&offered,
+                          rng_below(&rng, 3) ? random_line(&rng, i) : random_window(&rng, i));
             insert_one();
             check_list();
         }
     }
 }
 
-/* Ties stay with what is there, what begins where another one ends is no overlap, and windows of one source become one. */
+/* Ties stay with what is there, what begins where another one ends is no overlap, and windows of
+ * one source become one. */
 static void one_window_beside_others(void **state)
 {
     (void)state;
-    append_window(&offered, (struct gd__window){.b0 = 0.2, .b1 = 0.6, .x = 0.5, .y = 1, .source = 0});
+    append_window(&offered,
+                  (struct gd__window){.b0 = 0.2, .b1 = 0.6, .x = 0.5, .y = 1, .source = 0});
     insert_one();
-    append_window(&offered, (struct gd__window){.b0 = 0.1, .b1 = 0.7, .x = 0.5, .y = 1, .source = 1});
+    append_window(&offered,
+                  (struct gd__window){.b0 = 0.1, .b1 = 0.7, .x = 0.5, .y = 1, .source = 1});
     insert_one();
-    append_window(&offered, (struct gd__window){.b0 = 0.7, .b1 = 0.9, .x = 0.5, .y = 1, .source = 1});
+    append_window(&offered,
+                  (struct gd__window){.b0 = 0.7, .b1 = 0.9, .x = 0.5, .y = 1, .source = 1});
     insert_one();
     struct gd__windows w = gd__list_windows(&list);
     const double from[3] = {0.1, 0.2, 0.6}, to[3] = {0.2, 0.6, 0.9};
     assert_int_equal(list.count, 3);
-    for (uint32_t i = 0; i < 3; i++) assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
+    for (uint32_t i = 0; i < 3; i++)
+        assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* A point that three lines are nearer than at both of their ends, but not between: the most parts there can be. The block has to grow for them. */
+/* A point that three lines are nearer than at both of their ends, but not between: the most parts
+ * there can be. The block has to grow for them. */
 static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;
@@ -413,13 +432,14 @@ static void one_by_one_they_stay_apart_if_told(void **state)
     (void)state;
     scratch.apart = true;
     for (int i = 0; i < 3; i++) {
-        append_window(&offered, (struct gd__window){.b0 = i / 3.0, .b1 = (i + 1) / 3.0, .x = 0.5, .y = 1});
+        append_window(&offered,
+                      (struct gd__window){.b0 = i / 3.0, .b1 = (i + 1) / 3.0, .x = 0.5, .y = 1});
         insert_one();
     }
     assert_int_equal(list.count, 3);
 }
 
-/* --- memory -------------------------------------------------------------------------------------------------------------- */
+/* --- memory ----------------------------------------------------------------------------------- */
 
 /* Windows side by side, one at a time, until the budget is spent: what was there stays. */
 static void budget_is_kept(void **state)
@@ -447,7 +467,8 @@ static void budget_is_kept(void **state)
     assert_int_equal(status, GD_BUDGET);
     assert_true(pool.bytes > control.budget_bytes / 4);
     struct gd__windows windows = gd__list_windows(&list);
-    for (uint32_t i = 0; i < list.count; i++) assert_true(windows.b0[i] == i && windows.source[i] == i);
+    for (uint32_t i = 0; i < list.count; i++)
+        assert_true(windows.b0[i] == i && windows.source[i] == i);
     assert_true(list.count >= count - 1);
 }
 

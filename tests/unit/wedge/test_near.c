@@ -1,4 +1,5 @@
-/* Propagation with records of what is near the front only: the distances of a field, in a small part of its memory. */
+/* Propagation with records of what is near the front only: the distances of a field, in a small
+ * part of its memory. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -21,7 +22,8 @@ static double difference(const struct gd_mesh *mesh, const struct gd_field_reque
     gd_field_vertex_distances(field, kept);
     for (uint32_t i = 0; i < count; i++) {
         assert_int_equal(isfinite(kept[i]), isfinite(only[i]));
-        if (isfinite(kept[i]) && kept[i] > 0) worst = fmax(worst, fabs(kept[i] - only[i]) / kept[i]);
+        if (isfinite(kept[i]) && kept[i] > 0)
+            worst = fmax(worst, fabs(kept[i] - only[i]) / kept[i]);
     }
     free(kept);
     free(only);
@@ -30,7 +32,8 @@ static double difference(const struct gd_mesh *mesh, const struct gd_field_reque
 }
 
 /* One point, several with offsets, a radius, a target; a workspace that other calls use in turn. */
-static void check_surface(struct gd_polygons *polygons, uint64_t seed, struct gd_workspace *workspace)
+static void check_surface(struct gd_polygons *polygons, uint64_t seed,
+                          struct gd_workspace *workspace)
 {
     struct gd_mesh *mesh = test_mesh(polygons);
     struct rng rng = {seed};
@@ -38,15 +41,19 @@ static void check_surface(struct gd_polygons *polygons, uint64_t seed, struct gd
     uint32_t faces = gd_mesh_summary(mesh)->faces;
     struct gd_seed seeds[3];
     for (int i = 0; i < 3; i++)
-        seeds[i] = (struct gd_seed){
-            .point = {.kind = GD_POINT_FACE, .element = rng_below(&rng, faces), .weight = {0.3, 0.45, 0.25}},
-            .offset = 0.01 * i};
-    struct gd_point target = {.kind = GD_POINT_FACE, .element = rng_below(&rng, faces), .weight = {0.5, 0.25, 0.25}};
-    const struct gd_field_request requests[4] = {{.seeds = seeds, .seed_count = 1},
-                                                 {.seeds = seeds, .seed_count = 3},
-                                                 {.seeds = seeds, .seed_count = 1, .radius = 0.4},
-                                                 {.seeds = seeds, .seed_count = 1, .target = &target}};
-    for (int k = 0; k < 4; k++) assert_true(difference(mesh, &requests[k], k % 2 ? &control : NULL) < 1e-12);
+        seeds[i] = (struct gd_seed){.point = {.kind = GD_POINT_FACE,
+                                              .element = rng_below(&rng, faces),
+                                              .weight = {0.3, 0.45, 0.25}},
+                                    .offset = 0.01 * i};
+    struct gd_point target = {
+        .kind = GD_POINT_FACE, .element = rng_below(&rng, faces), .weight = {0.5, 0.25, 0.25}};
+    const struct gd_field_request requests[4] = {
+        {.seeds = seeds, .seed_count = 1},
+        {.seeds = seeds, .seed_count = 3},
+        {.seeds = seeds, .seed_count = 1, .radius = 0.4},
+        {.seeds = seeds, .seed_count = 1, .target = &target}};
+    for (int k = 0; k < 4; k++)
+        assert_true(difference(mesh, &requests[k], k % 2 ? &control : NULL) < 1e-12);
     gd_mesh_release(mesh);
     gd_polygons_free(polygons);
 }
@@ -58,7 +65,8 @@ static void distances_are_the_fields(void **state)
     struct gd_polygons polygons;
     check_ok(sample_terrain(40, 0.3, 7, &polygons), NULL);
     check_surface(&polygons, 1, workspace);
-    check_ok(sample_terrain(24, 3, 9, &polygons), NULL); /* steep: sides are visited often, and reminded */
+    /* steep: sides are visited often, and reminded */
+    check_ok(sample_terrain(24, 3, 9, &polygons), NULL);
     check_surface(&polygons, 2, workspace);
     check_ok(sample_icosphere(4, 1, &polygons), NULL);
     check_surface(&polygons, 3, workspace);
@@ -77,7 +85,8 @@ static void little_memory_is_enough(void **state)
     check_ok(sample_terrain(220, 0.1, 3, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     size_t faces = gd_mesh_summary(mesh)->faces, count = gd_mesh_summary(mesh)->index_count;
-    struct gd_seed seed = {.point = {.kind = GD_POINT_FACE, .element = 77, .weight = {0.2, 0.5, 0.3}}};
+    struct gd_seed seed = {
+        .point = {.kind = GD_POINT_FACE, .element = 77, .weight = {0.2, 0.5, 0.3}}};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_control control = {.budget_bytes = 24 * faces};
     double *out = malloc(sizeof *out * count);

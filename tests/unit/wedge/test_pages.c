@@ -1,4 +1,5 @@
-/* Pages are made when they are asked for, and used again when nothing has waited on them for a while; what has to stay stays. */
+/* Pages are made when they are asked for, and used again when nothing has waited on them for a
+ * while; what has to stay stays. */
 #include "tests/support/test.h"
 
 #include "wedge/pages.h"
@@ -46,7 +47,8 @@ static void rested_pages_are_used_again(void **state)
     (void)state;
     struct gd__page *first = make(0, 10), *second = make(1, 10);
     struct gd__page *third = make(2, 11); /* too early */
-    assert_true(pages.page[0] == first && pages.page[1] == second && third != first && third != second);
+    assert_true(pages.page[0] == first && pages.page[1] == second && third != first &&
+                third != second);
     assert_ptr_equal(make(3, LONG), first);
     assert_null(pages.page[0]);
     assert_ptr_equal(make(4, LONG), second);
@@ -106,7 +108,8 @@ static void the_budget_is_kept(void **state)
     control.budget_bytes = 1;
     gd__pages_close(&pages);
     purse.held = 0;
-    assert_int_equal(gd__pages_open(&pages, COUNT, sizeof(struct numbers), MADE_MOST, &purse), GD_BUDGET);
+    assert_int_equal(gd__pages_open(&pages, COUNT, sizeof(struct numbers), MADE_MOST, &purse),
+                     GD_BUDGET);
     assert_null(pages.page);
 }
 

@@ -1,4 +1,5 @@
-/* Example 1 of the paper (Fig. 8), window by window, without pruning: w1 and w2 on e3, w3 and w4 on e2. */
+/* Example 1 of the paper (Fig. 8), window by window, without pruning: w1 and w2 on e3, w3 and w4 on
+ * e2. */
 #include "tests/support/test.h"
 
 #include <string.h>
@@ -8,7 +9,8 @@
 
 static double positions[8][3] = {{0.5, 0.5, 1.5}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1},
                                  {1, 1, 0},       {1, 0, 0}, {0, 0, 0}, {0.5, 0.5, -0.5}};
-static uint32_t corners[24] = {0, 1, 2, 1, 6, 2, 2, 6, 5, 0, 2, 3, 2, 4, 3, 2, 5, 4, 5, 6, 7, 4, 5, 7};
+static uint32_t corners[24] = {0, 1, 2, 1, 6, 2, 2, 6, 5, 0, 2, 3,
+                               2, 4, 3, 2, 5, 4, 5, 6, 7, 4, 5, 7};
 static const struct gd_polygons example = {
     .positions = positions, .position_count = 8, .polygon_count = 8, .corners = corners};
 
@@ -17,19 +19,24 @@ static uint32_t side_towards(const struct gd_mesh *mesh, uint32_t a, uint32_t b,
 {
     uint32_t side = gd__side_between(mesh, mesh->vertex_of_index[a], mesh->vertex_of_index[b]);
     assert_int_not_equal(side, GD_NONE);
-    if (gd__side_is_boundary(mesh, side) || gd__side_apex(mesh, side) != mesh->vertex_of_index[c]) side ^= 1;
+    if (gd__side_is_boundary(mesh, side) || gd__side_apex(mesh, side) != mesh->vertex_of_index[c])
+        side ^= 1;
     assert_int_equal(gd__side_apex(mesh, side), mesh->vertex_of_index[c]);
     return side;
 }
 
-/* The window that v0 casts through its face onto edge a-b, as it enters the face beyond, whose apex is c. */
+/* The window that v0 casts through its face onto edge a-b, as it enters the face beyond, whose apex
+ * is c. */
 static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t side = side_towards(mesh, a, b, c);
     const struct gd_side *behind = &mesh->side[side ^ 1];
     double px = behind->left_length * behind->left_x, py = behind->left_length * behind->left_y;
-    return (struct gd__window){
-        .b0 = 0, .b1 = behind->length, .x = behind->length - px, .y = py, .source = mesh->vertex_of_index[0]};
+    return (struct gd__window){.b0 = 0,
+                               .b1 = behind->length,
+                               .x = behind->length - px,
+                               .y = py,
+                               .source = mesh->vertex_of_index[0]};
 }
 
 static struct gd__pool pool;
@@ -45,7 +52,8 @@ static double cast(const struct gd_side *side, const struct gd__window *window)
     struct gd__apex apex = {.distance = GD__FAR, .last_left = GD_NONE, .first_right = GD_NONE};
     gd__kernel_in_use()->cast(side, &parent.at, 1, true, &apex, &children[0], &children[1]);
     gd__window_builder_destroy(&parent);
-    for (int k = 0; k < 2; k++) assert_true(children[k].count <= 1 && children[k].tangled == GD_NONE);
+    for (int k = 0; k < 2; k++)
+        assert_true(children[k].count <= 1 && children[k].tangled == GD_NONE);
     return apex.distance;
 }
 
@@ -65,22 +73,26 @@ static int close_pool(void **state)
 }
 
 /* Sends a window on edge (a, b) across the face with apex c, to the edge (c, d), d = a or b. */
-static struct gd__window cross(const struct gd_mesh *mesh, struct gd__window w, uint32_t a, uint32_t b, uint32_t c,
-                               uint32_t d)
+static struct gd__window cross(const struct gd_mesh *mesh, struct gd__window w, uint32_t a,
+                               uint32_t b, uint32_t c, uint32_t d)
 {
     uint32_t side = side_towards(mesh, a, b, c);
     cast(&mesh->side[side], &w);
-    const struct gd__children *child = &children[mesh->origin[side] == mesh->vertex_of_index[d] ? 0 : 1];
+    const struct gd__children *child =
+        &children[mesh->origin[side] == mesh->vertex_of_index[d] ? 0 : 1];
     assert_int_equal(child->count, 1);
     return gd__windows_get(&child->at, 0);
 }
 
-/* The same window in the frame that starts at vertex a of its edge (a, b), seen from the side with the apex c. */
-static struct gd__window in_frame_of(const struct gd_mesh *mesh, struct gd__window w, uint32_t a, uint32_t b,
-                                     uint32_t c)
+/* The same window in the frame that starts at vertex a of its edge (a, b), seen from the side with
+ * the apex c. */
+static struct gd__window in_frame_of(const struct gd_mesh *mesh, struct gd__window w, uint32_t a,
+                                     uint32_t b, uint32_t c)
 {
     uint32_t side = side_towards(mesh, a, b, c);
-    return mesh->origin[side] == mesh->vertex_of_index[a] ? w : gd__window_mirrored(&w, mesh->side[side].length);
+    return mesh->origin[side] == mesh->vertex_of_index[a]
+               ? w
+               : gd__window_mirrored(&w, mesh->side[side].length);
 }
 
 static void example_1(void **state)
@@ -100,10 +112,12 @@ static void example_1(void **state)
         gd__contest(&w2, &w1, lo, hi); /* C1: no solution, w1 is better on all of the overlap */
     assert_int_equal(verdict.switches, 0);
     assert_false(verdict.challenger_first);
-    assert_true(gd__window_distance(&w2, (lo + hi) / 2) > gd__window_distance(&w1, (lo + hi) / 2) + 1e-3);
+    assert_true(gd__window_distance(&w2, (lo + hi) / 2) >
+                gd__window_distance(&w1, (lo + hi) / 2) + 1e-3);
     /* w3 on e2 = (v5, v7): w1 across v5v6v7; w4: through v4v5 and v4v5v7 */
     struct gd__window w3 = in_frame_of(mesh, cross(mesh, w1, 5, 6, 7, 5), 5, 7, 4);
-    struct gd__window w4 = in_frame_of(mesh, cross(mesh, cross(mesh, on_24, 2, 4, 5, 4), 4, 5, 7, 5), 5, 7, 6);
+    struct gd__window w4 =
+        in_frame_of(mesh, cross(mesh, cross(mesh, on_24, 2, 4, 5, 4), 4, 5, 7, 5), 5, 7, 6);
     lo = fmax(w3.b0, w4.b0);
     hi = fmin(w3.b1, w4.b1);
     assert_true(hi - lo > 0.1 / mesh->unit);
@@ -124,7 +138,8 @@ static void place_on_child(const struct gd_side *s, int k, double t, double at[2
     at[1] = k ? s->left_length * s->left_y + t * s->right_y : t * s->left_y;
 }
 
-/* Rays keep their lengths: a child sees its points at the distance that the parent's ray has there, and through the parent's interval. */
+/* Rays keep their lengths: a child sees its points at the distance that the parent's ray has there,
+ * and through the parent's interval. */
 static void children_continue_the_rays(void **state)
 {
     (void)state;
@@ -153,7 +168,8 @@ static void children_continue_the_rays(void **state)
             checked++;
         }
         assert_true(children[0].count + children[1].count > 0);
-        if (children[0].count && children[1].count) { /* between its two children it sees the apex */
+        /* between its two children it sees the apex */
+        if (children[0].count && children[1].count) {
             double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
             check_close(apex, 1 + hypot(px - w.x, py + w.y), 1e-13);
             seen++;

@@ -32,7 +32,8 @@ static void push(uint32_t node, double key)
     gd__queue_push(queue, node, key, &waiting[node]);
 }
 
-/* The first node that waits for its turn: entries that became stale are passed over, as owners do. */
+/* The first node that waits for its turn: entries that became stale are passed over, as owners do.
+ */
 static uint32_t pop(void)
 {
     for (;;) {
@@ -58,11 +59,13 @@ static void pops_in_order_of_buckets(void **state)
 static void first_in_first_out_within_a_bucket(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < NODES; i++) push(i, 7 + 0.4 * (i % 2)); /* one bucket, whatever the order of keys */
+    /* one bucket, whatever the order of keys */
+    for (uint32_t i = 0; i < NODES; i++) push(i, 7 + 0.4 * (i % 2));
     for (uint32_t i = 0; i < NODES; i++) assert_int_equal(pop(), i);
 }
 
-/* A node that moves forward leaves a stale entry behind; one that would move back stays, without a new entry. */
+/* A node that moves forward leaves a stale entry behind; one that would move back stays, without a
+ * new entry. */
 static void deletes_lazily(void **state)
 {
     (void)state;
@@ -78,7 +81,8 @@ static void deletes_lazily(void **state)
     assert_int_equal(queue->size, 0);
 }
 
-/* A node that comes back into the very bucket of its stale entry is there twice, and is given out once. */
+/* A node that comes back into the very bucket of its stale entry is there twice, and is given out
+ * once. */
 static void a_stale_entry_does_not_pop_twice(void **state)
 {
     (void)state;
@@ -109,7 +113,8 @@ static void takes_any_key(void **state)
     }
 }
 
-/* Keys that all lie beyond a ring that begins at zero keep their order in one that begins near them, those a little nearer too. */
+/* Keys that all lie beyond a ring that begins at zero keep their order in one that begins near
+ * them, those a little nearer too. */
 static void begins_near_its_keys(void **state)
 {
     (void)state;
@@ -123,7 +128,8 @@ static void begins_near_its_keys(void **state)
     for (int i = 0; i < 5; i++) assert_int_equal(pop(), order[i]);
 }
 
-/* A bucket that is filled while it is emptied keeps the size of what waits in it, not of all that came by. */
+/* A bucket that is filled while it is emptied keeps the size of what waits in it, not of all that
+ * came by. */
 static void a_bucket_filled_while_emptied_stays_small(void **state)
 {
     (void)state;
@@ -146,7 +152,8 @@ static void peeks_at_what_comes_next(void **state)
     push(4, 0.8);
     push(5, 2.1); /* farther than anyone looks */
     assert_int_equal(pop(), 0);
-    for (uint32_t places = 1; places < 5; places++) assert_int_equal(gd__queue_peek(queue, places), places);
+    for (uint32_t places = 1; places < 5; places++)
+        assert_int_equal(gd__queue_peek(queue, places), places);
     assert_int_equal(gd__queue_peek(queue, 5), GD_NONE);
     assert_int_equal(gd__queue_peek(queue, 1000), GD_NONE);
 }
@@ -166,7 +173,8 @@ static void keeps_every_node_once(void **state)
         } else if ((node = pop()) != GD_NONE) {
             assert_true(in[node]);
             in[node] = false;
-            for (uint32_t other = 0; other < NODES; other++) assert_true(waiting[other] >= queue->current);
+            for (uint32_t other = 0; other < NODES; other++)
+                assert_true(waiting[other] >= queue->current);
             clock = queue->current * 0.5;
         }
     }

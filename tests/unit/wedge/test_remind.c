@@ -1,13 +1,17 @@
-/* Reminding against the model: what the stored wedges make useless is cut off, what is strictly better than they are is left. */
+/* Reminding against the model: what the stored wedges make useless is cut off, what is strictly
+ * better than they are is left. */
 #include "tests/unit/wedge/model.h"
 
 #include "wedge/wavefront.h"
 
 enum { CHUNKS = 3, MOST = 6 };
 
-#define CLEAR 1e-7 /* differences that neither rounding nor the stored ends' 2^-32 can turn round */
+#define CLEAR                                                                                      \
+    1e-7 /* differences that neither rounding nor the stored ends' 2^-32 can turn round            \
+          */
 
-/* A wavefront of which there is only what reminding looks at: distances, and the wedges of edge 0 of one face. */
+/* A wavefront of which there is only what reminding looks at: distances, and the wedges of edge 0
+ * of one face. */
 static struct gd_mesh *mesh;
 static struct gd_workspace *work;
 static struct gd__wavefront front;
@@ -20,14 +24,15 @@ static int open_front(void **state)
     (void)state;
     double positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0.3, 0.8, 0}};
     uint32_t corners[3] = {0, 1, 2};
-    mesh = test_mesh(
-        &(struct gd_polygons){.positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners});
+    mesh = test_mesh(&(struct gd_polygons){
+        .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners});
     work = gd_workspace_create();
     if (!work) return -1;
     check_ok(gd__workspace_open(work, mesh, 1, NULL), NULL);
     distances = work->distance;
     newest = work->newest;
-    front = (struct gd__wavefront){.mesh = mesh, .work = work, .distance = distances, .newest = newest};
+    front =
+        (struct gd__wavefront){.mesh = mesh, .work = work, .distance = distances, .newest = newest};
     length = mesh->side[0].length;
     return 0;
 }
@@ -63,9 +68,9 @@ static void store_chunk(uint32_t side, const struct gd__stack *list)
 {
     struct gd__window_builder builder = {0};
     build_windows(list, &builder);
-    check_ok(
-        gd__region_reserve(&work->wedges, sizeof(struct gd__chunk) + gd__wedges_bound(list->count) * GD__WEDGE_BYTES),
-        NULL);
+    check_ok(gd__region_reserve(&work->wedges, sizeof(struct gd__chunk) +
+                                                   gd__wedges_bound(list->count) * GD__WEDGE_BYTES),
+             NULL);
     struct gd__chunk *chunk = (struct gd__chunk *)(work->wedges.base + work->wedges.used);
     *chunk = (struct gd__chunk){.previous = newest[0]};
     chunk->count = gd__wedges_write(&builder.at, list->count, length, side & 1, chunk->data);
@@ -95,7 +100,8 @@ static double stored_distance(double t, bool own, bool twin)
 static bool is_near_an_end(const struct gd__stack *list, double t)
 {
     for (uint32_t i = 0; i < list->count; i++)
-        if (fabs(t - list->windows[i].b0) < CLEAR || fabs(t - list->windows[i].b1) < CLEAR) return true;
+        if (fabs(t - list->windows[i].b0) < CLEAR || fabs(t - list->windows[i].b1) < CLEAR)
+            return true;
     return false;
 }
 
@@ -108,15 +114,18 @@ static void check_pruned(struct rng *rng, bool own, bool twin)
     for (int k = 0; k < 60; k++) {
         double t = rng_between(rng, 0, length), offered = least_distance(&windows, t),
                known = stored_distance(t, own, twin), left = least_distance(&actual, t);
-        if (is_near_an_end(&windows, t) || is_near_an_end(&stored[0], t) || is_near_an_end(&stored[1], length - t))
+        if (is_near_an_end(&windows, t) || is_near_an_end(&stored[0], t) ||
+            is_near_an_end(&stored[1], length - t))
             continue;
-        if (offered < known * (1 - CLEAR)) assert_true(left == offered); /* better: stays as it is */
-        if (known < offered * (1 - CLEAR)) assert_true(isinf(left));     /* worse: gone */
+        /* better: stays as it is */
+        if (offered < known * (1 - CLEAR)) assert_true(left == offered);
+        if (known < offered * (1 - CLEAR)) assert_true(isinf(left)); /* worse: gone */
         assert_true(isinf(left) || left == offered);
     }
 }
 
-/* Several chunks of both sides in one chain; reminded of its own, of the other side's, of both, of nothing. */
+/* Several chunks of both sides in one chain; reminded of its own, of the other side's, of both, of
+ * nothing. */
 static void agrees_with_the_model(void **state)
 {
     (void)state;
@@ -142,11 +151,13 @@ static void agrees_with_the_model(void **state)
         offered += windows.count;
         left += actual.count;
     }
-    print_message("# remind: %llu windows, %llu left\n", (unsigned long long)offered, (unsigned long long)left);
+    print_message("# remind: %llu windows, %llu left\n", (unsigned long long)offered,
+                  (unsigned long long)left);
     gd__stack_destroy(&list);
 }
 
-/* The same windows again: as one's own they are not news, as the other side's they stay: a tie must not cut both. */
+/* The same windows again: as one's own they are not news, as the other side's they stay: a tie must
+ * not cut both. */
 static void ties(void **state)
 {
     (void)state;
@@ -166,9 +177,12 @@ static void ties(void **state)
         store_chunk(1, &stored[0]);
         remind(false, true);
         assert_int_equal(actual.count, windows.count);
-        for (uint32_t i = 0; i < actual.count; i++) { /* but where a stored neighbour was rounded into a window */
-            assert_true(fabs(actual.windows[i].b0 - windows.windows[i].b0) <= 2 * length * GD__WEDGE_UNIT);
-            assert_true(fabs(actual.windows[i].b1 - windows.windows[i].b1) <= 2 * length * GD__WEDGE_UNIT);
+        /* but where a stored neighbour was rounded into a window */
+        for (uint32_t i = 0; i < actual.count; i++) {
+            assert_true(fabs(actual.windows[i].b0 - windows.windows[i].b0) <=
+                        2 * length * GD__WEDGE_UNIT);
+            assert_true(fabs(actual.windows[i].b1 - windows.windows[i].b1) <=
+                        2 * length * GD__WEDGE_UNIT);
         }
     }
     stored[0].count = 0;

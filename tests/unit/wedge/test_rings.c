@@ -20,10 +20,12 @@ struct scene {
 
 static double inside(const struct scene *scene, const struct gd_field *field, uint32_t vertex)
 {
-    return test_distance(field, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex}) / scene->mesh->unit;
+    return test_distance(field, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex}) /
+           scene->mesh->unit;
 }
 
-static void open_scene(struct scene *scene, struct gd_mesh *mesh, struct gd_point from, struct gd_point to)
+static void open_scene(struct scene *scene, struct gd_mesh *mesh, struct gd_point from,
+                       struct gd_point to)
 {
     double upper;
     *scene = (struct scene){.mesh = mesh, .from = from, .to = to};
@@ -41,7 +43,8 @@ static void close_scene(struct scene *scene)
     gd_field_release(scene->of_to);
 }
 
-/* What a way within the bound passes by is not out of the way, and never farther than it is. Returns how many vertices those are. */
+/* What a way within the bound passes by is not out of the way, and never farther than it is.
+ * Returns how many vertices those are. */
 static uint32_t check_bounds(struct scene *scene, double bound)
 {
     uint32_t passed = 0;
@@ -71,7 +74,8 @@ static void check_pairs(const char *name, struct gd_polygons *polygons, uint32_t
         }
         close_scene(&scene);
     }
-    print_message("# %s: rings for %u of %u bounds, %u vertices on ways\n", name, drawn, 5 * pairs, passed);
+    print_message("# %s: rings for %u of %u bounds, %u vertices on ways\n", name, drawn, 5 * pairs,
+                  passed);
     assert_true(drawn > 0);
     gd_mesh_release(mesh);
     gd_polygons_free(polygons);
@@ -89,7 +93,8 @@ static void no_way_is_shorter(void **state)
     check_pairs("terrain", &polygons, 20);
     check_ok(sample_terrain(40, 20, 3, &polygons), NULL);
     check_pairs("steep terrain", &polygons, 20);
-    check_ok(sample_box((const double[3]){1, 2, 3}, (const uint32_t[3]){16, 24, 32}, &polygons), NULL);
+    check_ok(sample_box((const double[3]){1, 2, 3}, (const uint32_t[3]){16, 24, 32}, &polygons),
+             NULL);
     check_pairs("box", &polygons, 20);
     check_ok(sample_cylinder(1, 3, 90, 40, &polygons), NULL);
     check_pairs("cylinder", &polygons, 20);
@@ -102,7 +107,8 @@ static struct gd_mesh *open_half_round(struct scene *scene, struct gd_polygons *
 {
     check_ok(sample_icosphere(5, 1, polygons), NULL);
     struct gd_mesh *mesh = test_mesh(polygons);
-    open_scene(scene, mesh, test_point_near(mesh, 0.2, 0.3, 2), test_point_near(mesh, 0.3, 0.2, -2));
+    open_scene(scene, mesh, test_point_near(mesh, 0.2, 0.3, 2),
+               test_point_near(mesh, 0.3, 0.2, -2));
     return mesh;
 }
 
@@ -114,11 +120,12 @@ static void rings_go_round(void **state)
     struct scene scene;
     struct gd_mesh *mesh = open_half_round(&scene, &polygons);
     uint32_t corner = gd__anchor(mesh, &scene.from).corner[0];
-    double exact = inside(&scene, scene.of_to, corner), straight = gd__guide_lower(&scene.guide, corner);
+    double exact = inside(&scene, scene.of_to, corner),
+           straight = gd__guide_lower(&scene.guide, corner);
     check_ok(gd__rings_draw(&scene.guide, &scene.from, scene.distance * (1 + GD_TOL_TETHER)), NULL);
     double rings = gd__guide_lower(&scene.guide, corner);
-    print_message("# half round a sphere: %.4f of the way by a straight line, %.4f by %u rings\n", straight / exact,
-                  rings / exact, scene.guide.rings.count);
+    print_message("# half round a sphere: %.4f of the way by a straight line, %.4f by %u rings\n",
+                  straight / exact, rings / exact, scene.guide.rings.count);
     assert_true(straight < 0.72 * exact && rings > 0.97 * exact && rings <= exact);
     close_scene(&scene);
     gd_mesh_release(mesh);
@@ -148,7 +155,8 @@ static void a_failure_leaves_none(void **state)
     gd__rings_destroy(&guide->rings);
     enum gd_status status = GD_BUDGET;
     uint32_t failed = 0;
-    for (struct gd_control poor = {.budget_bytes = held}; status == GD_BUDGET; poor.budget_bytes += 20000, failed++) {
+    for (struct gd_control poor = {.budget_bytes = held}; status == GD_BUDGET;
+         poor.budget_bytes += 20000, failed++) {
         guide->control = &poor;
         status = gd__rings_draw(guide, &scene.from, bound);
         assert_true((guide->rings.count > 0) == (status == GD_OK));

@@ -1,5 +1,6 @@
-/* Seeds on a circle of the plane, as segments and as points: the symmetric places of a grid see many of them equally near, up to rounding, some
- * through a window and some just past its end. Each distance is the closed form's, and each path leads there. */
+/* Seeds on a circle of the plane, as segments and as points: the symmetric places of a grid see
+ * many of them equally near, up to rounding, some through a window and some just past its end. Each
+ * distance is the closed form's, and each path leads there. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -67,14 +68,16 @@ static double to_segments(const struct ring *ring, struct gd_vec3 p)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < ring->count; i++)
-        least = fmin(least, test_distance_to_segment(p, ring->place[i], ring->place[(i + 1) % ring->count]));
+        least = fmin(
+            least, test_distance_to_segment(p, ring->place[i], ring->place[(i + 1) % ring->count]));
     return least;
 }
 
 static double to_points(const struct ring *ring, struct gd_vec3 p)
 {
     double least = INFINITY;
-    for (uint32_t i = 0; i < ring->count; i++) least = fmin(least, gd_vec3_distance(p, ring->place[i]));
+    for (uint32_t i = 0; i < ring->count; i++)
+        least = fmin(least, gd_vec3_distance(p, ring->place[i]));
     return least;
 }
 
@@ -84,7 +87,8 @@ struct seeding {
     double (*distance)(const struct ring *ring, struct gd_vec3 p);
 };
 
-static const struct seeding segments = {field_of_segments, to_segments}, points = {field_of_points, to_points};
+static const struct seeding segments = {field_of_segments, to_segments},
+                            points = {field_of_points, to_points};
 
 /* Distance and path at a point; the distance's error. */
 static double check_at(const struct gd_field *field, const struct gd_point *point, double expected)
@@ -104,9 +108,11 @@ static double check_ring(const struct ring *ring, const struct seeding *seeding,
     struct gd_field *field = seeding->field(ring);
     double worst = 0;
     for (uint32_t i = 0; i < polygons.position_count + PLACES; i++) {
-        struct gd_point point =
-            i < polygons.position_count ? test_vertex(mesh, i) : test_point(mesh, test_random_place(&polygons, rng));
-        worst = fmax(worst, check_at(field, &point, seeding->distance(ring, gd_point_position(mesh, &point))));
+        struct gd_point point = i < polygons.position_count
+                                    ? test_vertex(mesh, i)
+                                    : test_point(mesh, test_random_place(&polygons, rng));
+        worst = fmax(worst, check_at(field, &point,
+                                     seeding->distance(ring, gd_point_position(mesh, &point))));
     }
     gd_field_release(field);
     return worst;
@@ -140,7 +146,7 @@ static void rings_of_points(void **state)
     check_rings(&points);
 }
 
-/* --- straight on, past a vertex ------------------------------------------------------------------------------------------ */
+/* --- straight on, past a vertex --------------------------------------------------------------- */
 
 /* A square of 8 x 8 cells, turned about its middle. */
 static void open_turned_square(double angle)
@@ -154,14 +160,15 @@ static void open_turned_square(double angle)
     mesh = test_mesh(&polygons);
 }
 
-/* A line in that direction, so far to the left of the middle vertex; it may bend by what paths are rounded by. */
+/* A line in that direction, so far to the left of the middle vertex; it may bend by what paths are
+ * rounded by. */
 static struct gd_curve line_beside(double angle, double apart)
 {
     struct gd_point ends[2];
     for (int i = 0; i < 2; i++) {
         double along = i ? 3.3 : -3.5;
-        ends[i] =
-            test_point_near(mesh, along * cos(angle) - apart * sin(angle), along * sin(angle) + apart * cos(angle), 0);
+        ends[i] = test_point_near(mesh, along * cos(angle) - apart * sin(angle),
+                                  along * sin(angle) + apart * cos(angle), 0);
     }
     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = ends, .count = 2};
     struct gd_curve curve;
@@ -173,8 +180,9 @@ static double to_curve(const struct gd_curve *curve, struct gd_vec3 p)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i + 1 < curve->count; i++)
-        least = fmin(least, test_distance_to_segment(p, gd_point_position(mesh, &curve->points[i]),
-                                                     gd_point_position(mesh, &curve->points[i + 1])));
+        least =
+            fmin(least, test_distance_to_segment(p, gd_point_position(mesh, &curve->points[i]),
+                                                 gd_point_position(mesh, &curve->points[i + 1])));
     return least;
 }
 
@@ -186,14 +194,16 @@ static double check_beside(double angle, double apart)
     struct gd_field *field = test_field_of_curve(mesh, &curve, 0);
     for (uint32_t i = 0; i < polygons.position_count; i++) {
         struct gd_point vertex = test_vertex(mesh, i);
-        worst = fmax(worst, check_at(field, &vertex, to_curve(&curve, gd_point_position(mesh, &vertex))));
+        worst = fmax(worst,
+                     check_at(field, &vertex, to_curve(&curve, gd_point_position(mesh, &vertex))));
     }
     gd_field_release(field);
     gd_curve_free(&curve);
     return worst;
 }
 
-/* A joint that a curve goes straight through does nothing itself: the corners right beside it are its segments', however near they are. */
+/* A joint that a curve goes straight through does nothing itself: the corners right beside it are
+ * its segments', however near they are. */
 static void lines_beside_vertices(void **state)
 {
     (void)state;
@@ -210,7 +220,8 @@ static void lines_beside_vertices(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rings_of_segments), cmocka_unit_test(rings_of_points),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rings_of_segments),
+                                       cmocka_unit_test(rings_of_points),
                                        cmocka_unit_test(lines_beside_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -26,7 +26,8 @@ static int close_mesh(void **state)
 }
 
 /* A sink that takes nothing but the count. */
-static enum gd_status count_work(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+static enum gd_status count_work(void *user, struct gd__wavefront *front,
+                                 const struct gd_executor *executor)
 {
     (void)executor;
     *(uint64_t *)user = front->effort.windows_propagated;
@@ -35,14 +36,15 @@ static enum gd_status count_work(void *user, struct gd__wavefront *front, const 
 
 static enum gd_status run(uint64_t work_limit, struct gd_workspace *workspace, uint64_t *work)
 {
-    struct gd__propagation propagation = {.seeds = &seed, .seed_count = 1, .radius = GD__FAR, .work_limit = work_limit};
+    struct gd__propagation propagation = {
+        .seeds = &seed, .seed_count = 1, .radius = GD__FAR, .work_limit = work_limit};
     struct gd__sink sink = {.take = count_work, .user = work};
     struct gd_control control = {.workspace = workspace};
     return gd__wavefront_run(mesh, &propagation, &sink, &control, NULL);
 }
 
-/* More work than allowed is a runaway, as much as is needed is none. The sink of a runaway is not called, and the next
- * run in the same workspace is as if there had been none. */
+/* More work than allowed is a runaway, as much as is needed is none. The sink of a runaway is not
+ * called, and the next run in the same workspace is as if there had been none. */
 static void a_runaway_is_stopped(void **state)
 {
     (void)state;

@@ -29,14 +29,16 @@ static void write(const struct gd__stack *list, double length, bool mirrored, st
     build_windows(list, &builder);
     out->count = gd__wedges_write(&builder.at, list->count, length, mirrored, out->data);
     assert_true(out->count <= gd__wedges_bound(list->count));
-    out->wedges =
-        (struct gd__wedges){out->data, out->data + out->count, (uint64_t *)(out->data + 2 * (size_t)out->count)};
+    out->wedges = (struct gd__wedges){out->data, out->data + out->count,
+                                      (uint64_t *)(out->data + 2 * (size_t)out->count)};
 }
 
-static void check_wedge(const struct written *written, uint32_t i, double length, double b0, double b1, uint32_t source)
+static void check_wedge(const struct written *written, uint32_t i, double length, double b0,
+                        double b1, uint32_t source)
 {
     struct gd__window w = gd__wedge_window(written->wedges, written->count, i, length);
-    assert_true(fabs(w.b0 - b0) <= length * GD__WEDGE_UNIT && fabs(w.b1 - b1) <= length * GD__WEDGE_UNIT);
+    assert_true(fabs(w.b0 - b0) <= length * GD__WEDGE_UNIT &&
+                fabs(w.b1 - b1) <= length * GD__WEDGE_UNIT);
     assert_int_equal(w.source, source);
 }
 
@@ -61,7 +63,8 @@ static void marks_gaps_before_between_and_behind(void **state)
     check_wedge(&w, 2, 4, 1, 2, GD_NONE);
     check_wedge(&w, 3, 4, 2, 3, 7);
     check_wedge(&w, 4, 4, 3, 4, GD_NONE);
-    assert_true(w.wedges.x[1] == 2 && w.wedges.y[1] == 1 && w.wedges.x[3] == 3 && w.wedges.y[3] == 3);
+    assert_true(w.wedges.x[1] == 2 && w.wedges.y[1] == 1 && w.wedges.x[3] == 3 &&
+                w.wedges.y[3] == 3);
 }
 
 /* Windows apart by no more than rounding leave none; the first begins at the end of the edge. */
@@ -96,7 +99,8 @@ static void tells_the_side_by_the_sign(void **state)
     }
 }
 
-/* At random: what is read back is what was written, to 2^-32 of the edge, in the frame of side 0. */
+/* At random: what is read back is what was written, to 2^-32 of the edge, in the frame of side 0.
+ */
 static void reads_back_what_was_written(void **state)
 {
     (void)state;
@@ -110,21 +114,26 @@ static void reads_back_what_was_written(void **state)
         for (uint32_t i = 0; i < count; i++) {
             struct gd__window w = random_window(&rng, i);
             w.b0 = at += rng_unit(&rng) < 0.5 ? 0 : 0.3 * length / MOST;
-            w.b1 = at = i + 1 == count && round % 3 ? length : at + rng_between(&rng, 0.01, 0.7) * length / MOST;
+            w.b1 = at = i + 1 == count && round % 3
+                            ? length
+                            : at + rng_between(&rng, 0.01, 0.7) * length / MOST;
             append_window(&list, w);
         }
         struct written w;
         write(&list, length, mirrored, &w);
         for (uint32_t i = 0; i < w.count; i++) {
             struct gd__window read = gd__wedge_window(w.wedges, w.count, i, length);
-            if (i) assert_true(gd__wedge_start(w.wedges.start[i]) >= gd__wedge_start(w.wedges.start[i - 1]));
+            if (i)
+                assert_true(gd__wedge_start(w.wedges.start[i]) >=
+                            gd__wedge_start(w.wedges.start[i - 1]));
             if (read.source == GD_NONE) {
                 assert_true(w.wedges.x[i] == 0 && w.wedges.y[i] == 0);
                 continue;
             }
             struct gd__window expected = list.windows[mirrored ? count - 1 - next : next];
             if (mirrored) expected = gd__window_mirrored(&expected, length);
-            assert_true(read.x == expected.x && read.y == expected.y && read.source == expected.source);
+            assert_true(read.x == expected.x && read.y == expected.y &&
+                        read.source == expected.source);
             assert_int_equal(read.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
             check_wedge(&w, i, length, expected.b0, expected.b1, expected.source);
             next++;
@@ -141,8 +150,8 @@ static void linear_windows_come_back(void **state)
     (void)state;
     double length = 2.5;
     for (int degree = 1; degree < 180; degree++) {
-        double angle = degree * M_PI / 180, b0[9] = {0.3}, b1[9] = {1.7}, x[9] = {cos(angle)}, y[9] = {sin(angle)},
-               sigma[9] = {-0.25};
+        double angle = degree * M_PI / 180, b0[9] = {0.3}, b1[9] = {1.7}, x[9] = {cos(angle)},
+               y[9] = {sin(angle)}, sigma[9] = {-0.25};
         uint32_t source[9] = {GD__SOURCE_LINEAR | 77};
         struct gd__windows windows = {b0, b1, x, y, sigma, source};
         for (int mirrored = 0; mirrored < 2; mirrored++) {
@@ -152,8 +161,10 @@ static void linear_windows_come_back(void **state)
             struct gd__window w = gd__wedge_window(wedges, 3, 1, length);
             assert_int_equal(w.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
             if (mirrored) w = gd__window_mirrored(&w, length);
-            assert_true(w.b0 >= 0.3 - 1e-15 && w.b0 < 0.3 + 1e-9 && w.b1 <= 1.7 + 1e-15 && w.b1 > 1.7 - 1e-9);
-            assert_true(fabs(w.x - x[0]) < 4e-16 && fabs(w.y - y[0]) < 4e-16 && fabs(w.sigma + 0.25) < 2e-15);
+            assert_true(w.b0 >= 0.3 - 1e-15 && w.b0 < 0.3 + 1e-9 && w.b1 <= 1.7 + 1e-15 &&
+                        w.b1 > 1.7 - 1e-9);
+            assert_true(fabs(w.x - x[0]) < 4e-16 && fabs(w.y - y[0]) < 4e-16 &&
+                        fabs(w.sigma + 0.25) < 2e-15);
             assert_int_equal(w.source, source[0]);
         }
     }

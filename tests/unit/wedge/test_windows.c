@@ -2,8 +2,8 @@
 
 static bool is_same(const struct gd__window *a, const struct gd__window *b)
 {
-    return a->b0 == b->b0 && a->b1 == b->b1 && a->x == b->x && a->y == b->y && a->sigma == b->sigma &&
-           a->source == b->source;
+    return a->b0 == b->b0 && a->b1 == b->b1 && a->x == b->x && a->y == b->y &&
+           a->sigma == b->sigma && a->source == b->source;
 }
 
 static void a_builder_keeps_what_is_in_it(void **state)
@@ -31,14 +31,16 @@ static void a_builder_keeps_what_is_in_it(void **state)
     gd__stack_destroy(&model);
 }
 
-/* A whole group behind the last window may be written, and a whole one before the first may be read: under AddressSanitizer. */
+/* A whole group behind the last window may be written, and a whole one before the first may be
+ * read: under AddressSanitizer. */
 static void a_group_more_is_there_on_both_sides(void **state)
 {
     (void)state;
     struct gd__window_builder builder = {0};
     struct gd__window w = {0, 1, 2, 3, 4, 5, 0};
     check_ok(gd__window_builder_reserve(&builder, 9), NULL);
-    for (uint32_t i = 0; i < builder.capacity + GD__WINDOWS_GROUP; i++) gd__windows_put(&builder.at, i, &w);
+    for (uint32_t i = 0; i < builder.capacity + GD__WINDOWS_GROUP; i++)
+        gd__windows_put(&builder.at, i, &w);
     const char *first = builder.block, *before = (const char *)(builder.at.b0 - GD__WINDOWS_GROUP);
     assert_true(before >= first);
     gd__window_builder_destroy(&builder);
@@ -55,10 +57,12 @@ static void copies_any_part(void **state)
     for (uint32_t i = 0; i < 200; i++) append_window(&model, random_window(&rng, 100 + i));
     build_windows(&source, &from);
     for (int round = 0; round < 2000; round++) {
-        uint32_t count = rng_below(&rng, 41), first = rng_below(&rng, 101 - count), at = rng_below(&rng, 201 - count);
+        uint32_t count = rng_below(&rng, 41), first = rng_below(&rng, 101 - count),
+                 at = rng_below(&rng, 201 - count);
         build_windows(&model, &to);
         gd__windows_copy(&to.at, at, &from.at, first, count);
-        for (uint32_t i = 0; i < at + count; i++) { /* what lies behind is undefined up to a group */
+        /* what lies behind is undefined up to a group */
+        for (uint32_t i = 0; i < at + count; i++) {
             struct gd__window w = gd__windows_get(&to.at, i);
             assert_true(is_same(&w, i < at ? &model.windows[i] : &source.windows[first + i - at]));
         }

@@ -1,4 +1,5 @@
-/* A workspace is clean between calls: what was computed before, on whatever mesh, however it ended, changes nothing. */
+/* A workspace is clean between calls: what was computed before, on whatever mesh, however it ended,
+ * changes nothing. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -75,8 +76,8 @@ static bool stop_at_once(void *user, double fraction)
     return false;
 }
 
-static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_request *request, struct gd_control control,
-                          enum gd_status expected)
+static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                          struct gd_control control, enum gd_status expected)
 {
     struct gd_field *field = NULL;
     control.workspace = workspace;
@@ -84,7 +85,8 @@ static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_requ
     assert_null(field);
 }
 
-/* Fields and pairs on meshes of all sizes in turn, near and far, finished and broken off: each as if it were the first. */
+/* Fields and pairs on meshes of all sizes in turn, near and far, finished and broken off: each as
+ * if it were the first. */
 static void calls_do_not_see_each_other(void **state)
 {
     (void)state;
@@ -95,20 +97,24 @@ static void calls_do_not_see_each_other(void **state)
         struct gd_seed seed = {.point = test_point(mesh, test_random_place(&polygons[m], &rng))};
         struct gd_point target = test_point(mesh, test_random_place(&polygons[m], &rng));
         double edge = gd_mesh_summary(mesh)->edge_length.mean;
-        struct gd_field_request requests[3] = {{.seeds = &seed, .seed_count = 1},
-                                               {.seeds = &seed, .seed_count = 1, .radius = 3 * edge},
-                                               {.seeds = &seed, .seed_count = 1, .target = &target}};
+        struct gd_field_request requests[3] = {
+            {.seeds = &seed, .seed_count = 1},
+            {.seeds = &seed, .seed_count = 1, .radius = 3 * edge},
+            {.seeds = &seed, .seed_count = 1, .target = &target}};
         check_same_field(mesh, &requests[round % 3]);
         struct gd_pair_answer fresh = {0}, again = {0};
         struct gd_control control = {.workspace = workspace};
         check_ok(gd_pair_solve(mesh, &seed.point, &target, false, NULL, NULL, &fresh, NULL), NULL);
-        check_ok(gd_pair_solve(mesh, &seed.point, &target, false, NULL, &control, &again, NULL), NULL);
+        check_ok(gd_pair_solve(mesh, &seed.point, &target, false, NULL, &control, &again, NULL),
+                 NULL);
         assert_true(fresh.distance == again.distance);
         gd_pair_answer_free(&fresh);
         gd_pair_answer_free(&again);
         if (round % 4 == 1)
-            check_refusal(mesh, &requests[0], (struct gd_control){.progress = stop_at_once}, GD_CANCELLED);
-        if (round % 4 == 2) check_refusal(mesh, &requests[0], (struct gd_control){.deadline_ns = 1}, GD_DEADLINE);
+            check_refusal(mesh, &requests[0], (struct gd_control){.progress = stop_at_once},
+                          GD_CANCELLED);
+        if (round % 4 == 2)
+            check_refusal(mesh, &requests[0], (struct gd_control){.deadline_ns = 1}, GD_DEADLINE);
         if (round % 7 == 3) gd_workspace_trim(workspace);
     }
 }
@@ -131,14 +137,16 @@ static void each_call_has_its_own_budget(void **state)
     struct gd_seed seed = {.point = test_point(meshes[0], (struct test_place){0, {1, 0, 0}})};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_pair_answer answer;
-    struct gd_point far = test_point(meshes[0], (struct test_place){polygons[0].polygon_count - 1, {0, 1, 0}});
+    struct gd_point far =
+        test_point(meshes[0], (struct test_place){polygons[0].polygon_count - 1, {0, 1, 0}});
     struct gd_control free_of_it = {.workspace = workspace};
-    check_ok(gd_pair_solve(meshes[0], &seed.point, &far, false, NULL, &free_of_it, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(meshes[0], &seed.point, &far, false, NULL, &free_of_it, &answer, NULL),
+             NULL);
     gd_pair_answer_free(&answer);
     size_t budget = 4096;
     struct gd_field *field = NULL;
-    while (gd_field_build(meshes[0], &request, &(struct gd_control){.budget_bytes = budget}, NULL, &field, NULL) ==
-           GD_BUDGET)
+    while (gd_field_build(meshes[0], &request, &(struct gd_control){.budget_bytes = budget}, NULL,
+                          &field, NULL) == GD_BUDGET)
         budget += budget / 8;
     gd_field_release(field);
     check_refusal(meshes[0], &request, (struct gd_control){.budget_bytes = budget / 2}, GD_BUDGET);
@@ -152,7 +160,8 @@ static void tells_what_it_holds(void **state)
     gd_workspace_trim(workspace);
     size_t empty = gd_workspace_bytes(workspace);
     check_same_field(meshes[0], &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
-    assert_true(gd_workspace_bytes(workspace) > empty + gd_mesh_summary(meshes[0])->vertices * sizeof(double));
+    assert_true(gd_workspace_bytes(workspace) >
+                empty + gd_mesh_summary(meshes[0])->vertices * sizeof(double));
     gd_workspace_trim(workspace);
     assert_int_equal(gd_workspace_bytes(workspace), empty);
     gd_workspace_destroy(NULL);

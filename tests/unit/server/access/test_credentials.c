@@ -55,7 +55,7 @@ static struct server_credentials *load(const char *text)
     return server_credentials_load(path, NULL, error, sizeof error);
 }
 
-/* --- the file ----------------------------------------------------------------------------------------------------- */
+/* --- the file --------------------------------------------------------------------------------- */
 
 static void reads_lines(void **state)
 {
@@ -128,13 +128,14 @@ static void a_line_has_an_end(void **state)
     assert_non_null(strstr(error, "too long"));
 }
 
-/* --- keygen ------------------------------------------------------------------------------------------------------- */
+/* --- keygen ----------------------------------------------------------------------------------- */
 
 static bool generate(int argc, char *argv[], char key[64], char entry[512])
 {
     char *out_text, *error_text;
     size_t out_size, error_size;
-    FILE *out = open_memstream(&out_text, &out_size), *said = open_memstream(&error_text, &error_size);
+    FILE *out = open_memstream(&out_text, &out_size),
+         *said = open_memstream(&error_text, &error_size);
     bool ok = server_keygen(argc, argv, out, said);
     fclose(out);
     fclose(said);
@@ -148,7 +149,8 @@ static bool generate(int argc, char *argv[], char key[64], char entry[512])
 static void what_keygen_prints_is_what_the_file_takes(void **state)
 {
     (void)state;
-    char *plain[] = {"ci"}, *full[] = {"ci", "--role", "write", "--expires", "90d", "--rate", "5", "--concurrent", "2"};
+    char *plain[] = {"ci"}, *full[] = {"ci",     "--role", "write",        "--expires", "90d",
+                                       "--rate", "5",      "--concurrent", "2"};
     char key[64], other[64], entry[512];
     assert_true(generate(1, plain, other, entry));
     assert_true(generate(9, full, key, entry));
@@ -180,11 +182,12 @@ static void keygen_refuses_what_makes_no_sense(void **state)
                         {"a", "--expires", "0d"}};
     static const int counts[] = {1, 1, 2, 3, 3, 3, 3, 3, 3};
     char key[64], entry[512];
-    for (size_t i = 0; i < COUNT(cases); i++) assert_false(generate(counts[i], cases[i], key, entry));
+    for (size_t i = 0; i < COUNT(cases); i++)
+        assert_false(generate(counts[i], cases[i], key, entry));
     assert_false(generate(0, cases[0], key, entry));
 }
 
-/* --- access ------------------------------------------------------------------------------------------------------- */
+/* --- access ----------------------------------------------------------------------------------- */
 
 static struct server_access *open_access(const char *text)
 {
@@ -195,16 +198,16 @@ static struct server_access *open_access(const char *text)
 }
 
 /* The code of the problem; PROTO_PROBLEM_NONE: admitted. The grant is ended unless `kept`. */
-static enum proto_problem_code admit(struct server_access *access, const char *authorization, enum proto_access needed,
-                                     struct server_grant *kept)
+static enum proto_problem_code admit(struct server_access *access, const char *authorization,
+                                     enum proto_access needed, struct server_grant *kept)
 {
     const struct server_access_request request = {authorization, authorization != NULL, needed};
     struct server_grant grant = {0};
     struct proto_problem problem = {0};
     bool ok = server_access_admit(access, &request, &grant, &problem);
     assert_int_equal(ok, problem.code == PROTO_PROBLEM_NONE);
-    assert_int_equal(problem.challenge != NULL,
-                     problem.code == PROTO_PROBLEM_UNAUTHORIZED || problem.code == PROTO_PROBLEM_FORBIDDEN);
+    assert_int_equal(problem.challenge != NULL, problem.code == PROTO_PROBLEM_UNAUTHORIZED ||
+                                                    problem.code == PROTO_PROBLEM_FORBIDDEN);
     assert_int_equal(problem.retry_after > 0, problem.code == PROTO_PROBLEM_RATE_LIMITED);
     if (kept)
         *kept = grant;
@@ -268,13 +271,16 @@ static void limits_hold_until_a_grant_ends(void **state)
     struct server_grant one, two, refused, job = {0};
     assert_int_equal(admit(access, "Bearer " A_KEY, PROTO_ACCESS_READ, &one), PROTO_PROBLEM_NONE);
     assert_int_equal(admit(access, "Bearer " A_KEY, PROTO_ACCESS_READ, &two), PROTO_PROBLEM_NONE);
-    assert_int_equal(admit(access, "Bearer " A_KEY, PROTO_ACCESS_READ, &refused), PROTO_PROBLEM_RATE_LIMITED);
+    assert_int_equal(admit(access, "Bearer " A_KEY, PROTO_ACCESS_READ, &refused),
+                     PROTO_PROBLEM_RATE_LIMITED);
     assert_string_equal(server_grant_name(&refused), "a");
     server_grant_end(&refused);
-    assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED); /* who was refused gives nothing back */
+    /* who was refused gives nothing back */
+    assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     server_grant_pass(&one, &job);
     server_grant_end(&one);
-    assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED); /* a job goes on in the request's stead */
+    /* a job goes on in the request's stead */
+    assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     assert_string_equal(server_grant_name(&job), "a");
     server_grant_end(&job);
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_NONE);
@@ -314,7 +320,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(reads_lines, set_up, tear_down),
         cmocka_unit_test_setup_teardown(names_the_line_that_is_wrong, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_line_has_an_end, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_keygen_prints_is_what_the_file_takes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_keygen_prints_is_what_the_file_takes, set_up,
+                                        tear_down),
         cmocka_unit_test(keygen_refuses_what_makes_no_sense),
         cmocka_unit_test_setup_teardown(a_key_admits, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_key_twice_is_none, set_up, tear_down),

@@ -11,7 +11,8 @@ static bool admit(const struct server_guard_request *request)
 }
 
 /* The same of a daemon with keys, and of pages of a listed origin. */
-static bool admit_with(const char *keys, const char *host, const struct server_guard_request *request)
+static bool admit_with(const char *keys, const char *host,
+                       const struct server_guard_request *request)
 {
     struct server_config config = {.cors_origins = {.name = {"https://maps.example"}, .count = 1}};
     struct server_guard guard = {&config};
@@ -21,15 +22,17 @@ static bool admit_with(const char *keys, const char *host, const struct server_g
     return server_guard_admit(&guard, request, &problem);
 }
 
-#define ADMIT_WITH(keys, host, ...) admit_with(keys, host, &(struct server_guard_request){__VA_ARGS__})
+#define ADMIT_WITH(keys, host, ...)                                                                \
+    admit_with(keys, host, &(struct server_guard_request){__VA_ARGS__})
 
 #define ADMIT(...) admit(&(struct server_guard_request){__VA_ARGS__})
 
 static void knows_its_hosts(void **state)
 {
     (void)state;
-    static const char *const own[] = {"localhost", "LocalHost:80", "127.0.0.1:8080",     "127.1.2.3",
-                                      "[::1]",     "[::1]:9",      "meshes.example:443", "MESHES.example"};
+    static const char *const own[] = {"localhost",          "LocalHost:80",  "127.0.0.1:8080",
+                                      "127.1.2.3",          "[::1]",         "[::1]:9",
+                                      "meshes.example:443", "MESHES.example"};
     static const char *const foreign[] = {"",
                                           ":80",
                                           "example",
@@ -99,7 +102,8 @@ static void with_keys_any_name_will_do_unless_some_are_listed(void **state)
     assert_true(ADMIT_WITH("keys", "a.example", .host = "a.example"));
     assert_true(ADMIT_WITH("keys", "a.example", .host = "localhost"));
     assert_false(ADMIT_WITH("keys", "a.example", .host = "b.example"));
-    assert_true(ADMIT_WITH("keys", NULL, .host = "m.example", .fetch_site = "cross-site")); /* a link to the page */
+    /* a link to the page */
+    assert_true(ADMIT_WITH("keys", NULL, .host = "m.example", .fetch_site = "cross-site"));
     assert_false(ADMIT_WITH("keys", NULL, .host = "m.example", .origin = "https://evil.example"));
     assert_false(ADMIT_WITH("", NULL, .host = "meshes.example"));
 }
@@ -108,8 +112,8 @@ static void a_listed_page_may_be_foreign(void **state)
 {
     (void)state;
     assert_true(ADMIT_WITH("", NULL, .host = "localhost", .origin = "https://maps.example"));
-    assert_true(
-        ADMIT_WITH("", NULL, .host = "localhost", .origin = "https://maps.example", .fetch_site = "cross-site"));
+    assert_true(ADMIT_WITH("", NULL, .host = "localhost", .origin = "https://maps.example",
+                           .fetch_site = "cross-site"));
     assert_false(ADMIT_WITH("", NULL, .host = "evil.example", .origin = "https://maps.example"));
     static const char *const others[] = {"http://maps.example",
                                          "https://maps.example:444",

@@ -22,7 +22,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* How many of `count` requests, `interval` apart from `*now` on, are let in, each leaving at once. */
+/* How many of `count` requests, `interval` apart from `*now` on, are let in, each leaving at once.
+ */
 static int let_in(const struct server_limits *limits, int count, uint64_t interval, uint64_t *now)
 {
     int entered = 0;
@@ -53,7 +54,8 @@ static void in_the_long_run_the_rate_is_kept(void **state)
     (void)state;
     const struct server_limits limits = {.rate = 50};
     uint64_t now = SECOND;
-    int entered = let_in(&limits, 10000, SECOND / 1000, &now); /* a thousand a second, for ten seconds */
+    /* a thousand a second, for ten seconds */
+    int entered = let_in(&limits, 10000, SECOND / 1000, &now);
     assert_in_range(entered, 50 * 10, 50 * 11);
 }
 
@@ -66,8 +68,10 @@ static void who_waits_as_long_as_told_gets_in(void **state)
     assert_int_equal(server_quota_enter(quota, &limits, now, &wait_ns), SERVER_QUOTA_RATE);
     assert_in_range(wait_ns, 1, SECOND / 3);
     uint64_t told = wait_ns;
-    assert_int_equal(server_quota_enter(quota, &limits, now + told - 1, &wait_ns), SERVER_QUOTA_RATE);
-    assert_int_equal(server_quota_enter(quota, &limits, now + told, &wait_ns), SERVER_QUOTA_ENTERED);
+    assert_int_equal(server_quota_enter(quota, &limits, now + told - 1, &wait_ns),
+                     SERVER_QUOTA_RATE);
+    assert_int_equal(server_quota_enter(quota, &limits, now + told, &wait_ns),
+                     SERVER_QUOTA_ENTERED);
 }
 
 static void so_many_are_in_at_once(void **state)
@@ -75,7 +79,8 @@ static void so_many_are_in_at_once(void **state)
     (void)state;
     const struct server_limits limits = {.concurrent = 2};
     uint64_t wait_ns = 1;
-    for (int i = 0; i < 2; i++) assert_int_equal(server_quota_enter(quota, &limits, 1, &wait_ns), SERVER_QUOTA_ENTERED);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(server_quota_enter(quota, &limits, 1, &wait_ns), SERVER_QUOTA_ENTERED);
     assert_int_equal(server_quota_enter(quota, &limits, 1, &wait_ns), SERVER_QUOTA_CONCURRENT);
     assert_int_equal(wait_ns, 0);
     server_quota_leave(quota);
@@ -91,7 +96,8 @@ static void who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_pla
     uint64_t wait_ns;
     assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_ENTERED);
     for (int i = 0; i < 10; i++)
-        assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_CONCURRENT);
+        assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns),
+                         SERVER_QUOTA_CONCURRENT);
     server_quota_leave(quota);
     assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_ENTERED);
     server_quota_leave(quota);
@@ -139,8 +145,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(in_the_long_run_the_rate_is_kept, set_up, tear_down),
         cmocka_unit_test_setup_teardown(who_waits_as_long_as_told_gets_in, set_up, tear_down),
         cmocka_unit_test_setup_teardown(so_many_are_in_at_once, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_place, set_up,
-                                        tear_down),
+        cmocka_unit_test_setup_teardown(
+            who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_place, set_up,
+            tear_down),
         cmocka_unit_test_setup_teardown(threads_share_what_there_is, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

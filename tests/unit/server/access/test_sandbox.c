@@ -37,9 +37,11 @@ static int set_up(void **state)
     folder_make(fixture->outside);
     snprintf(fixture->config.data_dir, sizeof fixture->config.data_dir, "%s/data", fixture->folder);
     fixture->listening = socket(AF_INET, SOCK_STREAM, 0);
-    fixture->address = (struct sockaddr_in){.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    fixture->address =
+        (struct sockaddr_in){.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     assert_int_equal(bind(fixture->listening, (struct sockaddr *)&fixture->address, size), 0);
-    assert_int_equal(getsockname(fixture->listening, (struct sockaddr *)&fixture->address, &size), 0);
+    assert_int_equal(getsockname(fixture->listening, (struct sockaddr *)&fixture->address, &size),
+                     0);
     assert_int_equal(listen(fixture->listening, 1), 0);
     char error[256];
     assert_true(server_address_parse("127.0.0.1:0", &fixture->config.listen, error, sizeof error));
@@ -82,7 +84,8 @@ static void assert_fine(struct fixture *fixture, void (*in_child)(struct fixture
 static struct server_sandbox enter(const struct fixture *fixture)
 {
     struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
-    if (!sandbox.is_wanted || sandbox.landlock) _exit(SKIPPED); /* a sanitizer's build, or another kernel */
+    /* a sanitizer's build, or another kernel */
+    if (!sandbox.is_wanted || sandbox.landlock) _exit(SKIPPED);
     return sandbox;
 }
 
@@ -152,7 +155,8 @@ static void reach_out(struct fixture *fixture)
     struct sockaddr_in own = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     (void)enter(fixture);
     int outgoing = socket(AF_INET, SOCK_STREAM, 0), listening = socket(AF_INET, SOCK_STREAM, 0);
-    if (!REFUSED(connect(outgoing, address, sizeof fixture->address), EACCES)) _exit(SKIPPED); /* before Linux 6.7 */
+    /* before Linux 6.7 */
+    if (!REFUSED(connect(outgoing, address, sizeof fixture->address), EACCES)) _exit(SKIPPED);
     own.sin_port = htons(1);
     INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
     own.sin_port = 0; /* --listen was bound before */
@@ -193,7 +197,8 @@ static void call_what_is_no_more(struct fixture *fixture)
     char *page = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     INSIST(page != MAP_FAILED);
     INSIST(REFUSED(mprotect(page, 4096, PROT_READ | PROT_EXEC), ENOSYS));
-    INSIST(mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) == MAP_FAILED &&
+    INSIST(mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) ==
+               MAP_FAILED &&
            errno == ENOSYS);
     INSIST(make_file(fixture->config.data_dir, "still") == 0);
     free(malloc((size_t)64 << 20));
@@ -204,7 +209,7 @@ static void what_is_not_needed_is_no_more(void **state)
     assert_fine(*state, call_what_is_no_more);
 }
 
-/* --- calls that reach beyond the daemon ---------------------------------------------------------------------------- */
+/* --- calls that reach beyond the daemon ------------------------------------------------------- */
 
 #define SOME_MODE 0666
 
@@ -322,7 +327,8 @@ static void insist_on_refusals(const char *outside, const char *inside, int desc
     };
     for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++) {
         const long *a = attempts[i].arguments;
-        if (REFUSED(syscall(attempts[i].call, a[0], a[1], a[2], a[3], a[4], a[5]), ENOSYS)) continue;
+        if (REFUSED(syscall(attempts[i].call, a[0], a[1], a[2], a[3], a[4], a[5]), ENOSYS))
+            continue;
         fprintf(stderr, "%s is not refused (%s)\n", attempts[i].name, strerror(errno));
         _exit(WRONG);
     }
@@ -391,13 +397,14 @@ static void other_files_and_processes_are_out_of_reach(void **state)
     assert_that_others_are_as_they_were(fixture);
 }
 
-/* --- capabilities -------------------------------------------------------------------------------------------------- */
+/* --- capabilities ----------------------------------------------------------------------------- */
 
 static void look_at_capabilities(struct fixture *fixture)
 {
     struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
     struct __user_cap_data_struct held[_LINUX_CAPABILITY_U32S_3];
-    bool was_root = geteuid() == 0, could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0;
+    bool was_root = geteuid() == 0,
+         could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0;
     INSIST(setpriority(PRIO_PROCESS, 0, 0) == 0);
     struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
     if (!sandbox.is_wanted) _exit(SKIPPED);
@@ -406,7 +413,8 @@ static void look_at_capabilities(struct fixture *fixture)
     for (int i = 0; i < _LINUX_CAPABILITY_U32S_3; i++)
         INSIST(!held[i].effective && !held[i].permitted && !held[i].inheritable);
     INSIST(!was_root || prctl(PR_CAPBSET_READ, 0, 0, 0, 0) == 0);
-    INSIST(!could_come_first || setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0); /* without CAP_SYS_NICE */
+    /* without CAP_SYS_NICE */
+    INSIST(!could_come_first || setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0);
 }
 
 static void there_are_no_capabilities(void **state)
@@ -414,7 +422,7 @@ static void there_are_no_capabilities(void **state)
     assert_fine(*state, look_at_capabilities);
 }
 
-/* --- calls that end the process ------------------------------------------------------------------------------------ */
+/* --- calls that end the process --------------------------------------------------------------- */
 
 static void run_a_program(struct fixture *fixture)
 {
@@ -472,9 +480,10 @@ static void handle_faults(struct fixture *fixture)
 
 static void an_intruder_ends_the_process(void **state)
 {
-    void (*const attempts[])(struct fixture *) = {run_a_program, read_another_process, write_another_process,
-                                                  trace,         leave_the_namespace,  enter_a_namespace,
-                                                  load_a_filter, watch_events,         handle_faults};
+    void (*const attempts[])(struct fixture *) = {
+        run_a_program, read_another_process, write_another_process,
+        trace,         leave_the_namespace,  enter_a_namespace,
+        load_a_filter, watch_events,         handle_faults};
     for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++) {
         int status = end_of(*state, attempts[i]);
         if (WIFEXITED(status) && WEXITSTATUS(status) == SKIPPED) skip();

@@ -93,7 +93,8 @@ static void what_is_absent_is_told(void **state)
     assert_int_equal(server_disk_remove(folder, path), SERVER_DISK_ABSENT);
     assert_int_equal(server_disk_sync_folder(path), SERVER_DISK_ABSENT);
     assert_int_equal(server_disk_link(path, "/nowhere"), SERVER_DISK_ABSENT);
-    assert_int_equal(server_disk_read(folder, &bytes, &size), SERVER_DISK_REFUSED); /* a folder is no file */
+    /* a folder is no file */
+    assert_int_equal(server_disk_read(folder, &bytes, &size), SERVER_DISK_REFUSED);
 }
 
 static void links_are_second_names(void **state)
@@ -181,8 +182,10 @@ static void without_descriptors_nothing_changes(void **state)
     path_in(folder, inner, "inner");
     assert_int_equal(write_text(folder, "a", "first"), SERVER_DISK_DONE);
     struct rlimit limit = use_up_descriptors();
-    enum server_disk_result written = write_text(folder, "a", "second"), removed = server_disk_remove(folder, file),
-                            made = server_disk_make_folder(inner), there = server_disk_make_folder(folder);
+    enum server_disk_result written = write_text(folder, "a", "second"),
+                            removed = server_disk_remove(folder, file),
+                            made = server_disk_make_folder(inner),
+                            there = server_disk_make_folder(folder);
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
     assert_int_equal(written, SERVER_DISK_REFUSED);
     assert_int_equal(removed, SERVER_DISK_REFUSED);

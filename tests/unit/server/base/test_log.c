@@ -35,7 +35,8 @@ static void is_json_whatever_is_in_it(void **state)
     json_t *document = parse(&line);
     assert_string_equal(json_string_value(json_object_get(document, "event")), "test");
     assert_string_equal(json_string_value(json_object_get(document, "level")), "error");
-    assert_non_null(strstr(json_string_value(json_object_get(document, "odd")), "quote \" backslash \\ newline \n"));
+    assert_non_null(strstr(json_string_value(json_object_get(document, "odd")),
+                           "quote \" backslash \\ newline \n"));
     assert_null(json_object_get(document, "absent"));
     assert_true(json_real_value(json_object_get(document, "ms")) == 1.235);
     json_decref(document);
@@ -72,7 +73,7 @@ static void knows_its_level(void **state)
     assert_true(server_log_begin(&line, SERVER_LOG_DEBUG, "test"));
 }
 
-/* --- standard error, which is a file for once --------------------------------------------------------------------- */
+/* --- standard error, which is a file for once ------------------------------------------------- */
 
 struct capture {
     FILE *file;
@@ -156,8 +157,11 @@ static void loses_nothing_when_full(void **state)
     for (int i = 0; i < 10000; i++) say("many", server_log_end_soon);
     server_log_stop();
     assert_int_equal(fstat(fileno(capture->file), &status), 0);
-    assert_int_equal(status.st_size,
-                     10000 * strlen("{\"time\":\"2026-01-01T00:00:00.000Z\",\"level\":\"info\",\"event\":\"many\"}\n"));
+    assert_int_equal(
+        status.st_size,
+        10000 *
+            strlen(
+                "{\"time\":\"2026-01-01T00:00:00.000Z\",\"level\":\"info\",\"event\":\"many\"}\n"));
 }
 
 enum { THREADS = 4, LINES = 2000 };
@@ -193,13 +197,14 @@ static void keeps_the_order_of_each_thread(void **state)
     server_log_stop();
     rewind(capture->file);
     while (fgets(text, sizeof text, capture->file)) {
-        assert_int_equal(sscanf(strstr(text, "\"thread\""), "\"thread\":%d,\"line\":%d}", &thread, &line), 2);
+        assert_int_equal(
+            sscanf(strstr(text, "\"thread\""), "\"thread\":%d,\"line\":%d}", &thread, &line), 2);
         assert_int_equal(line, seen[thread]++);
     }
     for (int i = 0; i < THREADS; i++) assert_int_equal(seen[i], LINES);
 }
 
-/* --- standard error that is not read ------------------------------------------------------------------------------ */
+/* --- standard error that is not read ---------------------------------------------------------- */
 
 enum { STUCK_LINES = 40000 };
 
@@ -232,7 +237,8 @@ static void say_numbered(int number)
     (number % 97 ? server_log_end_soon : server_log_end)(&line);
 }
 
-/* Reads lines until one has that number: each follows the one before, or a line that tells how many are missing. */
+/* Reads lines until one has that number: each follows the one before, or a line that tells how many
+ * are missing. */
 static void read_up_to(FILE *file, int last)
 {
     char text[SERVER_LOG_LINE];
@@ -317,7 +323,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(writes_soon_what_it_gathers, begin_capture, end_capture),
         cmocka_unit_test_setup_teardown(loses_nothing_when_full, begin_capture, end_capture),
         cmocka_unit_test_setup_teardown(keeps_the_order_of_each_thread, begin_capture, end_capture),
-        cmocka_unit_test_setup_teardown(never_waits_and_tells_what_it_dropped, begin_stuck, end_stuck),
+        cmocka_unit_test_setup_teardown(never_waits_and_tells_what_it_dropped, begin_stuck,
+                                        end_stuck),
         cmocka_unit_test(stops_although_nobody_reads),
         cmocka_unit_test(a_crash_loses_no_line),
     };

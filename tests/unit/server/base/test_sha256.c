@@ -21,7 +21,8 @@ static void known_sums(void **state)
 
 static void pieces_are_as_good_as_the_whole(void **state)
 {
-    static const char text[] = "one after the other, and in the end they are the same as all at once";
+    static const char text[] =
+        "one after the other, and in the end they are the same as all at once";
     char whole[SERVER_SHA256_HEX], sum[SERVER_SHA256_HEX];
     (void)state;
     server_sha256(text, sizeof text, whole);
@@ -29,7 +30,8 @@ static void pieces_are_as_good_as_the_whole(void **state)
         struct server_sha256 *state_of_sum = server_sha256_begin();
         assert_non_null(state_of_sum);
         for (size_t at = 0; at < sizeof text; at += piece)
-            server_sha256_add(state_of_sum, text + at, at + piece < sizeof text ? piece : sizeof text - at);
+            server_sha256_add(state_of_sum, text + at,
+                              at + piece < sizeof text ? piece : sizeof text - at);
         server_sha256_end(state_of_sum, sum);
         assert_string_equal(sum, whole);
     }
@@ -37,6 +39,7 @@ static void pieces_are_as_good_as_the_whole(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(known_sums), cmocka_unit_test(pieces_are_as_good_as_the_whole)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(known_sums),
+                                       cmocka_unit_test(pieces_are_as_good_as_the_whole)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,8 +37,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-static struct server_thread *start(struct fixture *fixture, bool (*rest)(struct server_thread *thread, uint64_t ns),
-                                   uint64_t ns)
+static struct server_thread *
+start(struct fixture *fixture, bool (*rest)(struct server_thread *thread, uint64_t ns), uint64_t ns)
 {
     fixture->rest = rest;
     fixture->ns = ns;

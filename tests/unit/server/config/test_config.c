@@ -62,9 +62,9 @@ static void has_defaults(void **state)
 static void reads_flags_in_both_forms(void **state)
 {
     (void)state;
-    assert_int_equal(
-        LOAD("--workers", "3", "--max-body=10k", "--log-level", "warn", "--cpu", "avx2", "--landmarks", "0"),
-        SERVER_CONFIG_RUN);
+    assert_int_equal(LOAD("--workers", "3", "--max-body=10k", "--log-level", "warn", "--cpu",
+                          "avx2", "--landmarks", "0"),
+                     SERVER_CONFIG_RUN);
     assert_int_equal(config.landmarks, 0);
     assert_string_equal(server_config_cpus[config.cpu], "avx2");
     assert_int_equal(config.workers, 3);
@@ -80,8 +80,9 @@ static void reads_sizes(void **state)
         uint64_t bytes;
     } sizes[] = {{"4096", 4096},    {"4096B", 4096}, {"64k", 65536},   {"64K", 65536},
                  {"2MiB", 2 << 20}, {"2M", 2 << 20}, {"1GiB", 1 << 30}};
-    static const char *const wrong[] = {
-        "", "4 GiB", "4Gb", "-1", "1e9", "0x1000", "4GB", "99999999999999999999", "20000000T", "4GiBB"};
+    static const char *const wrong[] = {"",          "4 GiB",  "4Gb", "-1",
+                                        "1e9",       "0x1000", "4GB", "99999999999999999999",
+                                        "20000000T", "4GiBB"};
     for (size_t i = 0; i < COUNT(sizes); i++) {
         assert_int_equal(LOAD("--max-body", sizes[i].text), SERVER_CONFIG_RUN);
         assert_int_equal(config.max_body, sizes[i].bytes);
@@ -131,8 +132,10 @@ static void listens_on_loopback_only(void **state)
     static const char *const local[] = {"127.0.0.1:0", "127.3.2.1:80", "localhost:80", "[::1]:80",
                                         "unix:geodesicd.socket"};
     static const char *const open[] = {"0.0.0.0:80", "[::]:80", "192.0.2.1:80", "[2001:db8::1]:80"};
-    for (size_t i = 0; i < COUNT(local); i++) assert_int_equal(LOAD("--listen", local[i]), SERVER_CONFIG_RUN);
-    for (size_t i = 0; i < COUNT(open); i++) assert_wrong(LOAD("--listen", open[i]), "refusing to listen");
+    for (size_t i = 0; i < COUNT(local); i++)
+        assert_int_equal(LOAD("--listen", local[i]), SERVER_CONFIG_RUN);
+    for (size_t i = 0; i < COUNT(open); i++)
+        assert_wrong(LOAD("--listen", open[i]), "refusing to listen");
 }
 
 static void listens_anywhere_with_keys(void **state)
@@ -140,7 +143,8 @@ static void listens_anywhere_with_keys(void **state)
     (void)state;
     assert_int_equal(LOAD("--keys", "keys.txt", "--listen", "0.0.0.0:80"), SERVER_CONFIG_RUN);
     assert_string_equal(config.keys, "keys.txt");
-    assert_wrong(LOAD("--tls-cert", "c.pem", "--tls-key", "k.pem", "--listen", "0.0.0.0:80"), "refusing to listen");
+    assert_wrong(LOAD("--tls-cert", "c.pem", "--tls-key", "k.pem", "--listen", "0.0.0.0:80"),
+                 "refusing to listen");
 }
 
 static void origins_have_a_scheme_and_a_host_and_nothing_else(void **state)
@@ -154,10 +158,11 @@ static void origins_have_a_scheme_and_a_host_and_nothing_else(void **state)
                                         "https://*.example",
                                         "https://maps.example/",
                                         "https://user@maps.example"};
-    for (size_t i = 0; i < COUNT(wrong); i++) assert_wrong(LOAD("--cors-origin", wrong[i]), "is no origin");
-    assert_int_equal(
-        LOAD("--cors-origin", "https://a.example,http://localhost:3000", "--cors-origin", "http://[::1]:80"),
-        SERVER_CONFIG_RUN);
+    for (size_t i = 0; i < COUNT(wrong); i++)
+        assert_wrong(LOAD("--cors-origin", wrong[i]), "is no origin");
+    assert_int_equal(LOAD("--cors-origin", "https://a.example,http://localhost:3000",
+                          "--cors-origin", "http://[::1]:80"),
+                     SERVER_CONFIG_RUN);
     assert_int_equal(config.cors_origins.count, 3);
     assert_string_equal(config.cors_origins.name[1], "http://localhost:3000");
 }
@@ -177,13 +182,14 @@ static void flags_win_over_environment_over_file(void **state)
     (void)state;
     char path[] = "geodesicd-test-XXXXXX";
     int file = mkstemp(path);
-    static const char text[] =
-        "# limits\n\n  workers = 3  # three\nmax-faces=500\ntimeout-ms = 700\nallowed-host = a.example, b.example\n";
+    static const char text[] = "# limits\n\n  workers = 3  # three\nmax-faces=500\ntimeout-ms = "
+                               "700\nallowed-host = a.example, b.example\n";
     assert_int_equal(write(file, text, strlen(text)), strlen(text));
     close(file);
     setenv("GEODESICD_MAX_FACES", "600", 1);
     setenv("GEODESICD_TIMEOUT_MS", "800", 1);
-    enum server_config_outcome outcome = LOAD("--config", path, "--timeout-ms", "900", "--allowed-host", "c.example");
+    enum server_config_outcome outcome =
+        LOAD("--config", path, "--timeout-ms", "900", "--allowed-host", "c.example");
     unsetenv("GEODESICD_MAX_FACES");
     unsetenv("GEODESICD_TIMEOUT_MS");
     unlink(path);

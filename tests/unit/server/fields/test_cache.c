@@ -11,16 +11,19 @@ static struct server_flight *enter(struct fixture *fixture, uint32_t vertex)
     struct test_job job;
     test_job_init(&job, NULL);
     ask_often(fixture->shelf, &source);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_BUILD);
     return flight;
 }
 
 /* Builds the field of a vertex and lands it; returns its pin. */
-static const struct server_cached *land(struct fixture *fixture, struct server_flight *flight, uint32_t vertex)
+static const struct server_cached *land(struct fixture *fixture, struct server_flight *flight,
+                                        uint32_t vertex)
 {
     struct gd_point source = vertex_point(fixture->mesh, vertex);
     struct gd_field *field = new_field(fixture->mesh, &source);
-    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    assert_true(
+        server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     const struct server_cached *cached = server_cache_land(flight, field);
     assert_non_null(cached);
     return cached;
@@ -33,13 +36,15 @@ static void add(struct fixture *fixture, uint32_t vertex)
 
 #define DEAR 1e15 /* nanoseconds that no field here takes: priorities may only grow */
 
-/* What a field took to build is the clock's word, and the machine's. Fields that are added by this took the same. */
+/* What a field took to build is the clock's word, and the machine's. Fields that are added by this
+ * took the same. */
 static void add_dear(struct fixture *fixture, uint32_t vertex)
 {
     const struct server_cached *cached = land(fixture, enter(fixture, vertex), vertex);
     ((struct server_entry *)cached)->worth.cost = DEAR;
     server_cache_unpin(cached);
-    server_cache_unpin(find(fixture, vertex)); /* its place in the order is that of a dear one from this use on */
+    /* its place in the order is that of a dear one from this use on */
+    server_cache_unpin(find(fixture, vertex));
 }
 
 static void finds_what_has_landed(void **state)
@@ -83,7 +88,8 @@ static void one_builds_and_the_others_wait(void **state)
     assert_false(server_cache_is_awaited(flight));
     for (int i = 0; i < 3; i++) {
         test_job_init(&waiting[i], NULL);
-        assert_int_equal(server_cache_enter(fixture->shelf, &source, &waiting[i].job, &none), SERVER_CACHE_WAIT);
+        assert_int_equal(server_cache_enter(fixture->shelf, &source, &waiting[i].job, &none),
+                         SERVER_CACHE_WAIT);
     }
     assert_true(server_cache_is_awaited(flight));
     assert_null(find(fixture, 7));
@@ -104,15 +110,19 @@ static void few_questions_are_not_worth_a_field(void **state)
     struct test_job job;
     test_job_init(&job, NULL);
     for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) {
-        assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+        assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                         SERVER_CACHE_SEARCH);
         server_cache_note(fixture->shelf, &source);
     }
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_BUILD);
     server_cache_fail(flight, GD_CANCELLED);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_BUILD);
     server_cache_unpin(land(fixture, flight, 7));
     reclaim(fixture, AMPLE); /* an evicted field has to be earned again */
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_SEARCH);
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
@@ -124,7 +134,8 @@ static void what_came_meanwhile_is_looked_at_again(void **state)
     struct test_job job;
     test_job_init(&job, NULL);
     add(fixture, 7);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_AGAIN);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_AGAIN);
     assert_null(flight);
 }
 
@@ -132,7 +143,8 @@ static void what_came_meanwhile_is_looked_at_again(void **state)
 static void wait_for(struct fixture *fixture, const struct gd_point *source, struct test_job *job)
 {
     struct server_flight *none = NULL;
-    assert_int_equal(server_cache_enter(fixture->shelf, source, &job->job, &none), SERVER_CACHE_WAIT);
+    assert_int_equal(server_cache_enter(fixture->shelf, source, &job->job, &none),
+                     SERVER_CACHE_WAIT);
 }
 
 static void who_waits_for_one_that_gave_up_looks_again(void **state)
@@ -146,7 +158,8 @@ static void who_waits_for_one_that_gave_up_looks_again(void **state)
     server_cache_fail(flight, GD_CANCELLED);
     sem_wait(&job.done);
     assert_int_equal(job.runs, 1);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_BUILD);
     server_cache_unpin(land(fixture, flight, 7));
 }
 
@@ -161,7 +174,8 @@ static void who_waits_for_one_that_failed_does_without(void **state)
     server_cache_fail(flight, GD_INTERNAL);
     sem_wait(&job.done);
     assert_int_equal(job.runs, 1);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_SEARCH);
 }
 
 static void who_waits_has_a_deadline(void **state)
@@ -255,7 +269,7 @@ static void what_is_pinned_stays(void **state)
     assert_false(has(fixture, 0));
 }
 
-/* --- fields of sets ----------------------------------------------------------------------------------------------- */
+/* --- fields of sets --------------------------------------------------------------------------- */
 
 static void sets_are_told_apart(void **state)
 {
@@ -309,10 +323,12 @@ static void who_claims_what_has_just_failed_is_told(void **state)
     struct test_job job;
     enum gd_status why = GD_OK;
     test_job_init(&job, NULL);
-    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why), SERVER_CACHE_WAIT);
+    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why),
+                     SERVER_CACHE_WAIT);
     server_cache_fail(flight, GD_BUDGET);
     sem_wait(&job.done);
-    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why),
+                     SERVER_CACHE_SEARCH);
     assert_int_equal(why, GD_BUDGET);
     flight = claim(fixture, make_set(fixture, &other, 1, 0));
     server_cache_fail(flight, GD_DEADLINE); /* its builder's own: the next one may do better */

@@ -1,4 +1,5 @@
-/* Fields of the same seeds and different reaches in the cache: which answers, which waits, which takes whose place. */
+/* Fields of the same seeds and different reaches in the cache: which answers, which waits, which
+ * takes whose place. */
 #include "tests/unit/server/shelved.h"
 
 #include <math.h>
@@ -6,7 +7,8 @@
 static double reach_found(struct fixture *fixture, double radius)
 {
     struct set set;
-    const struct server_cached *cached = server_cache_find_field(fixture->shelf, make_set(fixture, &set, 0, radius));
+    const struct server_cached *cached =
+        server_cache_find_field(fixture->shelf, make_set(fixture, &set, 0, radius));
     double reach = cached ? gd_field_reach(cached->field) : 0;
     server_cache_unpin(cached);
     return reach;
@@ -42,7 +44,8 @@ static void a_pinned_one_outlives_its_successor(void **state)
     struct fixture *fixture = *state;
     struct set set;
     land_radius(fixture, 0.5);
-    const struct server_cached *near = server_cache_find_field(fixture->shelf, make_set(fixture, &set, 0, 0.5));
+    const struct server_cached *near =
+        server_cache_find_field(fixture->shelf, make_set(fixture, &set, 0, 0.5));
     land_radius(fixture, 0);
     assert_true(fabs(gd_field_reach(near->field) - 0.5) < 1e-15);
     size_t held = fixture->budget.used[SERVER_BUDGET_FIELDS];
@@ -66,14 +69,16 @@ static void a_flight_finds_what_it_can_be_resumed_from(void **state)
     struct gd_field *field;
     assert_int_equal(gd_field_resume(nearer->field, 1, NULL, NULL, &field, NULL), GD_OK);
     server_cache_unpin(nearer);
-    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    assert_true(
+        server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     server_cache_unpin(server_cache_land(farther, field));
     assert_true(fabs(reach_found(fixture, 0.5) - 1) < 1e-15);
     assert_int_equal(server_cache_statistics(fixture->cache).resumed, 1);
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
-/* Who wants more waits for what is on its way; who wants less does not; what lands late and is no news is not kept. */
+/* Who wants more waits for what is on its way; who wants less does not; what lands late and is no
+ * news is not kept. */
 static void flights_of_the_same_seeds(void **state)
 {
     struct fixture *fixture = *state;
@@ -84,8 +89,10 @@ static void flights_of_the_same_seeds(void **state)
     test_job_init(&same, NULL);
     test_job_init(&more, NULL);
     make_set(fixture, &far, 0, 1);
-    assert_int_equal(server_cache_claim(fixture->shelf, &middle.request, &same.job, &none, &why), SERVER_CACHE_WAIT);
-    assert_int_equal(server_cache_claim(fixture->shelf, &far.request, &more.job, &none, &why), SERVER_CACHE_WAIT);
+    assert_int_equal(server_cache_claim(fixture->shelf, &middle.request, &same.job, &none, &why),
+                     SERVER_CACHE_WAIT);
+    assert_int_equal(server_cache_claim(fixture->shelf, &far.request, &more.job, &none, &why),
+                     SERVER_CACHE_WAIT);
     struct server_flight *short_flight = claim(fixture, make_set(fixture, &near, 0, 0.25));
     land_set(fixture, flight, &middle.request);
     sem_wait(&same.done);
@@ -112,9 +119,11 @@ static void failures_are_of_a_reach(void **state)
     make_set(fixture, &far, 0, 1);
     make_set(fixture, &whole, 0, 0);
     server_cache_fail(claim(fixture, make_set(fixture, &middle, 0, 0.5)), GD_BUDGET);
-    assert_int_equal(server_cache_claim(fixture->shelf, &far.request, &job.job, &none, &why), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_claim(fixture->shelf, &far.request, &job.job, &none, &why),
+                     SERVER_CACHE_SEARCH);
     assert_int_equal(why, GD_BUDGET);
-    assert_int_equal(server_cache_claim(fixture->shelf, &whole.request, &job.job, &none, &why), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_claim(fixture->shelf, &whole.request, &job.job, &none, &why),
+                     SERVER_CACHE_SEARCH);
     land_set(fixture, claim(fixture, make_set(fixture, &near, 0, 0.25)), &near.request);
 }
 
@@ -141,7 +150,8 @@ static void a_near_field_leaves_the_count_of_questions(void **state)
     ask_often(fixture->shelf, &source);
     make_set(fixture, &set, 0, 0.5)->seed_count = 1;
     land_set(fixture, claim(fixture, &set.request), &set.request);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+                     SERVER_CACHE_BUILD);
     server_cache_fail(flight, GD_CANCELLED);
 }
 

@@ -58,7 +58,7 @@ static void what_was_dear_grows_old(void **state)
     server_eviction_free(&eviction);
 }
 
-/* --- a trace ------------------------------------------------------------------------------------------------------ */
+/* --- a trace ---------------------------------------------------------------------------------- */
 
 enum { THINGS = 400, STEPS = 40000 };
 
@@ -73,13 +73,14 @@ static void make_things(struct thing *things)
     uint32_t seed = 1;
     for (int i = 0; i < THINGS; i++) {
         double faces = 1000 * pow(2000, next_random(&seed) / 16777216.0);
-        things[i] =
-            (struct thing){.worth = {.cost = 1e9 * pow(faces, 1.5) / 2e8 * (0.5 + next_random(&seed) / 16777216.0),
-                                     .bytes = (size_t)(faces * 300)}};
+        things[i] = (struct thing){
+            .worth = {.cost = 1e9 * pow(faces, 1.5) / 2e8 * (0.5 + next_random(&seed) / 16777216.0),
+                      .bytes = (size_t)(faces * 300)}};
     }
 }
 
-/* What is asked for: a few often, whatever they cost; and now and then somebody goes through all of them once. */
+/* What is asked for: a few often, whatever they cost; and now and then somebody goes through all of
+ * them once. */
 static int next_asked(uint32_t *seed, int step)
 {
     if (step / THINGS % 10 == 9) return step % THINGS;
@@ -133,11 +134,13 @@ static double replay(struct server_eviction *eviction, size_t limit)
 static void a_trace_costs_less_than_by_lru(void **state)
 {
     (void)state;
-    static const size_t limits[] = {(size_t)2 << 30, (size_t)4 << 30, (size_t)8 << 30}; /* of 31 GiB in all */
+    /* of 31 GiB in all */
+    static const size_t limits[] = {(size_t)2 << 30, (size_t)4 << 30, (size_t)8 << 30};
     for (size_t i = 0; i < COUNT(limits); i++) {
         struct server_eviction eviction = {0};
         double ours = replay(&eviction, limits[i]), lru = replay(NULL, limits[i]);
-        print_message("%zu GiB: %.0f seconds recomputed, by LRU %.0f\n", limits[i] >> 30, ours, lru);
+        print_message("%zu GiB: %.0f seconds recomputed, by LRU %.0f\n", limits[i] >> 30, ours,
+                      lru);
         assert_true(ours < 0.95 * lru);
         server_eviction_free(&eviction);
     }

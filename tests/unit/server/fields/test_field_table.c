@@ -28,18 +28,23 @@ static void finds_what_was_put_in(void **state)
 static void every_part_of_the_seeds_counts(void **state)
 {
     (void)state;
-    struct gd_seed seed = {.point = {.kind = GD_POINT_FACE, .element = 4, .weight = {0.5, 0.25, 0.25}}}, seeds[7];
+    struct gd_seed seed = {.point = {.kind = GD_POINT_FACE,
+                                     .element = 4,
+                                     .weight = {0.5, 0.25, 0.25}}},
+                   seeds[7];
     struct gd_field_request requests[8];
     for (int i = 0; i < 7; i++) seeds[i] = seed;
     seeds[0].point.kind = GD_POINT_EDGE;
     seeds[1].point.element = 5;
     for (int k = 0; k < 3; k++) seeds[2 + k].point.weight[k] = 0.125;
     seeds[5].offset = 1;
-    for (int i = 0; i < 7; i++) requests[i] = (struct gd_field_request){.seeds = &seeds[i], .seed_count = 1};
+    for (int i = 0; i < 7; i++)
+        requests[i] = (struct gd_field_request){.seeds = &seeds[i], .seed_count = 1};
     requests[7] = (struct gd_field_request){.seeds = &seeds[5], .seed_count = 2};
     for (int i = 0; i < 8; i++) {
         for (int j = 0; j < 8; j++) {
-            struct server_field_key a = server_field_key_of(&requests[i]), b = server_field_key_of(&requests[j]);
+            struct server_field_key a = server_field_key_of(&requests[i]),
+                                    b = server_field_key_of(&requests[j]);
             assert_int_equal(server_field_key_equal(&a, &b), i == j);
         }
     }
@@ -53,9 +58,11 @@ static void who_reaches_farther_covers(void **state)
     struct gd_seed seed = {.point = {.element = 4}};
     for (int i = 0; i < 4; i++) {
         for (int j = 0; j < 4; j++) {
-            const struct gd_field_request requests[2] = {{.seeds = &seed, .seed_count = 1, .radius = radii[i]},
-                                                         {.seeds = &seed, .seed_count = 1, .radius = radii[j]}};
-            struct server_field_key a = server_field_key_of(&requests[0]), b = server_field_key_of(&requests[1]);
+            const struct gd_field_request requests[2] = {
+                {.seeds = &seed, .seed_count = 1, .radius = radii[i]},
+                {.seeds = &seed, .seed_count = 1, .radius = radii[j]}};
+            struct server_field_key a = server_field_key_of(&requests[0]),
+                                    b = server_field_key_of(&requests[1]);
             assert_true(server_field_key_equal(&a, &b) && a.hash == b.hash);
             assert_int_equal(server_field_key_covers(&a, &b), i >= j);
         }

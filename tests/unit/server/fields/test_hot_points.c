@@ -45,7 +45,8 @@ static void finds_the_one_in_a_crowd(void **state)
     (void)state;
     struct server_recent recent = {0};
     for (uint64_t i = 0; i < 2000; i++) server_recent_note(&recent, i % 10 ? i : 1000000);
-    assert_in_range(server_recent_count(&recent, 1000000), 200 - 2000 / (SERVER_RECENT_POINTS + 1), 200);
+    assert_in_range(server_recent_count(&recent, 1000000), 200 - 2000 / (SERVER_RECENT_POINTS + 1),
+                    200);
 }
 
 /* What was asked for long ago makes room for what is asked for now. */
@@ -53,7 +54,8 @@ static void forgets_in_the_end(void **state)
 {
     (void)state;
     struct server_recent recent = {0};
-    for (uint64_t i = 0; i < 15 * SERVER_RECENT_POINTS; i++) server_recent_note(&recent, i % SERVER_RECENT_POINTS);
+    for (uint64_t i = 0; i < 15 * SERVER_RECENT_POINTS; i++)
+        server_recent_note(&recent, i % SERVER_RECENT_POINTS);
     for (uint64_t i = 0; i < 30; i++) server_recent_note(&recent, 1000);
     assert_in_range(server_recent_count(&recent, 1000), 14, 16);
 }

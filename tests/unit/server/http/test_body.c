@@ -23,7 +23,8 @@ static void append_all(size_t size)
     char bytes[100];
     for (size_t sent = 0; sent < size; sent += sizeof bytes) {
         memset(bytes, (int)(sent / sizeof bytes), sizeof bytes);
-        assert_true(server_body_append(&body, &budget, bytes, size - sent < sizeof bytes ? size - sent : sizeof bytes));
+        assert_true(server_body_append(&body, &budget, bytes,
+                                       size - sent < sizeof bytes ? size - sent : sizeof bytes));
     }
 }
 
@@ -38,7 +39,8 @@ static void collects_what_arrives(void **state)
         assert_int_equal(body.size, 9000);
         assert_int_equal(body.bytes[8999], 89);
         assert_int_equal(budget.total, body.capacity);
-        if (declared[i] == 9000) assert_int_equal(body.capacity, 9000); /* no more than was declared */
+        /* no more than was declared */
+        if (declared[i] == 9000) assert_int_equal(body.capacity, 9000);
         server_body_drop(&body, &budget);
         assert_int_equal(budget.total, 0);
     }
@@ -117,7 +119,7 @@ static void drops_a_client_that_trickles(void **state)
     server_body_drop(&body, &budget);
 }
 
-/* --- packed bodies ------------------------------------------------------------------------------------------------ */
+/* --- packed bodies ---------------------------------------------------------------------------- */
 
 /* `size` bytes of one value, packed, for the caller to free. */
 static unsigned char *pack(size_t size, size_t *packed_size)
@@ -137,7 +139,8 @@ static unsigned char *pack(size_t size, size_t *packed_size)
     return packed;
 }
 
-/* Sends a body of that size packed, in pieces; `cut` bytes of its end are left out. True: it was taken. */
+/* Sends a body of that size packed, in pieces; `cut` bytes of its end are left out. True: it was
+ * taken. */
 static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
 {
     size_t packed_size;
@@ -149,8 +152,8 @@ static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
     assert_int_equal(budget.total, SERVER_INFLATE_BYTES);
     packed_size -= cut;
     for (size_t at = 0; at < packed_size; at += piece)
-        assert_true(
-            server_body_append(&body, &budget, packed + at, piece < packed_size - at ? piece : packed_size - at));
+        assert_true(server_body_append(&body, &budget, packed + at,
+                                       piece < packed_size - at ? piece : packed_size - at));
     free(packed);
     return server_body_check(&body, &budget, &problem);
 }
@@ -158,7 +161,8 @@ static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
 static void unpacks_what_comes_packed(void **state)
 {
     (void)state;
-    static const size_t sizes[] = {0, 1, 16383, 16384, 16385, 32768, 1 << 20}, pieces[] = {1, 100, 1 << 20};
+    static const size_t sizes[] = {0, 1, 16383, 16384, 16385, 32768, 1 << 20},
+                        pieces[] = {1, 100, 1 << 20};
     for (size_t i = 0; i < COUNT(sizes); i++) {
         for (size_t j = 0; j < COUNT(pieces); j++) {
             assert_true(send_packed(1 << 20, sizes[i], pieces[j], 0));
@@ -192,7 +196,8 @@ static void refuses_what_is_not_packed(void **state)
 {
     (void)state;
     static const char plain[] = "v 0 0 0";
-    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &budget, &problem));
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) &&
+                server_body_unpack(&body, &budget, &problem));
     assert_true(server_body_append(&body, &budget, plain, sizeof plain));
     assert_true(server_body_append(&body, &budget, plain, sizeof plain));
     assert_int_equal(budget.total, 0);
@@ -206,12 +211,14 @@ static void unpacks_several_members(void **state)
     (void)state;
     size_t size;
     unsigned char *packed = pack(100, &size);
-    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &budget, &problem));
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) &&
+                server_body_unpack(&body, &budget, &problem));
     for (int i = 0; i < 3; i++) assert_true(server_body_append(&body, &budget, packed, size));
     assert_true(server_body_check(&body, &budget, &problem));
     assert_int_equal(body.size, 300);
     server_body_drop(&body, &budget);
-    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &budget, &problem));
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) &&
+                server_body_unpack(&body, &budget, &problem));
     assert_true(server_body_append(&body, &budget, packed, size));
     assert_true(server_body_append(&body, &budget, "rubbish", 7));
     assert_false(server_body_check(&body, &budget, &problem));

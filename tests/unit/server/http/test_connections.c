@@ -69,7 +69,7 @@ static const char *pass(const char *text)
 
 #define REQUEST "GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
-/* --- ends --------------------------------------------------------------------------------------------------------- */
+/* --- ends ------------------------------------------------------------------------------------- */
 
 /* Is there news of the socket since it was asked last, as the library asks? */
 static bool has_news(int epoll)
@@ -78,12 +78,15 @@ static bool has_news(int epoll)
     return epoll_wait(epoll, &event, 1, 0) == 1;
 }
 
-/* The library reads until less comes than it has room for, and waits for the next event: an end that had come by then is not one. */
+/* The library reads until less comes than it has room for, and waits for the next event: an end
+ * that had come by then is not one. */
 static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
 {
     (void)state;
     int epoll = epoll_create1(0);
-    assert_int_equal(epoll_ctl(epoll, EPOLL_CTL_ADD, ends[0], &(struct epoll_event){.events = EPOLLIN | EPOLLET}), 0);
+    assert_int_equal(epoll_ctl(epoll, EPOLL_CTL_ADD, ends[0],
+                               &(struct epoll_event){.events = EPOLLIN | EPOLLET}),
+                     0);
     assert_int_equal(send(ends[1], "GET /", 5, 0), 5);
     server_connections_remind(connections);
     assert_true(has_news(epoll));
@@ -103,7 +106,7 @@ static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
     close(epoll);
 }
 
-/* --- deadlines ---------------------------------------------------------------------------------------------------- */
+/* --- deadlines -------------------------------------------------------------------------------- */
 
 static void a_first_head_has_its_time(void **state)
 {
@@ -146,7 +149,8 @@ static void later_heads_have_theirs_from_their_first_byte_on(void **state)
 static void idle_connections_are_closed(void **state)
 {
     (void)state;
-    for (size_t size = 100; size <= 1000000; size *= 10000) { /* after a short answer, and after a long one */
+    /* after a short answer, and after a long one */
+    for (size_t size = 100; size <= 1000000; size *= 10000) {
         pass(REQUEST);
         server_connection_begin(connection);
         server_connection_answer(connection, size, false, gd_now_ns());
@@ -206,7 +210,7 @@ static void a_stream_has_no_end(void **state)
     assert_false(is_cut_after(1000000));
 }
 
-/* --- clients that take an answer slowly ----------------------------------------------------------------------------- */
+/* --- clients that take an answer slowly ------------------------------------------------------- */
 
 /* A client and a connection by TCP, whose buffers are small. */
 struct tcp {
@@ -245,7 +249,8 @@ static void leave(struct tcp *tcp)
 static void fill(struct tcp *tcp)
 {
     static const char zeros[65536];
-    for (ssize_t sent; (sent = send(tcp->ours, zeros, sizeof zeros, MSG_NOSIGNAL)) > 0;) tcp->sent += (size_t)sent;
+    for (ssize_t sent; (sent = send(tcp->ours, zeros, sizeof zeros, MSG_NOSIGNAL)) > 0;)
+        tcp->sent += (size_t)sent;
 }
 
 /* The client reads so many bytes, and the library writes more of them. */
@@ -260,7 +265,8 @@ static void take(struct tcp *tcp, size_t bytes)
     }
 }
 
-/* Looks every second, of which each is `rate` bytes long for the client. After how many was the connection cut? `most`: not until then. */
+/* Looks every second, of which each is `rate` bytes long for the client. After how many was the
+ * connection cut? `most`: not until then. */
 static unsigned seconds_until_cut(struct tcp *tcp, size_t rate, unsigned most)
 {
     uint64_t begun = gd_now_ns(), before = server_connections_statistics(connections).cut;
@@ -342,7 +348,7 @@ static void a_connection_is_not_idle_while_the_client_takes(void **state)
     leave(&tcp);
 }
 
-/* --- a shortage ---------------------------------------------------------------------------------------------------- */
+/* --- a shortage ------------------------------------------------------------------------------- */
 
 #define MANY 16
 
@@ -358,7 +364,8 @@ static void crowd_in(struct crowd *crowd, int heavy)
     for (int i = 0; i < MANY; i++) {
         client.sin_addr.s_addr = htonl(INADDR_LOOPBACK + (uint32_t)(i >= heavy));
         assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, crowd->ends[i]), 0);
-        crowd->all[i] = server_connections_open(connections, crowd->ends[i][0], (struct sockaddr *)&client, false);
+        crowd->all[i] = server_connections_open(connections, crowd->ends[i][0],
+                                                (struct sockaddr *)&client, false);
         assert_non_null(crowd->all[i]);
     }
 }
@@ -425,7 +432,8 @@ static void addresses_with_few_connections_keep_them(void **state)
     (void)state;
     crowd_in(&crowd, 10); /* the other six, and the fixture's own, are fewer than ... */
     server_connection_begin(connection);
-    for (int i = 12; i < MANY; i++) server_connection_begin(crowd.all[i]); /* ... two, since the others are busy */
+    /* ... two, since the others are busy */
+    for (int i = 12; i < MANY; i++) server_connection_begin(crowd.all[i]);
     server_connection_begin(crowd.all[0]);
     server_connection_answer(crowd.all[0], 10, false, gd_now_ns() - 20 * SECOND);
     server_connection_end(crowd.all[0]);
@@ -461,7 +469,7 @@ static void while_enough_are_free_all_stay(void **state)
     crowd_out(&crowd);
 }
 
-/* --- the wire ----------------------------------------------------------------------------------------------------- */
+/* --- the wire --------------------------------------------------------------------------------- */
 
 static void what_is_right_passes(void **state)
 {
@@ -519,22 +527,28 @@ static void other_sockets_are_not_watched(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(an_end_that_came_with_the_last_bytes_is_told_again, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_end_that_came_with_the_last_bytes_is_told_again, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(a_first_head_has_its_time, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_request_is_under_way_until_its_answer_has_ended, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(later_heads_have_theirs_from_their_first_byte_on, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_request_is_under_way_until_its_answer_has_ended, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(later_heads_have_theirs_from_their_first_byte_on, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(idle_connections_are_closed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_body_is_waited_for_where_there_is_one, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_head_that_came_while_the_last_was_answered_has_its_time, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_head_that_came_while_the_last_was_answered_has_its_time,
+                                        set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_answer_has_time_for_its_size, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_stream_has_no_end, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_steady_slow_reader_is_not_cut, set_up, tear_down),
         cmocka_unit_test_setup_teardown(who_takes_nothing_is_cut, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_stream_that_is_silent_goes_on, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_connection_is_not_idle_while_the_client_takes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_connection_is_not_idle_while_the_client_takes, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(the_oldest_heads_go_first, set_up, tear_down),
         cmocka_unit_test_setup_teardown(after_all_heads_the_idle_go, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(addresses_with_few_connections_keep_them, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(addresses_with_few_connections_keep_them, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(heads_that_have_just_begun_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(while_enough_are_free_all_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_right_passes, set_up, tear_down),

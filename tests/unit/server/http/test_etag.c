@@ -4,7 +4,8 @@
 
 static bool holds(const char *if_match, const char *if_none_match, const char *etag)
 {
-    return server_precondition_holds(&(struct server_precondition){{if_match}, {if_none_match}}, etag);
+    return server_precondition_holds(&(struct server_precondition){{if_match}, {if_none_match}},
+                                     etag);
 }
 
 static void if_match(void **state)
@@ -50,12 +51,13 @@ static enum server_etag_form known(const char *list)
 static void lists(void **state)
 {
     (void)state;
-    static const char *const with[] = {"\"a\"",          " \"a\"",     "\"x\",\"a\"", ",,\"x\" ,\t\"a\",",
-                                       "\"x,y\", \"a\"", "\"\", \"a\""};
+    static const char *const with[] = {
+        "\"a\"", " \"a\"", "\"x\",\"a\"", ",,\"x\" ,\t\"a\",", "\"x,y\", \"a\"", "\"\", \"a\""};
     static const char *const without[] = {"",   "\"",  "\"a",     "a",          "\"x\" * \"a\"",
                                           "W/", "W/a", "\"a\\\"", "\"x, \"a\"", "**"};
     for (size_t i = 0; i < COUNT(with); i++) assert_int_equal(known(with[i]), SERVER_ETAG_PLAIN);
-    for (size_t i = 0; i < COUNT(without); i++) assert_int_equal(known(without[i]), SERVER_ETAG_NONE);
+    for (size_t i = 0; i < COUNT(without); i++)
+        assert_int_equal(known(without[i]), SERVER_ETAG_NONE);
 }
 
 static void any_with_blanks_around_it(void **state)
@@ -89,7 +91,8 @@ static void the_packed_form_is_the_same_resource(void **state)
     assert_true(holds("\"a-gzip\"", NULL, "a"));
     assert_false(holds(NULL, "\"x\", W/\"a-gzip\"", "a"));
     assert_int_equal(known("\"a-gzip\", \"a\""), SERVER_ETAG_PACKED);
-    static const char *const others[] = {"\"a-gzi\"", "\"a-gzip-gzip\"", "\"b-gzip\"", "\"-gzip\"", "\"a-GZIP\""};
+    static const char *const others[] = {"\"a-gzi\"", "\"a-gzip-gzip\"", "\"b-gzip\"", "\"-gzip\"",
+                                         "\"a-GZIP\""};
     for (size_t i = 0; i < COUNT(others); i++) assert_int_equal(known(others[i]), SERVER_ETAG_NONE);
 }
 
@@ -97,7 +100,8 @@ static void read_from_a_request(void **state)
 {
     (void)state;
     struct server_exchange exchange = {
-        .headers = {{"if-match", "\"a\""}, {"If-None-Match", "1"}, {"IF-MATCH", "\"b\""}}, .header_count = 3};
+        .headers = {{"if-match", "\"a\""}, {"If-None-Match", "1"}, {"IF-MATCH", "\"b\""}},
+        .header_count = 3};
     const struct server_precondition precondition = server_precondition_read(&exchange);
     assert_string_equal(precondition.if_match[0], "\"a\"");
     assert_string_equal(precondition.if_match[1], "\"b\"");

@@ -75,10 +75,14 @@ static int tear_down(void **state)
 
 static struct server_stream *open_stream(void)
 {
-    const struct server_event_source told = {
-        .version = version, .tell = tell, .release = release, .user = &source, .is_content = source.is_content};
+    const struct server_event_source told = {.version = version,
+                                             .tell = tell,
+                                             .release = release,
+                                             .user = &source,
+                                             .is_content = source.is_content};
     struct server_stream *stream = server_stream_open(events, &told);
-    server_stream_attach(stream, (struct server_stream_reader){pause_reader, resume_reader, is_gone, NULL});
+    server_stream_attach(stream,
+                         (struct server_stream_reader){pause_reader, resume_reader, is_gone, NULL});
     return stream;
 }
 

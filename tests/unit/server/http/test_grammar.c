@@ -43,10 +43,13 @@ static void requests_without_fault(void **state)
     assert_whole(FOLLOW(PUT "Content-Length: 5\r\n\r\nhello"), 1);
     assert_whole(FOLLOW(PUT "content-LENGTH:0005\r\n\r\nhello"), 1);
     assert_whole(FOLLOW(PUT "Content-Length: 0\r\n\r\n" GET "\r\n"), 2);
-    assert_whole(FOLLOW(PUT "Transfer-Encoding: Chunked\r\n\r\n5\r\nhello\r\n0\r\n\r\n" GET "\r\n"), 2);
-    assert_whole(FOLLOW(PUT "Transfer-Encoding: chunked\r\n\r\n00A;a=\"b\"\r\n0123456789\r\n0\r\nTrailer: x\r\n\r\n"),
+    assert_whole(FOLLOW(PUT "Transfer-Encoding: Chunked\r\n\r\n5\r\nhello\r\n0\r\n\r\n" GET "\r\n"),
+                 2);
+    assert_whole(FOLLOW(PUT "Transfer-Encoding: "
+                            "chunked\r\n\r\n00A;a=\"b\"\r\n0123456789\r\n0\r\nTrailer: x\r\n\r\n"),
                  1);
-    assert_whole(FOLLOW(PUT "Content-Length: 21\r\n\r\nGET / HTTP/1.1\n\n\n\n\n\n\n" GET "\r\n"), 2);
+    assert_whole(FOLLOW(PUT "Content-Length: 21\r\n\r\nGET / HTTP/1.1\n\n\n\n\n\n\n" GET "\r\n"),
+                 2);
     /* names that begin as, or are longer than, those that count */
     assert_whole(FOLLOW(GET "Content-Lengths: x\r\nHosts: a\r\nHost: b\r\nTransfer-Encoding-: y\r\n"
                             "Transfer-Encoding-Transfer-Encoding: z\r\n\r\n"),
@@ -70,9 +73,10 @@ static void knows_when_it_is_in_a_head(void **state)
     static const struct {
         const char *bytes;
         bool is_in_head;
-    } cases[] = {{"", false},         {"\r\n", false},     {"G", true},
-                 {GET, true},         {GET HOST, true},    {GET HOST "\r", true},
-                 {GET "\r\n", false}, {GET "\r\nP", true}, {PUT "Content-Length: 5\r\n\r\nh", false}};
+    } cases[] = {
+        {"", false},         {"\r\n", false},     {"G", true},
+        {GET, true},         {GET HOST, true},    {GET HOST "\r", true},
+        {GET "\r\n", false}, {GET "\r\nP", true}, {PUT "Content-Length: 5\r\n\r\nh", false}};
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct server_grammar grammar = follow(cases[i].bytes, strlen(cases[i].bytes));
         assert_int_equal(server_grammar_is_in_head(&grammar), cases[i].is_in_head);
@@ -83,9 +87,9 @@ static const struct {
     const char *bytes;
     size_t size, right; /* how many bytes are without fault */
 } faults[] = {
-#define FAULT(before, after)                                                                                           \
-    {                                                                                                                  \
-        TEXT(before after), sizeof(before) - 1                                                                         \
+#define FAULT(before, after)                                                                       \
+    {                                                                                              \
+        TEXT(before after), sizeof(before) - 1                                                     \
     }
     FAULT("", "\n"),
     FAULT("\r\n", "\r\n" GET),
@@ -152,10 +156,12 @@ static void faults_of_heads(void **state)
     for (size_t i = 0; i < COUNT(faults); i++) {
         struct server_grammar grammar = {0};
         follow(faults[i].bytes, faults[i].size);
-        assert_int_equal(server_grammar_follow(&grammar, faults[i].bytes, faults[i].size), faults[i].right);
+        assert_int_equal(server_grammar_follow(&grammar, faults[i].bytes, faults[i].size),
+                         faults[i].right);
         assert_non_null(grammar.fault);
         assert_int_equal(grammar.heads, 0);
-        assert_int_equal(server_grammar_follow(&grammar, GET "\r\n", sizeof GET), 0); /* nothing is followed any more */
+        /* nothing is followed any more */
+        assert_int_equal(server_grammar_follow(&grammar, GET "\r\n", sizeof GET), 0);
     }
 }
 
@@ -208,13 +214,15 @@ static void extensions_have_an_end(void **state)
     assert_in_range(right, 1024, 4096);
 }
 
-/* What a fault leaves is completed by the ending to a whole head, or to chunks that are faulty for everybody. */
+/* What a fault leaves is completed by the ending to a whole head, or to chunks that are faulty for
+ * everybody. */
 /* `count` times the text, after the head so far. */
 static struct server_grammar follow_many(const char *head, const char *text, unsigned count)
 {
     struct server_grammar grammar = {0};
     server_grammar_follow(&grammar, head, strlen(head));
-    for (unsigned i = 0; i < count && !grammar.fault; i++) server_grammar_follow(&grammar, text, strlen(text));
+    for (unsigned i = 0; i < count && !grammar.fault; i++)
+        server_grammar_follow(&grammar, text, strlen(text));
     return grammar;
 }
 
@@ -223,8 +231,10 @@ static void a_head_has_room_for_so_much(void **state)
 {
     (void)state;
     assert_null(follow_many("GET ", "a", SERVER_GRAMMAR_TARGET_MOST).fault);
-    assert_non_null(strstr(follow_many("GET ", "a", SERVER_GRAMMAR_TARGET_MOST + 1).fault, "target"));
-    assert_non_null(strstr(follow_many("GET ", "abcdefgh", SERVER_GRAMMAR_TARGET_MOST / 8 + 1).fault, "target"));
+    assert_non_null(
+        strstr(follow_many("GET ", "a", SERVER_GRAMMAR_TARGET_MOST + 1).fault, "target"));
+    assert_non_null(strstr(
+        follow_many("GET ", "abcdefgh", SERVER_GRAMMAR_TARGET_MOST / 8 + 1).fault, "target"));
     unsigned before = strlen("GET"
                              "/"
                              "HTTP/1.1"
@@ -232,20 +242,34 @@ static void a_head_has_room_for_so_much(void **state)
              room = SERVER_GRAMMAR_HEAD_MOST - before;
     assert_null(follow_many(GET "a:", "b", room).fault);
     assert_non_null(strstr(follow_many(GET "a:", "b", room + 1).fault, "headers"));
-    assert_non_null(strstr(follow_many(GET "Content-Length: ", "0", SERVER_GRAMMAR_HEAD_MOST).fault, "headers"));
+    assert_non_null(strstr(follow_many(GET "Content-Length: ", "0", SERVER_GRAMMAR_HEAD_MOST).fault,
+                           "headers"));
     assert_null(follow_many(GET, "a: b\r\n", SERVER_GRAMMAR_HEADERS_MOST).fault);
-    assert_non_null(strstr(follow_many(GET, "a: b\r\n", SERVER_GRAMMAR_HEADERS_MOST + 1).fault, "headers"));
+    assert_non_null(
+        strstr(follow_many(GET, "a: b\r\n", SERVER_GRAMMAR_HEADERS_MOST + 1).fault, "headers"));
     assert_non_null(follow_many(GET, "a", 257).fault);
     assert_null(follow_many("", GET HOST "\r\n", 5000).fault);
-    assert_null(follow_many(PUT "Transfer-Encoding: chunked\r\n\r\n", "000000000000001\r\na\r\n", 5000).fault);
+    assert_null(
+        follow_many(PUT "Transfer-Encoding: chunked\r\n\r\n", "000000000000001\r\na\r\n", 5000)
+            .fault);
 }
 
 static void an_ending_ends(void **state)
 {
     (void)state;
-    static const char *const heads[] = {
-        "\n",     "\r\r",   "G(",          "GET  ",       "GET /\t", "GET / X",          "GET / HTTP/1.1 ",
-        GET " a", GET "A(", GET "A: \x01", GET "A: b\rc", GET "\rX", "GET / HTTP/1.1\rX"};
+    static const char *const heads[] = {"\n",
+                                        "\r\r",
+                                        "G(",
+                                        "GET  ",
+                                        "GET /\t",
+                                        "GET / X",
+                                        "GET / HTTP/1.1 ",
+                                        GET " a",
+                                        GET "A(",
+                                        GET "A: \x01",
+                                        GET "A: b\rc",
+                                        GET "\rX",
+                                        "GET / HTTP/1.1\rX"};
     for (size_t i = 0; i < COUNT(heads); i++) {
         char bytes[256] = "";
         struct server_grammar grammar = {0}, again = {0};
@@ -253,7 +277,8 @@ static void an_ending_ends(void **state)
         memcpy(bytes, heads[i], right);
         strcpy(bytes + right, server_grammar_ending(&grammar));
         size_t size = strlen(bytes);
-        bool is_lenient = strcmp(heads[i], "GET / X") == 0; /* "GET /  HTTP/1.1" is left to more lenient readers */
+        /* "GET /  HTTP/1.1" is left to more lenient readers */
+        bool is_lenient = strcmp(heads[i], "GET / X") == 0;
         assert_true(is_lenient || server_grammar_follow(&again, bytes, size) == size);
         assert_true(is_lenient || (again.heads == 1 && again.state == SERVER_GRAMMAR_START));
     }
@@ -273,19 +298,21 @@ static void assert_clean(const char *bytes, size_t size)
 {
     struct server_grammar grammar = {0};
     for (size_t i = 0; i < size; i++) {
-        bool is_body = grammar.state == SERVER_GRAMMAR_BODY || grammar.state == SERVER_GRAMMAR_CHUNK_DATA;
+        bool is_body =
+            grammar.state == SERVER_GRAMMAR_BODY || grammar.state == SERVER_GRAMMAR_CHUNK_DATA;
         if (!server_grammar_follow(&grammar, bytes + i, 1)) return;
         assert_true(is_body || bytes[i]);
         assert_true(is_body || bytes[i] != '\n' || (i > 0 && bytes[i - 1] == '\r'));
     }
 }
 
-/* Requests with bytes exchanged, left out and put in: whatever they are, pieces make no difference. */
+/* Requests with bytes exchanged, left out and put in: whatever they are, pieces make no difference.
+ */
 static void damaged_requests(void **state)
 {
     (void)state;
-    static const char request[] =
-        "\r\n" PUT "Content-Length: 5\r\n\r\nhello" CHUNKED "5;a\r\nhello\r\n0\r\nA: b\r\n\r\n" GET "\r\n";
+    static const char request[] = "\r\n" PUT "Content-Length: 5\r\n\r\nhello" CHUNKED
+                                  "5;a\r\nhello\r\n0\r\nA: b\r\n\r\n" GET "\r\n";
     static const char odd[] = "\r\n\0\t :;0f\x80";
     uint64_t sequence = 1, whole = 0;
     for (int trial = 0; trial < 100000; trial++) {

@@ -47,7 +47,8 @@ static void the_longest_fit(void **state)
     response.header_count = 0;
     while (response.header_count < SERVER_RESPONSE_HEADERS) add(name, value);
     server_header_block_join(&block, &response, "today");
-    assert_int_equal(strlen(block.value), 5 + SERVER_RESPONSE_HEADERS * (sizeof value - 1 + sizeof name + 3));
+    assert_int_equal(strlen(block.value),
+                     5 + SERVER_RESPONSE_HEADERS * (sizeof value - 1 + sizeof name + 3));
 }
 
 int main(void)

@@ -54,7 +54,8 @@ static void assert_reads(char expected, size_t size)
 {
     char bytes[4096];
     while (size > 0) {
-        ptrdiff_t read = server_stream_read(stream, bytes, size < sizeof bytes ? size : sizeof bytes);
+        ptrdiff_t read =
+            server_stream_read(stream, bytes, size < sizeof bytes ? size : sizeof bytes);
         assert_true(read > 0);
         for (ptrdiff_t i = 0; i < read; i++) assert_int_equal(bytes[i], expected);
         size -= (size_t)read;

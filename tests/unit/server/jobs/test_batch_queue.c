@@ -1,4 +1,5 @@
-/* The queue of batches over each database: SQLite in memory, and PostgreSQL where GEODESICD_TEST_STORE names one. */
+/* The queue of batches over each database: SQLite in memory, and PostgreSQL where
+ * GEODESICD_TEST_STORE names one. */
 #include "tests/unit/server/folder.h"
 #include "tests/unit/server/support.h"
 
@@ -26,7 +27,8 @@ static int set_up_shared(void **state)
     char error[512] = "";
     *state = NULL;
     if (!url) return 0;
-    struct server_store *store = server_store_postgres_open(url, error, sizeof error); /* makes the tables */
+    /* makes the tables */
+    struct server_store *store = server_store_postgres_open(url, error, sizeof error);
     if (!store) fail_msg("%s", error);
     store->close(store);
     struct server_store_sql *sql = server_store_sql_postgres_open(url);
@@ -58,7 +60,8 @@ static void add(struct server_store_sql *sql, const char *id, const char *tenant
         assert_int_equal(server_batch_queue_add(sql, &order), SERVER_STORE_DONE);
 }
 
-static struct server_batch_claim claim_after(struct server_store_sql *sql, const char *node, const char *after)
+static struct server_batch_claim claim_after(struct server_store_sql *sql, const char *node,
+                                             const char *after)
 {
     struct server_batch_claim claim = {.id = ""};
     enum server_store_outcome outcome = server_batch_queue_claim(sql, node, after, &claim);
@@ -79,12 +82,14 @@ static struct server_batch find(struct server_store_sql *sql, const char *tenant
     return batch;
 }
 
-static void answer(struct server_store_sql *sql, const char *id, int64_t item, unsigned status, const char *text)
+static void answer(struct server_store_sql *sql, const char *id, int64_t item, unsigned status,
+                   const char *text)
 {
-    assert_int_equal(server_batch_queue_answer(sql, id, item, status, text, strlen(text)), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_answer(sql, id, item, status, text, strlen(text)),
+                     SERVER_STORE_DONE);
 }
 
-/* --- tests -------------------------------------------------------------------------------------------------------- */
+/* --- tests ------------------------------------------------------------------------------------ */
 
 static void batches_are_their_tenants(void **state)
 {
@@ -103,9 +108,11 @@ static void batches_are_their_tenants(void **state)
     assert_int_equal(batch.done + batch.failed + batch.is_cancelled, 0);
     assert_int_equal(server_batch_queue_count(sql, "ann", &total), SERVER_STORE_DONE);
     assert_int_equal(total, 2);
-    assert_int_equal(server_batch_queue_list(sql, "ann", "", 4, batches, &count), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_list(sql, "ann", "", 4, batches, &count),
+                     SERVER_STORE_DONE);
     assert_int_equal(count, 2);
-    assert_int_equal(server_batch_queue_list(sql, "ann", ID_A, 4, batches, &count), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_list(sql, "ann", ID_A, 4, batches, &count),
+                     SERVER_STORE_DONE);
     assert_int_equal(count, 1);
     assert_string_equal(batches[0].id, ID_B);
     assert_int_equal(server_batch_queue_document(sql, ID_A, &document, &size), SERVER_STORE_DONE);
@@ -152,8 +159,8 @@ static void tenants_take_turns(void **state)
 static bool on_answer(void *user, const struct server_sql_value *row)
 {
     char *text = user;
-    sprintf(text + strlen(text), "%d:%d:%.*s ", (int)row[0].integer, (int)row[1].integer, (int)row[2].size,
-            row[2].bytes);
+    sprintf(text + strlen(text), "%d:%d:%.*s ", (int)row[0].integer, (int)row[1].integer,
+            (int)row[2].size, row[2].bytes);
     return true;
 }
 
@@ -165,7 +172,8 @@ static void the_first_answer_stays(void **state)
     answer(sql, ID_A, 2, 404, "no");
     answer(sql, ID_A, 0, 200, "yes");
     answer(sql, ID_A, 0, 200, "again");
-    assert_int_equal(server_batch_queue_answers(sql, ID_A, -1, 10, on_answer, text), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_answers(sql, ID_A, -1, 10, on_answer, text),
+                     SERVER_STORE_DONE);
     assert_string_equal(text, "0:200:yes 2:404:no ");
     struct server_batch batch = find(sql, "", ID_A);
     assert_int_equal(batch.done, 2);
@@ -180,7 +188,8 @@ static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
     struct server_batch_claim taken = claim(sql, "x");
     assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_DONE);
     assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "y"), SERVER_STORE_ABSENT);
-    assert_int_equal(server_batch_queue_return(sql, &taken, "y", false, 0), SERVER_STORE_DONE); /* not his */
+    /* not his */
+    assert_int_equal(server_batch_queue_return(sql, &taken, "y", false, 0), SERVER_STORE_DONE);
     assert_int_equal(claim(sql, "y").item, -1);
     assert_int_equal(server_batch_queue_return(sql, &taken, "x", false, 0), SERVER_STORE_DONE);
     taken = claim(sql, "y");
@@ -217,7 +226,8 @@ static void count_aside(void *user, const char *path, const char *name)
 static void what_is_no_statement_is_refused(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
-    assert_true(sql->run(sql, "SELECT FROM nothing AT ALL", NULL, 0, NULL, NULL) != SERVER_STORE_DONE);
+    assert_true(sql->run(sql, "SELECT FROM nothing AT ALL", NULL, 0, NULL, NULL) !=
+                SERVER_STORE_DONE);
     assert_int_equal(sql->run(sql, "SELECT 1", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
 }
 
@@ -229,14 +239,16 @@ static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **stat
     (void)state;
     folder_make(folder);
     snprintf(path, sizeof path, "%s/batches.db", folder);
-    struct server_store_sql *sql = server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
+    struct server_store_sql *sql =
+        server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
     assert_non_null(sql);
     add(sql, ID_A, "", 200000);
     int file = open(path, O_WRONLY);
     for (off_t at = sizeof rubbish; at < 6 * (off_t)sizeof rubbish; at += sizeof rubbish)
         assert_int_equal(pwrite(file, rubbish, sizeof rubbish, at), sizeof rubbish);
     close(file);
-    assert_int_equal(sql->run(sql, "SELECT sum(item) FROM items", NULL, 0, NULL, NULL), SERVER_STORE_READ_ONLY);
+    assert_int_equal(sql->run(sql, "SELECT sum(item) FROM items", NULL, 0, NULL, NULL),
+                     SERVER_STORE_READ_ONLY);
     add(sql, ID_B, "", 2); /* a new one */
     assert_int_equal(claim(sql, "x").item, 0);
     sql->close(sql);
@@ -246,19 +258,20 @@ static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **stat
     folder_remove(folder);
 }
 
-#define EACH(test)                                                                                                     \
-    cmocka_unit_test_setup_teardown(test, set_up_local, tear_down),                                                    \
+#define EACH(test)                                                                                 \
+    cmocka_unit_test_setup_teardown(test, set_up_local, tear_down),                                \
         cmocka_unit_test_setup_teardown(test, set_up_shared, tear_down)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {EACH(batches_are_their_tenants),
-                                       EACH(each_item_is_taken_once_the_oldest_batch_first),
-                                       EACH(tenants_take_turns),
-                                       EACH(the_first_answer_stays),
-                                       EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
-                                       EACH(what_is_cancelled_is_not_begun),
-                                       EACH(what_is_no_statement_is_refused),
-                                       cmocka_unit_test(a_database_that_is_damaged_while_it_is_used_is_set_aside)};
+    const struct CMUnitTest tests[] = {
+        EACH(batches_are_their_tenants),
+        EACH(each_item_is_taken_once_the_oldest_batch_first),
+        EACH(tenants_take_turns),
+        EACH(the_first_answer_stays),
+        EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
+        EACH(what_is_cancelled_is_not_begun),
+        EACH(what_is_no_statement_is_refused),
+        cmocka_unit_test(a_database_that_is_damaged_while_it_is_used_is_set_aside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

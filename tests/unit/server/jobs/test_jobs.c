@@ -1,4 +1,5 @@
-/* Jobs carry exchanges through handlers and workers without a network; the handlers here are the test's own. */
+/* Jobs carry exchanges through handlers and workers without a network; the handlers here are the
+ * test's own. */
 #include "tests/unit/server/support.h"
 
 #include <stdio.h>
@@ -20,8 +21,8 @@ static atomic_int works;
 static int start_server(uint64_t max_jobs, uint64_t ttl_s)
 {
     memset(&server, 0, sizeof server);
-    server.config =
-        (struct server_config){.timeout_ms = 60000, .queue_length = 2, .job_ttl_s = ttl_s, .max_jobs = max_jobs};
+    server.config = (struct server_config){
+        .timeout_ms = 60000, .queue_length = 2, .job_ttl_s = ttl_s, .max_jobs = max_jobs};
     server_budget_init(&server.budget, 8 << 20);
     server.workers = server_workers_create(1, 2);
     server.cache = server_cache_create(&server.budget, server.workers);
@@ -72,7 +73,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* --- handlers ----------------------------------------------------------------------------------------------------- */
+/* --- handlers --------------------------------------------------------------------------------- */
 
 static void reply(struct server_exchange *exchange)
 {
@@ -161,13 +162,14 @@ static void look_at_the_request(struct server_exchange *exchange)
     server_reply_empty(exchange, 204);
 }
 
-/* --- requests ----------------------------------------------------------------------------------------------------- */
+/* --- requests --------------------------------------------------------------------------------- */
 
 static const char *tenant = ""; /* who asks */
 
 static struct server_exchange *request(const struct proto_route *route)
 {
-    struct server_exchange *exchange = server_exchange_create(&server, NULL, "/v1/meshes/cow/x?a=b%20c");
+    struct server_exchange *exchange =
+        server_exchange_create(&server, NULL, "/v1/meshes/cow/x?a=b%20c");
     exchange->method = "POST";
     exchange->match = (struct proto_route_match){route, 1, {{exchange->path + 11, 3}}};
     exchange->tenant = tenant;
@@ -219,7 +221,7 @@ static size_t counted(void)
     return atomic_load(&server.budget.used[SERVER_BUDGET_JOBS]);
 }
 
-/* --- the tests ---------------------------------------------------------------------------------------------------- */
+/* --- the tests -------------------------------------------------------------------------------- */
 
 static void an_answer_is_kept_until_it_is_removed(void **state)
 {
@@ -421,13 +423,15 @@ static void the_tenant_with_the_most_makes_way(void **state)
     assert_true(is_there_for("bob", bob));
     for (int i = 0; i < 6; i++) assert_int_equal(is_there_for("ann", ann[i]), i >= 3);
     struct server_async *more = start_for("bob");
-    assert_true(is_there_for("bob", bob) && is_there_for("bob", more) && !is_there_for("ann", ann[3]));
+    assert_true(is_there_for("bob", bob) && is_there_for("bob", more) &&
+                !is_there_for("ann", ann[3]));
     for (int i = 0; i < 6; i++) server_async_release(ann[i]);
     server_async_release(bob);
     server_async_release(more);
 }
 
-/* Of 1 MiB for answers: a job with an answer of so many bytes, whose id is written; false: it failed. */
+/* Of 1 MiB for answers: a job with an answer of so many bytes, whose id is written; false: it
+ * failed. */
 static bool keep(const char *who, size_t bytes, char id[SERVER_ASYNC_ID])
 {
     answer_size = bytes;
@@ -480,7 +484,8 @@ static void are_listed_by_age(void **state)
     (void)state;
     struct server_async *jobs[4], *listed[4];
     for (int i = 0; i < 4; i++) jobs[i] = start(answer);
-    for (int i = 0; i < 3; i++) assert_true(strcmp(server_jobs_look(jobs[i]).id, server_jobs_look(jobs[i + 1]).id) < 0);
+    for (int i = 0; i < 3; i++)
+        assert_true(strcmp(server_jobs_look(jobs[i]).id, server_jobs_look(jobs[i + 1]).id) < 0);
     assert_int_equal(server_jobs_list(server.jobs, "", NULL, 3, listed), 3);
     for (int i = 0; i < 3; i++) assert_ptr_equal(listed[i], jobs[i]);
     for (int i = 0; i < 3; i++) server_async_release(listed[i]);
@@ -513,8 +518,8 @@ static void odd_ids_are_not_found(void **state)
 {
     (void)state;
     server_async_release(start(answer));
-    static const char *const ids[] = {"", "x", "000000000000000000000000", "ffffffffffffffffffffffff",
-                                      "0000000000000000000000000"};
+    static const char *const ids[] = {"", "x", "000000000000000000000000",
+                                      "ffffffffffffffffffffffff", "0000000000000000000000000"};
     for (size_t i = 0; i < COUNT(ids); i++) assert_false(is_there(ids[i]));
 }
 

@@ -10,10 +10,12 @@ static struct gd_point face_point(uint32_t face, double a, double b)
 static void each_point_is_there_once(void **state)
 {
     (void)state;
-    const struct gd_point v1 = {.kind = GD_POINT_VERTEX, .element = 1}, v2 = {.kind = GD_POINT_VERTEX, .element = 2};
+    const struct gd_point v1 = {.kind = GD_POINT_VERTEX, .element = 1},
+                          v2 = {.kind = GD_POINT_VERTEX, .element = 2};
     const struct gd_point e1 = {.kind = GD_POINT_EDGE, .element = 1, .weight = {0.5}};
-    const struct gd_point list[] = {v2, face_point(1, 0.25, 0.5), v1, v2, face_point(1, 0.5, 0.25), e1,
-                                    v2, face_point(1, 0.25, 0.5), e1, v1};
+    const struct gd_point list[] = {
+        v2, face_point(1, 0.25, 0.5), v1, v2, face_point(1, 0.5, 0.25), e1,
+        v2, face_point(1, 0.25, 0.5), e1, v1};
     struct server_distinct distinct = {0};
     assert_true(server_distinct_find(list, COUNT(list), &distinct));
     assert_int_equal(distinct.count, 5);
@@ -22,7 +24,8 @@ static void each_point_is_there_once(void **state)
         assert_true(gd_point_equal(&distinct.points[distinct.number[i]], &list[i]));
     }
     for (uint32_t i = 1; i < distinct.count; i++)
-        for (uint32_t j = 0; j < i; j++) assert_false(gd_point_equal(&distinct.points[i], &distinct.points[j]));
+        for (uint32_t j = 0; j < i; j++)
+            assert_false(gd_point_equal(&distinct.points[i], &distinct.points[j]));
     server_distinct_free(&distinct);
     server_distinct_free(&distinct);
 }

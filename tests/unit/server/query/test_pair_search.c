@@ -4,7 +4,8 @@
 
 #include "server/query/pair_search.h"
 
-static struct gd_pair_answer leg(const struct gd_mesh *mesh, uint32_t from, uint32_t to, bool want_path)
+static struct gd_pair_answer leg(const struct gd_mesh *mesh, uint32_t from, uint32_t to,
+                                 bool want_path)
 {
     struct gd_point a = vertex_point(mesh, from), b = vertex_point(mesh, to);
     struct gd_pair_answer answer;
@@ -18,8 +19,8 @@ static void assert_polyline(const struct gd_mesh *mesh, const struct gd_path *pa
     double length = 0;
     for (uint32_t i = 1; i < path->count; i++) {
         assert_false(gd_point_equal(&path->points[i - 1], &path->points[i]));
-        length +=
-            gd_vec3_distance(gd_point_position(mesh, &path->points[i - 1]), gd_point_position(mesh, &path->points[i]));
+        length += gd_vec3_distance(gd_point_position(mesh, &path->points[i - 1]),
+                                   gd_point_position(mesh, &path->points[i]));
     }
     assert_true(fabs(length - path->length) < 1e-12 * (1 + length));
 }
@@ -41,7 +42,8 @@ static void legs_become_one_way(void **state)
     }
     struct gd_point begin = vertex_point(mesh, stops[0]);
     assert_true(gd_point_equal(&route.path.points[0], &begin));
-    assert_true(fabs(route.distance - sum) < 1e-15 * sum && fabs(route.path.length - sum) < 1e-12 * sum);
+    assert_true(fabs(route.distance - sum) < 1e-15 * sum &&
+                fabs(route.path.length - sum) < 1e-12 * sum);
     assert_polyline(mesh, &route.path);
     gd_pair_answer_free(&route);
     gd_mesh_release(mesh);
@@ -62,7 +64,8 @@ static void distances_need_no_paths(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_mesh();
-    struct gd_pair_answer route = {0}, first = leg(mesh, 0, 9, false), second = leg(mesh, 9, 30, false);
+    struct gd_pair_answer route = {0}, first = leg(mesh, 0, 9, false),
+                          second = leg(mesh, 9, 30, false);
     double sum = first.distance + second.distance;
     assert_int_equal(server_pair_append(&route, &first), GD_OK);
     assert_int_equal(server_pair_append(&route, &second), GD_OK);

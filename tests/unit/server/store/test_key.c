@@ -17,9 +17,11 @@ static void texts_are_read_back(void **state)
 {
     (void)state;
     assert_reads_back(mesh_key("bunny"), "bunny");
-    assert_reads_back((struct server_key){"", &server_kind_subdivision, "cube"}, "subdivision+cube");
+    assert_reads_back((struct server_key){"", &server_kind_subdivision, "cube"},
+                      "subdivision+cube");
     assert_reads_back((struct server_key){"acme", &server_kind_mesh, "bunny"}, "acme@bunny");
-    assert_reads_back((struct server_key){"acme", &server_kind_nurbs, "sail-2.x"}, "acme@nurbs+sail-2.x");
+    assert_reads_back((struct server_key){"acme", &server_kind_nurbs, "sail-2.x"},
+                      "acme@nurbs+sail-2.x");
 }
 
 static void what_is_no_key_is_refused(void **state)

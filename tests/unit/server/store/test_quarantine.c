@@ -35,7 +35,8 @@ static void nobody_is_condemned_for_what_was(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_condemned_is_held_until_it_is_lifted),
-                                       cmocka_unit_test(nobody_is_condemned_for_what_was)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_condemned_is_held_until_it_is_lifted),
+        cmocka_unit_test(nobody_is_condemned_for_what_was)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,7 +19,9 @@ static void comes_back_as_it_was(void **state)
 {
     (void)state;
     const struct server_key key = {.tenant = "acme", .kind = &server_kind_mesh, .name = "bunny.1"};
-    struct server_record *record = new_record_of(key, "format=obj&triangulate=false", "v 0 0 0\n", "uv"), *again;
+    struct server_record *record =
+                             new_record_of(key, "format=obj&triangulate=false", "v 0 0 0\n", "uv"),
+                         *again;
     size_t size;
     char *text = server_record_write(record, &size);
     assert_int_equal(strlen(text), size);
@@ -52,8 +54,10 @@ static void options_come_back_as_they_were(void **state)
         {"format=ply", "format=ply&triangulate=true"},
         {"repair=split&format=stl", "format=stl&triangulate=true&repair=split"},
         {"weld=0&repair=none&format=off", "format=off&triangulate=true&weld=0"},
-        {"triangulate=false&format=json&weld=0.1", "format=json&triangulate=false&weld=0.10000000000000001"},
-        {"weld=1e-300&repair=split&format=obj", "format=obj&triangulate=true&repair=split&weld=1e-300"},
+        {"triangulate=false&format=json&weld=0.1",
+         "format=json&triangulate=false&weld=0.10000000000000001"},
+        {"weld=1e-300&repair=split&format=obj",
+         "format=obj&triangulate=true&repair=split&weld=1e-300"},
     };
     for (size_t i = 0; i < COUNT(options); i++) {
         char kept[SERVER_OPTIONS];
@@ -79,9 +83,11 @@ static void options_come_back_as_they_were(void **state)
 static void tags_differ_by_bytes_and_options(void **state)
 {
     (void)state;
-    struct server_record *a = new_record("a", "1"), *b = new_record("b", "1"), *c = new_record("a", "2");
+    struct server_record *a = new_record("a", "1"), *b = new_record("b", "1"),
+                         *c = new_record("a", "2");
     const struct server_key acme = {.tenant = "acme", .kind = &server_kind_mesh, .name = "a"};
-    struct server_record *d = new_record_of(mesh_key("a"), "format=obj&triangulate=false", "1", NULL);
+    struct server_record *d =
+        new_record_of(mesh_key("a"), "format=obj&triangulate=false", "1", NULL);
     struct server_record *e = new_record_of(mesh_key("a"), MESH_OPTIONS, "1", "attachment");
     struct server_record *f = new_record_of(acme, MESH_OPTIONS, "1", NULL);
     assert_string_equal(a->etag, b->etag);
@@ -155,32 +161,40 @@ static void only_whole_records_are_read(void **state)
         HEAD "size 1 \n" TAIL,
         HEAD "size\n" TAIL,
         HEAD "size 1\n" TIMES "options format=obj&triangulate=true\ndescription {}\n",
-        HEAD "size 1\nattachment " SHA "\n" TIMES "options format=obj&triangulate=true\ndescription {}\n",
-        HEAD "size 1\nattachment b391 1\n" TIMES "options format=obj&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment " SHA "\n" TIMES
+             "options format=obj&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment b391 1\n" TIMES
+             "options format=obj&triangulate=true\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=png&triangulate=true\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=any&triangulate=true\ndescription {}\n",
-        HEAD "size 1\nattachment \n" TIMES "options triangulate=true&format=obj\ndescription {}\n", /* not as written */
+        /* not as written */
+        HEAD "size 1\nattachment \n" TIMES "options triangulate=true&format=obj\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format\ndescription {}\n",
-        HEAD "size 1\nattachment \n" TIMES "options a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b\ndescription {}\n",
+        HEAD "size 1\nattachment \n" TIMES
+             "options a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=obj&triangulate=true\n",
     };
     assert_int_equal(read_signed(HEAD "size 1\n" TAIL), SERVER_RECORD_READ);
-    for (size_t i = 0; i < COUNT(wrong); i++) assert_int_equal(read_signed(wrong[i]), SERVER_RECORD_DAMAGED);
+    for (size_t i = 0; i < COUNT(wrong); i++)
+        assert_int_equal(read_signed(wrong[i]), SERVER_RECORD_DAMAGED);
     assert_int_equal(read_signed("geodesicd record 3\nname a\nwhatever\n"), SERVER_RECORD_NEWER);
-    assert_int_equal(read_signed(TITLE "kind dodecahedron\ntenant \nwhatever\n"), SERVER_RECORD_NEWER);
+    assert_int_equal(read_signed(TITLE "kind dodecahedron\ntenant \nwhatever\n"),
+                     SERVER_RECORD_NEWER);
 }
 
 /* As it was before there were kinds. */
 static void version_1_is_a_mesh_of_nobody(void **state)
 {
     (void)state;
-    static const char body[] = "geodesicd record 1\nname a\nsha256 " SHA
-                               "\nsize 7\ncreated 1\nmemory 2\noptions format=obj&triangulate=true\ndescription {}\n";
+    static const char body[] =
+        "geodesicd record 1\nname a\nsha256 " SHA
+        "\nsize 7\ncreated 1\nmemory 2\noptions format=obj&triangulate=true\ndescription {}\n";
     char text[1024], checksum[SERVER_SHA256_HEX];
     struct server_record *record;
     server_sha256(body, strlen(body), checksum);
     int size = snprintf(text, sizeof text, "%schecksum %s\n", body, checksum);
-    assert_int_equal(server_record_read_named("a", text, (size_t)size, &record), SERVER_RECORD_READ);
+    assert_int_equal(server_record_read_named("a", text, (size_t)size, &record),
+                     SERVER_RECORD_READ);
     assert_ptr_equal(record->kind, &server_kind_mesh);
     assert_string_equal(record->tenant, "");
     assert_string_equal(record->attachment_sha256, "");
@@ -209,7 +223,8 @@ static void is_counted_once_until_it_is_released(void **state)
 {
     (void)state;
     struct server_budget budget;
-    struct server_record *record = new_record("a", "v 0 0 0\n"), *other = new_record("b", "v 0 0 0\n");
+    struct server_record *record = new_record("a", "v 0 0 0\n"),
+                         *other = new_record("b", "v 0 0 0\n");
     server_budget_init(&budget, sizeof *record + 1000);
     assert_true(server_record_take(record, &budget));
     size_t bytes = budget.used[SERVER_BUDGET_RECORDS];
@@ -235,7 +250,8 @@ static void a_long_description_is_shortened_when_it_is_read(void **state)
     size_t size = 0;
     proto_writer_init(&writer, 1 << 20);
     proto_append_format(&writer, "{\"name\":\"a\",\"boundaries\":[{\"vertices\":3,\"length\":1}");
-    for (int i = 1; i < 5000; i++) proto_append_format(&writer, ",{\"vertices\":3,\"length\":%d}", i);
+    for (int i = 1; i < 5000; i++)
+        proto_append_format(&writer, ",{\"vertices\":3,\"length\":%d}", i);
     proto_append(&writer, "]}", 3);
     free(record->description);
     record->description = proto_writer_take(&writer, &size);

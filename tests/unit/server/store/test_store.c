@@ -1,5 +1,6 @@
-/* What every store that keeps bytes promises, over each implementation: the local one in a folder, and PostgreSQL's where
- * GEODESICD_TEST_STORE names a database, which is emptied (tests/cluster/test_suites.py does so). */
+/* What every store that keeps bytes promises, over each implementation: the local one in a folder,
+ * and PostgreSQL's where GEODESICD_TEST_STORE names a database, which is emptied
+ * (tests/cluster/test_suites.py does so). */
 #include "tests/unit/server/folder.h"
 
 #include "server/store/store.h"
@@ -10,7 +11,7 @@ struct fixture {
     struct server_store *store;
 };
 
-/* --- life --------------------------------------------------------------------------------------------------------- */
+/* --- life ------------------------------------------------------------------------------------- */
 
 static void open_store(struct fixture *fixture)
 {
@@ -43,9 +44,11 @@ static void clear(struct fixture *fixture)
     for (;;) {
         struct names names = {.text = ""};
         open_store(fixture);
-        assert_int_equal(fixture->store->each(fixture->store, on_stored, &names), SERVER_STORE_DONE);
+        assert_int_equal(fixture->store->each(fixture->store, on_stored, &names),
+                         SERVER_STORE_DONE);
         if (names.last)
-            assert_int_equal(fixture->store->remove(fixture->store, names.last, &names.version), SERVER_STORE_DONE);
+            assert_int_equal(fixture->store->remove(fixture->store, names.last, &names.version),
+                             SERVER_STORE_DONE);
         fixture->store->tidy(fixture->store);
         fixture->store->close(fixture->store);
         server_record_release(names.last);
@@ -86,22 +89,23 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* --- what is done ------------------------------------------------------------------------------------------------- */
+/* --- what is done ----------------------------------------------------------------------------- */
 
 /* Puts a surface; `*version`: what its key has. */
-static enum server_store_outcome put(struct server_store *store, const struct server_record *record, const char *bytes,
-                                     const char *attachment, uint64_t *version)
+static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
+                                     const char *bytes, const char *attachment, uint64_t *version)
 {
     const struct server_content content = {
         .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
-    enum server_store_outcome outcome = store->stage ? store->stage(store, record, &content) : SERVER_STORE_DONE;
+    enum server_store_outcome outcome =
+        store->stage ? store->stage(store, record, &content) : SERVER_STORE_DONE;
     if (!outcome) outcome = store->put(store, record, &content, version);
     if (!outcome) store->tidy(store);
     return outcome;
 }
 
-static void assert_part(struct server_store *store, const struct server_record *record, enum server_part part,
-                        const char *bytes)
+static void assert_part(struct server_store *store, const struct server_record *record,
+                        enum server_part part, const char *bytes)
 {
     void *found = NULL;
     assert_int_equal(store->fetch(store, record, part, &found), SERVER_STORE_DONE);
@@ -131,7 +135,7 @@ static struct fixture *fixture_of(void **state)
     return *state;
 }
 
-/* --- what is promised --------------------------------------------------------------------------------------------- */
+/* --- what is promised ------------------------------------------------------------------------- */
 
 static void what_is_put_is_there_after_a_restart(void **state)
 {
@@ -192,13 +196,17 @@ static void tenants_and_kinds_have_names_of_their_own(void **state)
     struct fixture *fixture = fixture_of(state);
     struct server_record *records[] = {
         new_record("it", "bytes"),
-        new_record_of((struct server_key){"ann", &server_kind_mesh, "it"}, MESH_OPTIONS, "bytes", NULL),
-        new_record_of((struct server_key){"", &server_kind_subdivision, "it"}, "format=obj", "bytes", NULL)};
+        new_record_of((struct server_key){"ann", &server_kind_mesh, "it"}, MESH_OPTIONS, "bytes",
+                      NULL),
+        new_record_of((struct server_key){"", &server_kind_subdivision, "it"}, "format=obj",
+                      "bytes", NULL)};
     uint64_t versions[COUNT(records)] = {0};
     for (size_t i = 0; i < COUNT(records); i++)
-        assert_int_equal(put(fixture->store, records[i], "bytes", NULL, &versions[i]), SERVER_STORE_DONE);
+        assert_int_equal(put(fixture->store, records[i], "bytes", NULL, &versions[i]),
+                         SERVER_STORE_DONE);
     assert_holds(fixture, "ann@it it subdivision+it ");
-    assert_int_equal(fixture->store->remove(fixture->store, records[0], &versions[0]), SERVER_STORE_DONE);
+    assert_int_equal(fixture->store->remove(fixture->store, records[0], &versions[0]),
+                     SERVER_STORE_DONE);
     fixture->store->tidy(fixture->store);
     assert_part(fixture->store, records[1], SERVER_PART_FILE, "bytes");
     for (size_t i = 0; i < COUNT(records); i++) server_record_release(records[i]);
@@ -221,14 +229,15 @@ static void large_bytes_are_verified_piece_by_piece(void **state)
     uint64_t version = 0;
     assert_int_equal(put(fixture->store, record, bytes, NULL, &version), SERVER_STORE_DONE);
     assert_part(fixture->store, record, SERVER_PART_FILE, bytes);
-    assert_int_equal(fixture->store->verify(fixture->store, record, SERVER_PART_FILE, go_on, &looked),
-                     SERVER_VERDICT_SOUND);
+    assert_int_equal(
+        fixture->store->verify(fixture->store, record, SERVER_PART_FILE, go_on, &looked),
+        SERVER_VERDICT_SOUND);
     assert_int_equal(looked, size);
     server_record_release(record);
     free(bytes);
 }
 
-/* --- and what only a shared one does ------------------------------------------------------------------------------ */
+/* --- and what only a shared one does ---------------------------------------------------------- */
 
 static void a_change_that_rests_on_another_is_stale(void **state)
 {
@@ -257,7 +266,8 @@ static bool on_change(void *user, const struct server_store_change *change)
 {
     struct changes *changes = user;
     size_t size = strlen(changes->text);
-    snprintf(changes->text + size, sizeof changes->text - size, "%c%s ", change->record ? '+' : '-', change->key);
+    snprintf(changes->text + size, sizeof changes->text - size, "%c%s ", change->record ? '+' : '-',
+             change->key);
     assert_true(change->version > changes->last);
     changes->last = change->version;
     return true;
@@ -274,7 +284,8 @@ static void others_follow_in_the_order_of_versions(void **state)
     assert_int_equal(other->each(other, on_stored, &names), SERVER_STORE_DONE);
     assert_int_equal(other->follow(other, on_change, &changes), SERVER_STORE_DONE);
     assert_string_equal(changes.text, "");
-    struct server_record *a = new_record("a", "1"), *b = new_record("b", "2"), *c = new_record("c", "3");
+    struct server_record *a = new_record("a", "1"), *b = new_record("b", "2"),
+                         *c = new_record("c", "3");
     uint64_t version_a = 0, version_b = 0, version_c = 0;
     assert_int_equal(put(fixture->store, a, "1", NULL, &version_a), SERVER_STORE_DONE);
     assert_int_equal(put(fixture->store, b, "2", NULL, &version_b), SERVER_STORE_DONE);
@@ -294,8 +305,8 @@ static void what_does_not_answer_is_told(void **state)
 {
     char error[512] = "";
     (void)fixture_of(state);
-    assert_null(server_store_postgres_open("postgresql://nobody:secret@127.0.0.1:1/nothing?connect_timeout=1", error,
-                                           sizeof error));
+    assert_null(server_store_postgres_open(
+        "postgresql://nobody:secret@127.0.0.1:1/nothing?connect_timeout=1", error, sizeof error));
     assert_non_null(strstr(error, "can't be reached"));
     assert_null(strstr(error, "secret"));
 }

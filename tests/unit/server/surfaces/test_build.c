@@ -1,4 +1,5 @@
-/* Building surfaces within a byte budget, above all those that repair cuts into more pieces than the mesh had room for. */
+/* Building surfaces within a byte budget, above all those that repair cuts into more pieces than
+ * the mesh had room for. */
 #include "tests/unit/server/folder.h"
 
 #include <math.h>
@@ -26,9 +27,11 @@ static int tear_down(void **state)
 }
 
 /* Builds the surface of an OBJ file under a control without a budget; NULL: there is a problem. */
-static struct server_surface *build_under(struct gd_control control, const char *file, const char *options)
+static struct server_surface *build_under(struct gd_control control, const char *file,
+                                          const char *options)
 {
-    const struct server_builder builder = {.budget = &budget, .cache = cache, .max_faces = 1000000, .control = control};
+    const struct server_builder builder = {
+        .budget = &budget, .cache = cache, .max_faces = 1000000, .control = control};
     struct server_record *record = new_record_of(mesh_key("it"), options, file, NULL);
     struct server_surface *surface = NULL;
     enum gd_status status = server_build_surface(&builder, record, file, &surface, &problem);
@@ -42,9 +45,11 @@ static struct server_surface *build(const char *file, const char *options)
     return build_under((struct gd_control){0}, file, options);
 }
 
-static const char split[] = MESH_OPTIONS "&repair=split", weld_and_split[] = MESH_OPTIONS "&repair=split&weld=0";
+static const char split[] = MESH_OPTIONS "&repair=split",
+                  weld_and_split[] = MESH_OPTIONS "&repair=split&weld=0";
 
-static void assert_mended(const char *file, const char *options, uint32_t faces, uint32_t components)
+static void assert_mended(const char *file, const char *options, uint32_t faces,
+                          uint32_t components)
 {
     struct server_surface *surface = build(file, options);
     if (!surface) fail_msg("%s", problem.detail);
@@ -57,22 +62,24 @@ static void assert_mended(const char *file, const char *options, uint32_t faces,
 static void smallest_ones_that_are_cut(void **state)
 {
     (void)state;
-    static const char bow_tie[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n";
+    static const char bow_tie[] =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n";
     static const char three_on_an_edge[] =
         "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
     assert_mended(bow_tie, split, 2, 2);
     assert_mended(three_on_an_edge, split, 3, 3);
 }
 
-/* `pages` triangles around one edge, oriented alike along it, so that no two of them go together. */
+/* `pages` triangles around one edge, oriented alike along it, so that no two of them go together.
+ */
 static char *new_book(uint32_t pages)
 {
     size_t capacity = 64 + 96 * (size_t)pages, size = 0;
     char *file = malloc(capacity);
     size += (size_t)sprintf(file, "v 0 0 0\nv 0 0 1\n");
     for (uint32_t i = 0; i < pages; i++)
-        size += (size_t)sprintf(file + size, "v %.17g %.17g 0\nf 1 2 %u\n", cos(6 * i / (double)pages),
-                                sin(6 * i / (double)pages), i + 3);
+        size += (size_t)sprintf(file + size, "v %.17g %.17g 0\nf 1 2 %u\n",
+                                cos(6 * i / (double)pages), sin(6 * i / (double)pages), i + 3);
     assert_true(size < capacity);
     return file;
 }
@@ -93,8 +100,8 @@ static char *new_soup(uint32_t triangles)
     size_t capacity = 128 * (size_t)triangles, size = 0;
     char *file = malloc(capacity);
     for (uint32_t i = 0; i < triangles; i++)
-        size += (size_t)sprintf(file + size, "v 0 0 0\nv %u 1 0\nv %u 0 1\nf %u %u %u\n", i % 97, i / 97, 3 * i + 1,
-                                3 * i + 2, 3 * i + 3);
+        size += (size_t)sprintf(file + size, "v 0 0 0\nv %u 1 0\nv %u 0 1\nf %u %u %u\n", i % 97,
+                                i / 97, 3 * i + 1, 3 * i + 2, 3 * i + 3);
     assert_true(size < capacity);
     return file;
 }
@@ -121,7 +128,7 @@ static void a_mesh_whose_copies_find_no_room_is_refused_with_the_numbers(void **
     free(book);
 }
 
-/* --- control ------------------------------------------------------------------------------------------------------ */
+/* --- control ---------------------------------------------------------------------------------- */
 
 struct watch {
     double last, end_at; /* cancels at `end_at` */

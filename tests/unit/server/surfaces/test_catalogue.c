@@ -46,7 +46,8 @@ static struct proto_located_set *new_set(const char *members)
 static bool add_for(const char *key, const char *id)
 {
     const struct proto_field_description description = {.wedges = 7, .max_distance = 0.5};
-    struct server_resource *resource = server_resource_create(id, new_set("{\"vertex\":1}"), &description, &budget);
+    struct server_resource *resource =
+        server_resource_create(id, new_set("{\"vertex\":1}"), &description, &budget);
     assert_non_null(resource);
     bool is_new = server_catalogue_add(catalogue, key, &resource);
     assert_string_equal(resource->id, id);
@@ -99,7 +100,8 @@ static void lists_in_order(void **state)
     assert_string_equal(page[2]->id, "m");
     assert_string_equal(page[3]->id, "z");
     for (int i = 0; i < 4; i++) server_resource_release(page[i]);
-    assert_int_equal(server_catalogue_list(catalogue, "d", 1, page), 1); /* after one that is gone */
+    /* after one that is gone */
+    assert_int_equal(server_catalogue_list(catalogue, "d", 1, page), 1);
     assert_string_equal(page[0]->id, "m");
     server_resource_release(page[0]);
 }
@@ -172,7 +174,8 @@ static void ids_tell_fields_apart(void **state)
         assert_true(server_resource_name("0123456789abcdef", other, 0, again));
         assert_string_equal(ids[2 * i], again);
         assert_int_equal(strspn(again, "0123456789abcdef"), PROTO_FIELD_ID);
-        if (i == 0) assert_true(server_resource_name("0123456789abcdee", set, 0, ids[2 * COUNT(sets)]));
+        if (i == 0)
+            assert_true(server_resource_name("0123456789abcdee", set, 0, ids[2 * COUNT(sets)]));
         free(set);
         free(other);
     }
@@ -201,7 +204,8 @@ static void many_threads_at_once(void **state)
 {
     (void)state;
     pthread_t threads[4];
-    for (uintptr_t i = 0; i < 4; i++) pthread_create(&threads[i], NULL, add_and_remove, (void *)(i + 1));
+    for (uintptr_t i = 0; i < 4; i++)
+        pthread_create(&threads[i], NULL, add_and_remove, (void *)(i + 1));
     for (int i = 0; i < 4; i++) pthread_join(threads[i], NULL);
 }
 

@@ -1,4 +1,5 @@
-/* The life of kept discretizations: found again, built once for all who ask, let go of under pressure and with their surface. */
+/* The life of kept discretizations: found again, built once for all who ask, let go of under
+ * pressure and with their surface. */
 #include "tests/unit/server/support.h"
 
 #include "server/server.h"
@@ -20,11 +21,14 @@ static struct gd_subdivision *new_sheet(void)
 {
     static double positions[4][3] = {{0, 0, 0}, {2, 0, 0.5}, {2, 1, 0}, {0, 1, 0.25}};
     static uint32_t corners[] = {0, 1, 2, 3}, first[] = {0, 4};
-    const struct gd_control_mesh mesh = {
-        .polygons = {
-            .positions = positions, .position_count = 4, .polygon_count = 1, .corners = corners, .first = first}};
+    const struct gd_control_mesh mesh = {.polygons = {.positions = positions,
+                                                      .position_count = 4,
+                                                      .polygon_count = 1,
+                                                      .corners = corners,
+                                                      .first = first}};
     struct gd_subdivision *made = NULL;
-    assert_int_equal(gd_subdivision_create(&mesh, GD_SCHEME_CATMULL_CLARK, NULL, &made, NULL), GD_OK);
+    assert_int_equal(gd_subdivision_create(&mesh, GD_SCHEME_CATMULL_CLARK, NULL, &made, NULL),
+                     GD_OK);
     return made;
 }
 
@@ -69,8 +73,11 @@ static enum gd_status get(size_t slot, uint32_t level, struct server_discretizat
 {
     struct server_monitor monitor = {.exchange = &exchange};
     struct gd_detail detail = {0};
-    const struct server_discretization_request request = {
-        .slot = &slots[slot], .surface = surface, .level = level, .monitor = &monitor, .detail = &detail};
+    const struct server_discretization_request request = {.slot = &slots[slot],
+                                                          .surface = surface,
+                                                          .level = level,
+                                                          .monitor = &monitor,
+                                                          .detail = &detail};
     return server_discretizations_get(server.discretizations, &request, out);
 }
 
@@ -103,7 +110,8 @@ static void is_built_once_for_all_who_ask(void **state)
     (void)state;
     struct server_discretization *found[4];
     pthread_t threads[4];
-    for (size_t i = 0; i < 4; i++) assert_int_equal(pthread_create(&threads[i], NULL, ask, &found[i]), 0);
+    for (size_t i = 0; i < 4; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, ask, &found[i]), 0);
     for (size_t i = 0; i < 4; i++) {
         void *result;
         pthread_join(threads[i], &result);
@@ -153,7 +161,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(is_kept_and_found_again, set_up, tear_down),
         cmocka_unit_test_setup_teardown(is_built_once_for_all_who_ask, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_one_that_was_not_used_for_longest_goes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_one_that_was_not_used_for_longest_goes, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(failures_leave_nothing_behind, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

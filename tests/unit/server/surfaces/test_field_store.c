@@ -24,8 +24,8 @@ static struct server_surface *new_surface(struct fixture *fixture)
     struct gd_mesh *mesh = new_mesh();
     struct server_record *record = new_record("ball", "bytes of a ball");
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
-    struct server_surface *surface =
-        server_surface_create(record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
+    struct server_surface *surface = server_surface_create(record, mesh, gd_mesh_memsize(mesh),
+                                                           &fixture->budget, fixture->cache);
     server_record_release(record);
     return surface;
 }
@@ -35,7 +35,8 @@ static void compute(struct fixture *fixture, struct server_surface *surface, uin
 {
     struct gd_point source = vertex_point(surface->mesh, vertex);
     struct gd_field *field = new_field(surface->mesh, &source);
-    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    assert_true(
+        server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     server_cache_restore(surface->shelf, field);
 }
 
@@ -51,7 +52,8 @@ static int set_up(void **state)
     fixture->store = server_field_store_open(fixture->folder, &fixture->budget);
     struct server_surface *first = new_surface(fixture);
     for (uint32_t i = 0; i < FIELDS; i++) compute(fixture, first, i);
-    server_registry_put(fixture->registry, first, "bytes of a ball", &(struct server_precondition){0});
+    server_registry_put(fixture->registry, first, "bytes of a ball",
+                        &(struct server_precondition){0});
     server_field_store_save(fixture->store, fixture->registry, UINT64_MAX);
     server_surface_release(first);
     fixture->surface = new_surface(fixture);

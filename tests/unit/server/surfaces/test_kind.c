@@ -1,5 +1,6 @@
-/* A kind of the test's own, a toy: that all that knows of kinds knows no more of them than their hooks and their routes. Both
- * tables, of kinds and of routes, take the place of the daemon's here. */
+/* A kind of the test's own, a toy: that all that knows of kinds knows no more of them than their
+ * hooks and their routes. Both tables, of kinds and of routes, take the place of the daemon's here.
+ */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -8,7 +9,7 @@
 #include "server/query/request.h"
 #include "server/store/tools.h"
 
-/* --- toys: a number in a file, in some unit ----------------------------------------------------------------------- */
+/* --- toys: a number in a file, in some unit --------------------------------------------------- */
 
 struct toy {
     long number;
@@ -16,8 +17,9 @@ struct toy {
 
 static int living; /* toys in memory */
 
-static bool read_toy_options(const struct proto_parameters *parameters, const struct server_file *file,
-                             char text[SERVER_OPTIONS], struct proto_problem *problem)
+static bool read_toy_options(const struct proto_parameters *parameters,
+                             const struct server_file *file, char text[SERVER_OPTIONS],
+                             struct proto_problem *problem)
 {
     static const char *const names[] = {"unit", NULL}, *const units[] = {"m", "cm", NULL};
     unsigned unit = 0;
@@ -28,8 +30,9 @@ static bool read_toy_options(const struct proto_parameters *parameters, const st
     return true;
 }
 
-static enum gd_status build_toy(const struct server_builder *builder, const struct server_record *record,
-                                const void *bytes, void **object, size_t *size, struct proto_problem *problem)
+static enum gd_status build_toy(const struct server_builder *builder,
+                                const struct server_record *record, const void *bytes,
+                                void **object, size_t *size, struct proto_problem *problem)
 {
     char text[32], *end;
     snprintf(text, sizeof text, "%.*s", (int)record->size, (const char *)bytes);
@@ -87,32 +90,32 @@ static void handle_double(struct server_exchange *exchange)
     server_reply_json(exchange, 200, &writer);
 }
 
-#define ROUTES(plural)                                                                                                 \
-    {.method = PROTO_METHOD_GET,                                                                                       \
-     .path = "/v1/" plural,                                                                                            \
-     .segment_count = 2,                                                                                               \
-     .segments = {"v1", plural},                                                                                       \
-     .handle = server_handle_list_surfaces},                                                                           \
-        {.method = PROTO_METHOD_POST,                                                                                  \
-         .has_body = true,                                                                                             \
-         .path = "/v1/" plural,                                                                                        \
-         .segment_count = 2,                                                                                           \
-         .segments = {"v1", plural},                                                                                   \
-         .handle = server_handle_create_surface},                                                                      \
-        {.method = PROTO_METHOD_PUT,                                                                                   \
-         .has_body = true,                                                                                             \
-         .path = "/v1/" plural "/{name}",                                                                              \
-         .segment_count = 3,                                                                                           \
-         .segments = {"v1", plural, NULL},                                                                             \
-         .handle = server_handle_put_surface},                                                                         \
-        {.method = PROTO_METHOD_GET,                                                                                   \
-         .path = "/v1/" plural "/{name}",                                                                              \
-         .segment_count = 3,                                                                                           \
-         .segments = {"v1", plural, NULL},                                                                             \
-         .handle = server_handle_get_surface},                                                                         \
-    {                                                                                                                  \
-        .method = PROTO_METHOD_DELETE, .path = "/v1/" plural "/{name}", .segment_count = 3,                            \
-        .segments = {"v1", plural, NULL}, .handle = server_handle_delete_surface                                       \
+#define ROUTES(plural)                                                                             \
+    {.method = PROTO_METHOD_GET,                                                                   \
+     .path = "/v1/" plural,                                                                        \
+     .segment_count = 2,                                                                           \
+     .segments = {"v1", plural},                                                                   \
+     .handle = server_handle_list_surfaces},                                                       \
+        {.method = PROTO_METHOD_POST,                                                              \
+         .has_body = true,                                                                         \
+         .path = "/v1/" plural,                                                                    \
+         .segment_count = 2,                                                                       \
+         .segments = {"v1", plural},                                                               \
+         .handle = server_handle_create_surface},                                                  \
+        {.method = PROTO_METHOD_PUT,                                                               \
+         .has_body = true,                                                                         \
+         .path = "/v1/" plural "/{name}",                                                          \
+         .segment_count = 3,                                                                       \
+         .segments = {"v1", plural, NULL},                                                         \
+         .handle = server_handle_put_surface},                                                     \
+        {.method = PROTO_METHOD_GET,                                                               \
+         .path = "/v1/" plural "/{name}",                                                          \
+         .segment_count = 3,                                                                       \
+         .segments = {"v1", plural, NULL},                                                         \
+         .handle = server_handle_get_surface},                                                     \
+    {                                                                                              \
+        .method = PROTO_METHOD_DELETE, .path = "/v1/" plural "/{name}", .segment_count = 3,        \
+        .segments = {"v1", plural, NULL}, .handle = server_handle_delete_surface                   \
     }
 
 const struct proto_route proto_routes[] = {
@@ -126,7 +129,7 @@ const struct proto_route proto_routes[] = {
 };
 const size_t proto_route_count = COUNT(proto_routes);
 
-/* --- a daemon with a folder --------------------------------------------------------------------------------------- */
+/* --- a daemon with a folder ------------------------------------------------------------------- */
 
 static char folder[FOLDER_PATH];
 
@@ -162,16 +165,18 @@ static int tear_down(void **state)
     return 0;
 }
 
-#define ASK(...)         daemon_answer((struct daemon_request){__VA_ARGS__})
-#define PUT(path, bytes) daemon_status((struct daemon_request){.method = "PUT", .target = path, .body = bytes})
-#define GET(path)        ASK(.method = "GET", .target = path)
-#define DELETE(path)     daemon_status((struct daemon_request){.method = "DELETE", .target = path})
+#define ASK(...) daemon_answer((struct daemon_request){__VA_ARGS__})
+#define PUT(path, bytes)                                                                           \
+    daemon_status((struct daemon_request){.method = "PUT", .target = path, .body = bytes})
+#define GET(path)    ASK(.method = "GET", .target = path)
+#define DELETE(path) daemon_status((struct daemon_request){.method = "DELETE", .target = path})
 
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-static const char absent[] = "there is no toy of this name; GET /v1/toys lists those that there are";
+static const char absent[] =
+    "there is no toy of this name; GET /v1/toys lists those that there are";
 
-/* --- tests -------------------------------------------------------------------------------------------------------- */
+/* --- tests ------------------------------------------------------------------------------------ */
 
 static void toys_are_put_listed_and_deleted_as_meshes_are(void **state)
 {
@@ -179,18 +184,23 @@ static void toys_are_put_listed_and_deleted_as_meshes_are(void **state)
     assert_int_equal(PUT("/v1/toys/b", "42"), 201);
     assert_int_equal(PUT("/v1/toys/b", "42"), 200);
     assert_int_equal(PUT("/v1/toys/a?unit=cm", "7"), 201);
-    assert_string_equal(GET("/v1/toys/b"), "200 {\"name\":\"b\",\"number\":42,\"options\":\"unit=m\"}");
-    assert_string_equal(GET("/v1/toys?limit=1"),
-                        "200 {\"toys\":[{\"name\":\"a\",\"number\":7,\"options\":\"unit=cm\"}],\"next\":\"a\"}");
-    assert_string_equal(GET("/v1/toys?after=a"),
-                        "200 {\"toys\":[{\"name\":\"b\",\"number\":42,\"options\":\"unit=m\"}],\"next\":null}");
+    assert_string_equal(GET("/v1/toys/b"),
+                        "200 {\"name\":\"b\",\"number\":42,\"options\":\"unit=m\"}");
+    assert_string_equal(
+        GET("/v1/toys?limit=1"),
+        "200 {\"toys\":[{\"name\":\"a\",\"number\":7,\"options\":\"unit=cm\"}],\"next\":\"a\"}");
+    assert_string_equal(
+        GET("/v1/toys?after=a"),
+        "200 {\"toys\":[{\"name\":\"b\",\"number\":42,\"options\":\"unit=m\"}],\"next\":null}");
     assert_int_equal(PUT("/v1/toys/b", "43"), 200); /* replaced */
     assert_string_equal(GET("/v1/toys/b/double"), "200 86");
     assert_int_equal(DELETE("/v1/toys/b"), 204);
     assert_int_equal(DELETE("/v1/toys/b"), 404);
     assert_non_null(strstr(GET("/v1/toys/b/double"), absent));
-    assert_int_equal(daemon_status((struct daemon_request){.method = "HEAD", .target = "/v1/toys/a"}), 200);
-    assert_int_equal(daemon_status((struct daemon_request){.method = "HEAD", .target = "/v1/toys/b"}), 404);
+    assert_int_equal(
+        daemon_status((struct daemon_request){.method = "HEAD", .target = "/v1/toys/a"}), 200);
+    assert_int_equal(
+        daemon_status((struct daemon_request){.method = "HEAD", .target = "/v1/toys/b"}), 404);
 }
 
 static void what_is_no_toy_is_refused(void **state)
@@ -210,8 +220,9 @@ static void names_of_each_kind_are_its_own(void **state)
     assert_int_equal(PUT("/v1/meshes/same", triangle), 201);
     assert_non_null(strstr(GET("/v1/meshes"), "\"faces\":1"));
     assert_null(strstr(GET("/v1/meshes"), "\"number\""));
-    assert_string_equal(GET("/v1/toys"),
-                        "200 {\"toys\":[{\"name\":\"same\",\"number\":1,\"options\":\"unit=m\"}],\"next\":null}");
+    assert_string_equal(
+        GET("/v1/toys"),
+        "200 {\"toys\":[{\"name\":\"same\",\"number\":1,\"options\":\"unit=m\"}],\"next\":null}");
     assert_int_equal(DELETE("/v1/meshes/same"), 204);
     assert_string_equal(GET("/v1/toys/same/double"), "200 2");
     assert_int_equal(PUT("/v1/meshes/same", "1"), 422);
@@ -246,13 +257,16 @@ static void conditions_hold_for_toys(void **state)
     snprintf(same, sizeof same, "If-None-Match: \"%s\"", listed.record->etag);
     snprintf(only, sizeof only, "If-Match: \"%s\"", listed.record->etag);
     server_listed_release(&listed);
-    assert_int_equal(daemon_status((struct daemon_request){.method = "GET", .target = "/v1/toys/a", .headers = same}),
-                     304);
     assert_int_equal(daemon_status((struct daemon_request){
-                         .method = "DELETE", .target = "/v1/toys/a", .headers = "If-Match: \"other\""}),
+                         .method = "GET", .target = "/v1/toys/a", .headers = same}),
+                     304);
+    assert_int_equal(daemon_status((struct daemon_request){.method = "DELETE",
+                                                           .target = "/v1/toys/a",
+                                                           .headers = "If-Match: \"other\""}),
                      412);
-    assert_int_equal(
-        daemon_status((struct daemon_request){.method = "DELETE", .target = "/v1/toys/a", .headers = only}), 204);
+    assert_int_equal(daemon_status((struct daemon_request){
+                         .method = "DELETE", .target = "/v1/toys/a", .headers = only}),
+                     204);
 }
 
 static bool check_is_fine(void)
@@ -273,7 +287,8 @@ static void toys_are_there_after_a_restart(void **state)
     PUT("/v1/toys/a?unit=cm", "21");
     PUT("/v1/meshes/z", triangle);
     restart(); /* the texts of the keys, z and toy+a, have another order than the keys */
-    assert_string_equal(GET("/v1/toys/a"), "200 {\"name\":\"a\",\"number\":21,\"options\":\"unit=cm\"}");
+    assert_string_equal(GET("/v1/toys/a"),
+                        "200 {\"name\":\"a\",\"number\":21,\"options\":\"unit=cm\"}");
     assert_int_equal(living, 0); /* a description needs no load */
     assert_string_equal(GET("/v1/toys/a/double"), "200 42");
     assert_int_equal(living, 1);
@@ -315,8 +330,10 @@ static void a_lost_database_or_manifest_is_made_again(void **state)
 static void tenants_know_nothing_of_each_other(void **state)
 {
     (void)state;
-    const struct daemon_request put = {.tenant = "a", .method = "PUT", .target = "/v1/toys/it", .body = "1"};
-    struct daemon_request of_b = put, get = {.tenant = "a", .method = "GET", .target = "/v1/toys/it"};
+    const struct daemon_request put = {
+        .tenant = "a", .method = "PUT", .target = "/v1/toys/it", .body = "1"};
+    struct daemon_request of_b = put,
+                          get = {.tenant = "a", .method = "GET", .target = "/v1/toys/it"};
     of_b.tenant = "b";
     assert_int_equal(daemon_status(put), 201);
     get.tenant = "b";
@@ -324,15 +341,18 @@ static void tenants_know_nothing_of_each_other(void **state)
     get.target = "/v1/toys/none";
     assert_string_equal(foreign, daemon_answer(get));
     free(foreign);
-    assert_string_equal(ASK(.tenant = "b", .method = "GET", .target = "/v1/toys"), "200 {\"toys\":[],\"next\":null}");
+    assert_string_equal(ASK(.tenant = "b", .method = "GET", .target = "/v1/toys"),
+                        "200 {\"toys\":[],\"next\":null}");
     assert_string_equal(GET("/v1/toys"), "200 {\"toys\":[],\"next\":null}");
-    assert_int_equal(daemon_status((struct daemon_request){.tenant = "b", .method = "DELETE", .target = "/v1/toys/it"}),
+    assert_int_equal(daemon_status((struct daemon_request){
+                         .tenant = "b", .method = "DELETE", .target = "/v1/toys/it"}),
                      404);
     assert_int_equal(daemon_status(of_b), 201); /* not 200 */
     restart();
     get = (struct daemon_request){.tenant = "a", .method = "GET", .target = "/v1/toys/it/double"};
     assert_string_equal(daemon_answer(get), "200 2");
-    assert_int_equal(daemon_status((struct daemon_request){.tenant = "a", .method = "DELETE", .target = "/v1/toys/it"}),
+    assert_int_equal(daemon_status((struct daemon_request){
+                         .tenant = "a", .method = "DELETE", .target = "/v1/toys/it"}),
                      204);
     get.tenant = "b";
     assert_string_equal(daemon_answer(get), "200 2");
@@ -348,9 +368,11 @@ static void texts_of_keys(void **state)
     static const char *const wrong[] = {
         "",     "@a",    "+a",    "a+",    "a@",   ".a",  "a b",    "toy+.a",
         ".t@a", "a+b+c", "a@b@c", "a+b@c", "../a", "a/b", "a@../b", "word-that-is-too-long+a"};
-    for (size_t i = 0; i < COUNT(good); i++) assert_true(server_key_check(good[i], strlen(good[i])));
+    for (size_t i = 0; i < COUNT(good); i++)
+        assert_true(server_key_check(good[i], strlen(good[i])));
     for (size_t i = 0; i < COUNT(wrong); i++)
-        if (server_key_check(wrong[i], strlen(wrong[i]))) fail_msg("'%s' is taken for a key", wrong[i]);
+        if (server_key_check(wrong[i], strlen(wrong[i])))
+            fail_msg("'%s' is taken for a key", wrong[i]);
     char text[SERVER_KEY_TEXT], most[PROTO_MESH_NAME + 1];
     memset(most, 'n', PROTO_MESH_NAME);
     most[PROTO_MESH_NAME] = '\0';

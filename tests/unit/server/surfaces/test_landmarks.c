@@ -40,8 +40,8 @@ static struct server_surface *put_sphere(uint32_t level)
     struct server_surface *made =
         server_surface_create(record, mesh, gd_mesh_memsize(mesh), &server.budget, server.cache);
     server_record_release(record);
-    assert_true(server_registry_put(server.registry, made, name, &(struct server_precondition){0}) <=
-                SERVER_STORE_REPLACED);
+    assert_true(server_registry_put(server.registry, made, name,
+                                    &(struct server_precondition){0}) <= SERVER_STORE_REPLACED);
     return made;
 }
 
@@ -145,7 +145,7 @@ static const char *stored_file(void)
     return path;
 }
 
-/* --- in memory ---------------------------------------------------------------------------------------------------- */
+/* --- in memory -------------------------------------------------------------------------------- */
 
 static void they_come_in_the_background_and_are_counted(void **state)
 {
@@ -262,7 +262,7 @@ static void a_build_that_would_take_too_much_is_not_begun(void **state)
     server.budget.limit = limit;
 }
 
-/* --- on the disk -------------------------------------------------------------------------------------------------- */
+/* --- on the disk ------------------------------------------------------------------------------ */
 
 /* The same surface, loaded again. */
 static void reload(void)
@@ -338,7 +338,7 @@ static void the_file_goes_with_the_mesh(void **state)
     assert_string_equal(stored_file(), "");
 }
 
-/* --- all at once -------------------------------------------------------------------------------------------------- */
+/* --- all at once ------------------------------------------------------------------------------ */
 
 static void *find_and_press(void *user)
 {
@@ -356,7 +356,8 @@ static void many_threads_at_once(void **state)
 {
     (void)state;
     pthread_t threads[4];
-    for (size_t i = 0; i < COUNT(threads); i++) pthread_create(&threads[i], NULL, find_and_press, i ? NULL : threads);
+    for (size_t i = 0; i < COUNT(threads); i++)
+        pthread_create(&threads[i], NULL, find_and_press, i ? NULL : threads);
     for (size_t i = 0; i < COUNT(threads); i++) pthread_join(threads[i], NULL);
 }
 

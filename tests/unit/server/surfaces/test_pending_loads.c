@@ -18,7 +18,8 @@ static int set_up(void **state)
     fixture->record = new_record("a", "1");
     fixture->other = new_record("b", "2");
     test_job_init(&fixture->job, NULL);
-    assert_int_equal(server_loads_enter(fixture->loads, fixture->record, NULL, &fixture->load), SERVER_LOADS_LOAD);
+    assert_int_equal(server_loads_enter(fixture->loads, fixture->record, NULL, &fixture->load),
+                     SERVER_LOADS_LOAD);
     *state = fixture;
     return 0;
 }
@@ -38,8 +39,9 @@ static void who_waits_is_resumed(void **state)
 {
     struct fixture *fixture = *state;
     struct server_load *second;
-    assert_int_equal(server_loads_enter(fixture->loads, fixture->record, &fixture->job.job, &second),
-                     SERVER_LOADS_WAIT);
+    assert_int_equal(
+        server_loads_enter(fixture->loads, fixture->record, &fixture->job.job, &second),
+        SERVER_LOADS_WAIT);
     server_loads_end(fixture->load);
     sem_wait(&fixture->job.done);
     assert_int_equal(fixture->job.runs, 1);
@@ -50,7 +52,8 @@ static void others_are_loaded_meanwhile(void **state)
 {
     struct fixture *fixture = *state;
     struct server_load *second;
-    assert_int_equal(server_loads_enter(fixture->loads, fixture->other, &fixture->job.job, &second), SERVER_LOADS_LOAD);
+    assert_int_equal(server_loads_enter(fixture->loads, fixture->other, &fixture->job.job, &second),
+                     SERVER_LOADS_LOAD);
     server_loads_end(fixture->load);
     server_loads_end(second);
     assert_int_equal(fixture->job.runs + fixture->job.refusals, 0);

@@ -35,13 +35,14 @@ static int tear_down(void **state)
     return 0;
 }
 
-static struct server_surface *new_surface(struct fixture *fixture, const char *name, const char *bytes)
+static struct server_surface *new_surface(struct fixture *fixture, const char *name,
+                                          const char *bytes)
 {
     struct gd_mesh *mesh = new_mesh();
     struct server_record *record = new_record(name, bytes);
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
-    struct server_surface *surface =
-        server_surface_create(record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
+    struct server_surface *surface = server_surface_create(record, mesh, gd_mesh_memsize(mesh),
+                                                           &fixture->budget, fixture->cache);
     server_record_release(record);
     return surface;
 }
@@ -65,7 +66,8 @@ static enum server_store_outcome drop(struct fixture *fixture, const char *name)
 }
 
 /* Meshes whose names follow `after`. */
-static uint32_t list(struct fixture *fixture, const char *after, uint32_t most, struct server_listed *out)
+static uint32_t list(struct fixture *fixture, const char *after, uint32_t most,
+                     struct server_listed *out)
 {
     const struct server_key key = mesh_key(after);
     return server_registry_list(fixture->registry, &key, most, out);
@@ -85,11 +87,12 @@ static uint32_t count(struct fixture *fixture)
     return (uint32_t)server_registry_statistics(fixture->registry).surfaces;
 }
 
-static enum server_store_outcome put_if(struct fixture *fixture, const char *name, const char *bytes,
-                                        struct server_precondition precondition)
+static enum server_store_outcome put_if(struct fixture *fixture, const char *name,
+                                        const char *bytes, struct server_precondition precondition)
 {
     struct server_surface *surface = new_surface(fixture, name, bytes);
-    enum server_store_outcome outcome = server_registry_put(fixture->registry, surface, bytes, &precondition);
+    enum server_store_outcome outcome =
+        server_registry_put(fixture->registry, surface, bytes, &precondition);
     server_surface_release(surface);
     return outcome;
 }
@@ -158,17 +161,21 @@ static void preconditions_decide(void **state)
     char right[SERVER_ETAG + 2];
     assert_int_equal(put_if(fixture, "a", "1", (struct server_precondition){.if_match = {"*"}}),
                      SERVER_STORE_PRECONDITION);
-    assert_int_equal(put_if(fixture, "a", "1", (struct server_precondition){.if_none_match = {"*"}}),
-                     SERVER_STORE_CREATED);
-    assert_int_equal(put_if(fixture, "a", "2", (struct server_precondition){.if_none_match = {"*"}}),
-                     SERVER_STORE_PRECONDITION);
+    assert_int_equal(
+        put_if(fixture, "a", "1", (struct server_precondition){.if_none_match = {"*"}}),
+        SERVER_STORE_CREATED);
+    assert_int_equal(
+        put_if(fixture, "a", "2", (struct server_precondition){.if_none_match = {"*"}}),
+        SERVER_STORE_PRECONDITION);
     struct server_surface *a = get(fixture, "a");
     snprintf(right, sizeof right, "\"%s\"", a->record->etag);
     server_surface_release(a);
-    const struct server_precondition wrong_tag = {.if_match = {"\"x\""}}, right_tag = {.if_match = {right}};
+    const struct server_precondition wrong_tag = {.if_match = {"\"x\""}},
+                                     right_tag = {.if_match = {right}};
     assert_int_equal(drop_if(fixture, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(put_if(fixture, "a", "2", right_tag), SERVER_STORE_REPLACED);
-    assert_int_equal(drop_if(fixture, "a", &right_tag), SERVER_STORE_PRECONDITION); /* it is another one now */
+    /* it is another one now */
+    assert_int_equal(drop_if(fixture, "a", &right_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(count(fixture), 1);
 }
 
@@ -184,7 +191,8 @@ static void replacing_ends_the_fields(void **state)
     ask_often(a->shelf, &source);
     assert_int_equal(server_cache_enter(a->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
     struct gd_field *field = new_field(a->mesh, &source);
-    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    assert_true(
+        server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     server_cache_unpin(server_cache_land(flight, field));
     assert_int_equal(server_shelf_count(a->shelf), 1);
     put(fixture, "a", "2");
@@ -220,32 +228,35 @@ static void tells_what_is_gone_with_its_last_name(void **state)
     assert_string_equal(names, "bc");
 }
 
-/* --- with a store that can give back what it was given ------------------------------------------------------------ */
+/* --- with a store that can give back what it was given ---------------------------------------- */
 
 static enum server_store_outcome answer; /* of the next writes */
 
-static enum server_store_outcome answer_put(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome answer_put(struct server_store *store,
+                                            const struct server_record *record,
                                             const struct server_content *content, uint64_t *version)
 {
     (void)store, (void)record, (void)content, (void)version;
     return answer;
 }
 
-static enum server_store_outcome answer_keep(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome answer_keep(struct server_store *store,
+                                             const struct server_record *record,
                                              const struct server_content *content)
 {
     (void)store, (void)record, (void)content;
     return answer;
 }
 
-static enum server_store_outcome answer_remove(struct server_store *store, const struct server_record *record,
-                                               uint64_t *version)
+static enum server_store_outcome
+answer_remove(struct server_store *store, const struct server_record *record, uint64_t *version)
 {
     (void)store, (void)record, (void)version;
     return answer;
 }
 
-static enum server_store_outcome give_back(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome give_back(struct server_store *store,
+                                           const struct server_record *record,
                                            enum server_part part, void **bytes)
 {
     (void)store, (void)record, (void)part, (void)bytes;
@@ -276,8 +287,8 @@ static bool is_loaded(struct fixture *fixture, const char *name)
 
 static void what_the_store_refuses_changes_nothing(void **state)
 {
-    static const enum server_store_outcome refusals[] = {SERVER_STORE_FULL, SERVER_STORE_READ_ONLY,
-                                                         SERVER_STORE_REFUSED, SERVER_STORE_NO_MEMORY};
+    static const enum server_store_outcome refusals[] = {
+        SERVER_STORE_FULL, SERVER_STORE_READ_ONLY, SERVER_STORE_REFUSED, SERVER_STORE_NO_MEMORY};
     struct fixture *fixture = *state;
     put(fixture, "a", "1");
     struct server_surface *before = get(fixture, "a");
@@ -307,7 +318,8 @@ static void unused_ones_make_room_the_coldest_first(void **state)
     struct server_surface *held = get(fixture, "b");
     size_t bytes = held->bytes;
     fixture->budget.limit = fixture->budget.total;
-    assert_int_equal(server_budget_available(&fixture->budget), 2 * bytes); /* all but the one that is in use */
+    /* all but the one that is in use */
+    assert_int_equal(server_budget_available(&fixture->budget), 2 * bytes);
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
     assert_true(is_loaded(fixture, "a"));
     assert_false(is_loaded(fixture, "c"));
@@ -330,9 +342,10 @@ static void the_same_record_again_is_kept_in_memory(void **state)
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
     assert_true(find(fixture, "a", &listed));
     assert_null(listed.surface);
-    struct server_surface *again =
-        server_surface_create(listed.record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
-    assert_int_equal(server_registry_put(fixture->registry, again, "1", &none), SERVER_STORE_REPLACED);
+    struct server_surface *again = server_surface_create(listed.record, mesh, gd_mesh_memsize(mesh),
+                                                         &fixture->budget, fixture->cache);
+    assert_int_equal(server_registry_put(fixture->registry, again, "1", &none),
+                     SERVER_STORE_REPLACED);
     assert_true(is_loaded(fixture, "a"));
     assert_int_equal(server_registry_statistics(fixture->registry).loads, 1);
     server_surface_release(again);
@@ -382,16 +395,19 @@ static void what_is_stored_is_confirmed(void **state)
     struct server_listed before;
     put(fixture, "a", "1");
     assert_true(find(fixture, "a", &before));
-    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"), SERVER_STORE_REPLACED);
+    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"),
+                     SERVER_STORE_REPLACED);
     answer = SERVER_STORE_FULL;
-    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"), SERVER_STORE_FULL);
+    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"),
+                     SERVER_STORE_FULL);
     answer = SERVER_STORE_DONE;
     put(fixture, "a", "2");
-    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"),
+                     SERVER_STORE_ABSENT);
     server_listed_release(&before);
 }
 
-/* --- the writer --------------------------------------------------------------------------------------------------- */
+/* --- the writer ------------------------------------------------------------------------------- */
 
 static void the_writer_runs_one_job_after_the_other(void **state)
 {

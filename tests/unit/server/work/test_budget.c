@@ -95,7 +95,8 @@ static void reclaims_what_is_missing(void **state)
     server_budget_init(&budget, 100);
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 90));
     assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
-    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] =
+        (struct server_reclaimer){reclaim_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
     assert_int_equal(budget.total, 70);
 }
@@ -105,8 +106,10 @@ static void workspaces_go_before_fields(void **state)
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 100);
-    budget.reclaimers[SERVER_RECLAIM_WORKSPACES] = (struct server_reclaimer){reclaim_workspaces, NULL, &budget};
-    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_WORKSPACES] =
+        (struct server_reclaimer){reclaim_workspaces, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] =
+        (struct server_reclaimer){reclaim_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 60));
     assert_true(server_budget_take(&budget, SERVER_BUDGET_WORKSPACES, 35));
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 40));
@@ -120,7 +123,8 @@ static void does_not_evict_for_what_can_not_be_had(void **state)
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 100);
-    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] =
+        (struct server_reclaimer){reclaim_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 50));
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 50));
     assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 51));
@@ -136,8 +140,9 @@ static void answers_leave_a_part_to_others(void **state)
     server_budget_init(&budget, 1024 * KIB);
     assert_int_equal(budget.largest_answer, 512 * KIB);
     assert_true(server_budget_take_answer(&budget, 500 * KIB));
-    assert_false(server_budget_take_answer(&budget, 100 * KIB)); /* half of the budget is for all of them */
-    assert_true(server_budget_take_answer(&budget, 60 * KIB));   /* small ones may have more, */
+    /* half of the budget is for all of them */
+    assert_false(server_budget_take_answer(&budget, 100 * KIB));
+    assert_true(server_budget_take_answer(&budget, 60 * KIB)); /* small ones may have more, */
     for (int i = 0; i < 3; i++) assert_true(server_budget_take_answer(&budget, 64 * KIB));
     assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* but not all */
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 200 * KIB));
@@ -156,7 +161,8 @@ static void answers_may_take_what_fields_hold(void **state)
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 1024 * KIB);
-    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){give_fields, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] =
+        (struct server_reclaimer){give_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 1000 * KIB));
     assert_true(server_budget_take_answer(&budget, 500 * KIB));
     assert_false(server_budget_take_answer(&budget, SIZE_MAX));

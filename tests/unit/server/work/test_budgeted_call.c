@@ -1,4 +1,5 @@
-/* Calls of the engine within the byte budget: what they are granted, and what is held afterwards. */
+/* Calls of the engine within the byte budget: what they are granted, and what is held afterwards.
+ */
 #include "tests/unit/server/support.h"
 
 #include "server/work/budgeted_call.h"
@@ -60,7 +61,8 @@ static void one_that_makes_do_with_its_grant_looks_no_further(void **state)
     assert_int_equal(call(&task, 1000), GD_OK);
     assert_int_equal(task.attempts, 1);
     assert_int_equal(server.budget.used[SERVER_BUDGET_FLIGHT], 100);
-    assert_int_equal(walks, 0); /* over all meshes, for what could be had: a search can't wait for that */
+    /* over all meshes, for what could be had: a search can't wait for that */
+    assert_int_equal(walks, 0);
 }
 
 static void one_that_needs_more_is_made_again_with_more(void **state)

@@ -28,12 +28,14 @@ static void execute(struct server_job *job)
     struct run *run = (struct run *)job;
     struct server_executor executor;
     if (run->start) sem_wait(run->start);
-    gd_executor_run(server_executor_of(&executor, run->workers, UINT64_MAX), do_task, run, run->count);
+    gd_executor_run(server_executor_of(&executor, run->workers, UINT64_MAX), do_task, run,
+                    run->count);
     assert_int_equal(atomic_load(&run->at_work), 0);
     test_job_run(job);
 }
 
-static void prepare(struct run *run, struct server_workers *workers, uint32_t count, sem_t *wait_for)
+static void prepare(struct run *run, struct server_workers *workers, uint32_t count,
+                    sem_t *wait_for)
 {
     memset(run, 0, sizeof *run);
     test_job_init(&run->job, NULL);
@@ -100,7 +102,8 @@ static void runs_of_all_workers_at_once_end(void **state)
     server_workers_destroy(workers);
 }
 
-/* A helper queues up behind what came meanwhile. Tasks may go on one at a time: of many, the run's own thread could take all before the helper wakes. */
+/* A helper queues up behind what came meanwhile. Tasks may go on one at a time: of many, the run's
+ * own thread could take all before the helper wakes. */
 static void others_get_their_turn_between_tasks(void **state)
 {
     (void)state;
@@ -157,7 +160,8 @@ static void a_full_queue_does_not_matter(void **state)
     sem_destroy(&begin);
 }
 
-/* What is refused by a drain is done by the thread itself; the caller's tasks see to it that they end early. */
+/* What is refused by a drain is done by the thread itself; the caller's tasks see to it that they
+ * end early. */
 static void helpers_may_be_refused(void **state)
 {
     (void)state;

@@ -8,8 +8,8 @@
 #include "gd/control.h"
 #include "tests/support/test.h"
 
-/* Runs of two tasks, as a field has them: each adds to its own sum what it finds in the other's, so that a task that is left out, done twice or mixed
- * with those of another run shows. */
+/* Runs of two tasks, as a field has them: each adds to its own sum what it finds in the other's, so
+ * that a task that is left out, done twice or mixed with those of another run shows. */
 enum { RUNS = 2000 };
 
 struct sums {
@@ -41,7 +41,8 @@ static void check_runs(const struct gd_executor *executor, struct sums *sums)
     assert_memory_equal(sums->after, expected, sizeof expected);
 }
 
-/* Runs until the helper has taken part, which on a busy machine may take a while: workers come after all others. */
+/* Runs until the helper has taken part, which on a busy machine may take a while: workers come
+ * after all others. */
 static void check_runs_of_two(const struct gd_executor *executor, struct sums *sums)
 {
     uint64_t end = gd_now_ns() + UINT64_C(20000000000);
@@ -100,17 +101,20 @@ static void never(struct server_job *job, enum server_refusal why)
     fail();
 }
 
-/* A job that comes while the helper holds the only worker is not kept waiting, and the runs go on without it. */
+/* A job that comes while the helper holds the only worker is not kept waiting, and the runs go on
+ * without it. */
 static void leaves_when_wanted(void **state)
 {
     (void)state;
     struct server_workers *workers = server_workers_create(2, 8);
-    struct server_team *first = server_team_call(workers, UINT64_MAX), *second = server_team_call(workers, UINT64_MAX);
+    struct server_team *first = server_team_call(workers, UINT64_MAX),
+                       *second = server_team_call(workers, UINT64_MAX);
     struct waiting waiting = {.job = {.run = note, .refuse = never, .deadline_ns = UINT64_MAX}};
     struct sums sums;
     gd_executor_run(server_team_executor(first), add, &sums, 2);
     assert_true(server_workers_submit(workers, &waiting.job));
-    for (uint64_t end = gd_now_ns() + UINT64_C(5000000000); !atomic_load(&waiting.ran) && gd_now_ns() < end;) {
+    for (uint64_t end = gd_now_ns() + UINT64_C(5000000000);
+         !atomic_load(&waiting.ran) && gd_now_ns() < end;) {
         gd_executor_run(server_team_executor(first), add, &sums, 2);
         gd_executor_run(server_team_executor(second), add, &sums, 2);
     }

@@ -33,7 +33,8 @@ static void goes_and_comes_back(void)
 static void stays_where_it_could_not_come_back(void)
 {
     const struct rlimit none = {0, 0};
-    if (setrlimit(RLIMIT_NICE, &none) != 0 || (geteuid() == 0 && setuid(NOBODY) != 0)) _exit(SKIPPED);
+    if (setrlimit(RLIMIT_NICE, &none) != 0 || (geteuid() == 0 && setuid(NOBODY) != 0))
+        _exit(SKIPPED);
     server_place_worker();
     INSIST(nice_of_thread() > 0);
     server_place_behind(true);
@@ -81,7 +82,8 @@ static void no_worker(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(with_the_right), cmocka_unit_test(without_the_right),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(with_the_right),
+                                       cmocka_unit_test(without_the_right),
                                        cmocka_unit_test(no_worker)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

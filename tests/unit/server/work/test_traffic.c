@@ -4,11 +4,14 @@
 
 #define MS UINT64_C(1000000)
 
-/* Requests at even distances for so long, and what a worker sees then who looked in the beginning. */
-static bool seen_after(struct server_traffic *traffic, uint64_t begin_ns, uint64_t length_ns, uint64_t distance_ns)
+/* Requests at even distances for so long, and what a worker sees then who looked in the beginning.
+ */
+static bool seen_after(struct server_traffic *traffic, uint64_t begin_ns, uint64_t length_ns,
+                       uint64_t distance_ns)
 {
     (void)server_traffic_is_dense(traffic, begin_ns);
-    for (uint64_t at = begin_ns; at < begin_ns + length_ns; at += distance_ns) server_traffic_note(at);
+    for (uint64_t at = begin_ns; at < begin_ns + length_ns; at += distance_ns)
+        server_traffic_note(at);
     return server_traffic_is_dense(traffic, begin_ns + length_ns);
 }
 

@@ -23,7 +23,8 @@ static void runs_what_is_submitted(void **state)
 }
 
 /* A pool of one thread that is busy until `hold` is posted. */
-static struct server_workers *busy_workers(struct test_job *first, sem_t *hold, uint32_t queue_length)
+static struct server_workers *busy_workers(struct test_job *first, sem_t *hold,
+                                           uint32_t queue_length)
 {
     struct server_workers *workers = server_workers_create(1, queue_length);
     sem_init(hold, 0, 0);
@@ -107,7 +108,8 @@ static void a_cancel_refuses_all_that_is_not_running(void **state)
     assert_false(server_workers_cancelled(workers));
     server_workers_cancel(workers);
     assert_true(server_workers_cancelled(workers));
-    assert_true(server_workers_submit(workers, &later.job)); /* refused by its own function, so it counts as taken */
+    /* refused by its own function, so it counts as taken */
+    assert_true(server_workers_submit(workers, &later.job));
     server_workers_resume(workers, &parked.job);
     assert_int_equal(queued.refusals + later.refusals + parked.refusals, 3);
     assert_int_equal(queued.why, SERVER_REFUSAL_DRAINING);
@@ -158,7 +160,8 @@ static void the_background_runs_what_no_other_thread_is_free_for(void **state)
 {
     (void)state;
     struct test_job jobs[8];
-    struct patient_job patient = {.job = {.run = run_patiently, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
+    struct patient_job patient = {
+        .job = {.run = run_patiently, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
     sem_init(&patient.done, 0, 0);
     for (uint32_t threads = 1; threads <= 2; threads++) {
         patient.workers = server_workers_create(threads, 100);
@@ -177,7 +180,8 @@ static void the_background_runs_what_no_other_thread_is_free_for(void **state)
     }
 }
 
-/* Works for long enough to go behind, lets a queued job run in between, and sees what policy either has. */
+/* Works for long enough to go behind, lets a queued job run in between, and sees what policy either
+ * has. */
 struct long_job {
     struct server_job job; /* first */
     struct server_workers *workers;
@@ -193,7 +197,8 @@ static void note_policy(struct server_job *job)
 static void work_for_long(struct server_job *job)
 {
     struct long_job *work = (struct long_job *)job;
-    for (uint64_t begin = gd_now_ns(); gd_now_ns() < begin + 80000000;) (void)server_workers_go_on(work->workers);
+    for (uint64_t begin = gd_now_ns(); gd_now_ns() < begin + 80000000;)
+        (void)server_workers_go_on(work->workers);
     work->before = sched_getscheduler(0);
     sem_post(&work->is_behind);
     sem_wait(&work->is_queued);
@@ -205,8 +210,10 @@ static void work_for_long(struct server_job *job)
 static void short_work_within_long_work_is_not_behind(void **state)
 {
     (void)state;
-    struct long_job within = {.job = {.run = note_policy, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
-    struct long_job work = {.job = {.run = work_for_long, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
+    struct long_job within = {
+        .job = {.run = note_policy, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
+    struct long_job work = {
+        .job = {.run = work_for_long, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
     sem_init(&work.is_behind, 0, 0);
     sem_init(&work.is_queued, 0, 0);
     sem_init(&work.done, 0, 0);
@@ -219,7 +226,8 @@ static void short_work_within_long_work_is_not_behind(void **state)
     server_workers_destroy(work.workers);
     assert_int_equal(within.within, SCHED_OTHER);
     assert_int_equal(work.after, work.before);
-    if (work.before != SCHED_IDLE) skip(); /* it may not come back, so it did not go; or others took its time */
+    /* it may not come back, so it did not go; or others took its time */
+    if (work.before != SCHED_IDLE) skip();
 }
 
 static void the_background_can_be_refused(void **state)
@@ -272,8 +280,8 @@ static void a_parked_job_is_queued_again_or_refused(void **state)
     struct test_job *jobs[] = {&back, &never, &late, &left, &after};
     for (size_t i = 0; i < COUNT(jobs); i++) test_job_init(jobs[i], NULL);
     late.job.deadline_ns = gd_now_ns();
-    assert_true(server_workers_park(workers, &left.job) && server_workers_park(workers, &late.job) &&
-                server_workers_park(workers, &back.job));
+    assert_true(server_workers_park(workers, &left.job) &&
+                server_workers_park(workers, &late.job) && server_workers_park(workers, &back.job));
     server_workers_unpark(workers, &never.job);
     server_workers_unpark(workers, &back.job);
     server_workers_unpark(workers, &back.job);
@@ -292,7 +300,7 @@ static void a_parked_job_is_queued_again_or_refused(void **state)
     assert_int_equal(never.runs + late.runs + left.runs + after.runs + after.refusals, 0);
 }
 
-/* --- spare threads ------------------------------------------------------------------------------------------------ */
+/* --- spare threads ---------------------------------------------------------------------------- */
 
 static void of_tenant(struct test_job *job, const char *tenant, bool is_patient)
 {
@@ -301,7 +309,8 @@ static void of_tenant(struct test_job *job, const char *tenant, bool is_patient)
 }
 
 /* Two workers with two spare threads, and two jobs of a tenant that run until `hold` is posted. */
-static struct server_workers *flooded_workers(struct test_job first[2], sem_t *hold, bool is_patient)
+static struct server_workers *flooded_workers(struct test_job first[2], sem_t *hold,
+                                              bool is_patient)
 {
     struct server_workers *workers = server_workers_create(2, 100);
     assert_true(server_workers_add_spare(workers, 2));
@@ -380,10 +389,12 @@ static void what_a_job_submits_is_of_its_tenant(void **state)
     (void)state;
     struct test_job other;
     struct server_workers *workers = server_workers_create(1, 10);
-    struct submitting submitting = {
-        .job = {.run = submit_other, .deadline_ns = UINT64_MAX, .tenant = "ann", .is_patient = true},
-        .workers = workers,
-        .other = &other};
+    struct submitting submitting = {.job = {.run = submit_other,
+                                            .deadline_ns = UINT64_MAX,
+                                            .tenant = "ann",
+                                            .is_patient = true},
+                                    .workers = workers,
+                                    .other = &other};
     sem_init(&submitting.done, 0, 0);
     test_job_init(&other, NULL);
     assert_true(server_workers_submit(workers, &submitting.job));

@@ -92,7 +92,8 @@ static void no_more_are_kept_than_there_are_workers(void **state)
         use(fixture, &loans[i], (uint32_t)i);
     }
     size_t each = loans[0].bytes;
-    for (size_t i = 0; i < COUNT(loans); i++) server_workspaces_return(fixture->workspaces, &loans[i]);
+    for (size_t i = 0; i < COUNT(loans); i++)
+        server_workspaces_return(fixture->workspaces, &loans[i]);
     assert_true(used(fixture, SERVER_BUDGET_WORKSPACES) < 3 * each);
     assert_true(used(fixture, SERVER_BUDGET_WORKSPACES) > each);
     assert_int_equal(fixture->budget.total, used(fixture, SERVER_BUDGET_WORKSPACES));
@@ -108,7 +109,8 @@ static void under_pressure_idle_ones_go_first_and_borrowed_ones_stay(void **stat
     size_t freed = idle.bytes, limit = fixture->budget.limit;
     server_workspaces_return(fixture->workspaces, &idle);
     assert_int_equal(server_budget_available(&fixture->budget), limit - busy.bytes);
-    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_MESHES, limit - busy.bytes - freed + 1));
+    assert_true(
+        server_budget_take(&fixture->budget, SERVER_BUDGET_MESHES, limit - busy.bytes - freed + 1));
     assert_int_equal(used(fixture, SERVER_BUDGET_WORKSPACES), 0);
     assert_int_equal(used(fixture, SERVER_BUDGET_FLIGHT), busy.bytes);
     assert_false(server_budget_take(&fixture->budget, SERVER_BUDGET_MESHES, freed));
@@ -134,7 +136,8 @@ static void *borrow_and_build(void *user)
 static void workers_and_reclaims_at_the_same_time(void **state)
 {
     struct fixture *fixture = *state;
-    const struct server_reclaimer *reclaimer = &fixture->budget.reclaimers[SERVER_RECLAIM_WORKSPACES];
+    const struct server_reclaimer *reclaimer =
+        &fixture->budget.reclaimers[SERVER_RECLAIM_WORKSPACES];
     pthread_t threads[4];
     for (size_t i = 0; i < COUNT(threads); i++)
         assert_int_equal(pthread_create(&threads[i], NULL, borrow_and_build, fixture), 0);

@@ -4,11 +4,13 @@
 
 #define MS UINT64_C(1000000)
 
-/* A job's looks, each millisecond from `from` to `to`, of a thread that gets one part in `part` of the time; how often it is behind. */
+/* A job's looks, each millisecond from `from` to `to`, of a thread that gets one part in `part` of
+ * the time; how often it is behind. */
 static uint32_t look(struct server_yielding *yielding, uint64_t from, uint64_t to, uint64_t part)
 {
     uint32_t behind = 0;
-    for (uint64_t at = from; at < to; at++) behind += server_yielding_is_due(yielding, at * MS, at * MS / part);
+    for (uint64_t at = from; at < to; at++)
+        behind += server_yielding_is_due(yielding, at * MS, at * MS / part);
     return behind;
 }
 
@@ -24,7 +26,8 @@ static void long_work_goes_behind(void **state)
     assert_int_equal(look(&yielding, 9050, 9100, 1), 50);
 }
 
-/* Half of the time is enough, a twentieth is not: then it is back for a second after the first tenth of one, for two after the next. */
+/* Half of the time is enough, a twentieth is not: then it is back for a second after the first
+ * tenth of one, for two after the next. */
 static void nothing_starves(void **state)
 {
     (void)state;
@@ -53,7 +56,8 @@ static void a_long_pause_is_seen(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(long_work_goes_behind), cmocka_unit_test(nothing_starves),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(long_work_goes_behind),
+                                       cmocka_unit_test(nothing_starves),
                                        cmocka_unit_test(a_long_pause_is_seen)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Meshes that the daemon makes itself: by a handler of the test's own, which makes up to three of them, each with its vertices'
- * numbers as an attachment. */
+/* Meshes that the daemon makes itself: by a handler of the test's own, which makes up to three of
+ * them, each with its vertices' numbers as an attachment. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -17,10 +17,11 @@ static struct {
     bool has_attachment; /* of one byte a vertex */
 } order;
 
-static const double irrational[3][3] = {{0.1, 1.0 / 3, 1e-17}, {1e6 + 1.0 / 7, 0, 0}, {0, 1e6 + 1.0 / 9, 1e-300}};
+static const double irrational[3][3] = {
+    {0.1, 1.0 / 3, 1e-17}, {1e6 + 1.0 / 7, 0, 0}, {0, 1e6 + 1.0 / 9, 1e-300}};
 static const unsigned char numbers[3] = {7, 0, 9};
 
-/* --- the handler -------------------------------------------------------------------------------------------------- */
+/* --- the handler ------------------------------------------------------------------------------ */
 
 static void free_making(void *state)
 {
@@ -33,10 +34,12 @@ static bool add_all(struct server_making *making, struct proto_problem *problem)
     double flat[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, positions[3][3];
     uint32_t corners[3] = {0, 1, 2};
     memcpy(positions, order.is_flat ? flat : (double(*)[3])irrational, sizeof positions);
-    struct gd_polygons polygons = {.positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
     const struct server_attachment attachment = {numbers, sizeof numbers};
     for (uint32_t i = 0; i < order.count; i++) {
-        if (!server_making_add(making, order.names[i], &polygons, order.has_attachment ? &attachment : NULL, problem))
+        if (!server_making_add(making, order.names[i], &polygons,
+                               order.has_attachment ? &attachment : NULL, problem))
             return false;
         positions[0][2] += 1; /* the next one is another */
     }
@@ -118,15 +121,18 @@ const struct proto_route proto_routes[] = {
 };
 const size_t proto_route_count = COUNT(proto_routes);
 
-/* --- a daemon with a folder --------------------------------------------------------------------------------------- */
+/* --- a daemon with a folder ------------------------------------------------------------------- */
 
 static char folder[FOLDER_PATH];
-static enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record,
+static enum server_store_outcome (*put)(struct server_store *store,
+                                        const struct server_record *record,
                                         const struct server_content *content, uint64_t *version);
 static int puts_left; /* before one fails */
 
-static enum server_store_outcome put_or_fail(struct server_store *store, const struct server_record *record,
-                                             const struct server_content *content, uint64_t *version)
+static enum server_store_outcome put_or_fail(struct server_store *store,
+                                             const struct server_record *record,
+                                             const struct server_content *content,
+                                             uint64_t *version)
 {
     return puts_left-- > 0 ? put(store, record, content, version) : SERVER_STORE_FULL;
 }
@@ -159,8 +165,8 @@ static int tear_down(void **state)
 }
 
 #define GET(path) daemon_answer((struct daemon_request){.method = "GET", .target = path})
-#define MAKE(...)                                                                                                      \
-    (memcpy(&order, &(__typeof__(order)){__VA_ARGS__}, sizeof order),                                                  \
+#define MAKE(...)                                                                                  \
+    (memcpy(&order, &(__typeof__(order)){__VA_ARGS__}, sizeof order),                              \
      daemon_answer((struct daemon_request){.method = "GET", .target = "/v1/make"}))
 
 static bool begins(const char *text, const char *beginning)
@@ -182,7 +188,8 @@ static unsigned stored(const char *pattern)
 static void made_meshes_outlive_the_daemon_to_the_last_bit(void **state)
 {
     (void)state;
-    assert_true(begins(MAKE(.names = {"a", "b"}, .count = 2, .has_attachment = true), "201 [{\"name\":\"a\""));
+    assert_true(begins(MAKE(.names = {"a", "b"}, .count = 2, .has_attachment = true),
+                       "201 [{\"name\":\"a\""));
     assert_string_equal(GET("/v1/meshes/a/attachment"), "200 [7,0,9]");
     char *before = strdup(GET("/v1/meshes/b"));
     daemon_stop();
@@ -210,7 +217,8 @@ static void the_same_again_changes_nothing(void **state)
     assert_true(begins(MAKE(.names = {"a"}, .count = 1, .has_attachment = true), "200"));
     assert_string_equal(GET("/v1/meshes/a"), before);
     assert_int_equal(stored("objects"), 2);
-    assert_true(begins(MAKE(.names = {"a"}, .count = 1), "200")); /* without its attachment it is another */
+    /* without its attachment it is another */
+    assert_true(begins(MAKE(.names = {"a"}, .count = 1), "200"));
     assert_string_not_equal(GET("/v1/meshes/a"), before);
     assert_string_equal(GET("/v1/meshes/a/attachment"), "200 []");
     assert_int_equal(stored("objects"), 1);
@@ -225,7 +233,8 @@ static void attachments_go_with_the_last_mesh_that_has_them(void **state)
     for (char name = 'a'; name <= 'c'; name++) {
         char target[] = "/v1/meshes/ ";
         target[11] = name;
-        assert_int_equal(daemon_status((struct daemon_request){.method = "DELETE", .target = target}), 204);
+        assert_int_equal(
+            daemon_status((struct daemon_request){.method = "DELETE", .target = target}), 204);
     }
     assert_int_equal(stored("objects"), 0);
 }
@@ -259,7 +268,8 @@ static void a_damaged_attachment_is_never_given_out(void **state)
     char command[2 * FOLDER_PATH];
     MAKE(.names = {"a"}, .count = 1, .has_attachment = true);
     daemon_stop();
-    snprintf(command, sizeof command, "find '%s/objects' -type f -size -4c -exec sh -c 'printf x > \"$1\"' - {} ';'",
+    snprintf(command, sizeof command,
+             "find '%s/objects' -type f -size -4c -exec sh -c 'printf x > \"$1\"' - {} ';'",
              folder);
     assert_int_equal(system(command), 0);
     char *text = NULL;
@@ -267,7 +277,8 @@ static void a_damaged_attachment_is_never_given_out(void **state)
     FILE *out = open_memstream(&text, &size);
     assert_false(server_store_check(folder, out));
     fclose(out);
-    assert_non_null(strstr(text, "fault: the surface's attachment is damaged or can't be read: a\n"));
+    assert_non_null(
+        strstr(text, "fault: the surface's attachment is damaged or can't be read: a\n"));
     free(text);
     start();
     assert_true(begins(GET("/v1/meshes/a/attachment"), "500"));

@@ -45,16 +45,18 @@ static int tear_down(void **state)
 
 static struct server_content content_of(const char *bytes, const char *attachment)
 {
-    return (struct server_content){.parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
+    return (struct server_content){
+        .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
 }
 
 /* Puts a surface of any key, with an attachment if there is one. */
-static enum server_store_outcome put_of(struct fixture *fixture, struct server_key key, const char *bytes,
-                                        const char *attachment)
+static enum server_store_outcome put_of(struct fixture *fixture, struct server_key key,
+                                        const char *bytes, const char *attachment)
 {
     struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
     const struct server_content content = content_of(bytes, attachment);
-    enum server_store_outcome outcome = fixture->store->put(fixture->store, record, &content, &version);
+    enum server_store_outcome outcome =
+        fixture->store->put(fixture->store, record, &content, &version);
     if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
@@ -65,8 +67,8 @@ static enum server_store_outcome put(struct fixture *fixture, const char *name, 
     return put_of(fixture, mesh_key(name), bytes, NULL);
 }
 
-static enum server_store_outcome drop_of(struct fixture *fixture, struct server_key key, const char *bytes,
-                                         const char *attachment)
+static enum server_store_outcome drop_of(struct fixture *fixture, struct server_key key,
+                                         const char *bytes, const char *attachment)
 {
     struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
     enum server_store_outcome outcome = fixture->store->remove(fixture->store, record, &version);
@@ -81,8 +83,8 @@ static enum server_store_outcome drop(struct fixture *fixture, const char *name,
 }
 
 /* Fetches a part of that tenant's, by its bytes. */
-static enum server_store_outcome fetch_of(struct fixture *fixture, const char *tenant, enum server_part part,
-                                          const char *bytes)
+static enum server_store_outcome fetch_of(struct fixture *fixture, const char *tenant,
+                                          enum server_part part, const char *bytes)
 {
     struct server_key key = mesh_key("any");
     key.tenant = tenant;
@@ -109,7 +111,8 @@ static bool on_record(void *user, const struct server_stored *stored)
 {
     struct listing *listing = user;
     size_t size = strlen(listing->text);
-    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", stored->record->key, (int)stored->uses.count);
+    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", stored->record->key,
+             (int)stored->uses.count);
     return true;
 }
 
@@ -128,7 +131,8 @@ static void path_in(const struct fixture *fixture, char path[SERVER_DISK_PATH], 
     snprintf(path, SERVER_DISK_PATH, "%s/%s", fixture->folder, name);
 }
 
-static void object_path(const struct fixture *fixture, char path[SERVER_DISK_PATH], const char *bytes)
+static void object_path(const struct fixture *fixture, char path[SERVER_DISK_PATH],
+                        const char *bytes)
 {
     char sha256[SERVER_SHA256_HEX];
     server_sha256(bytes, strlen(bytes), sha256);
@@ -170,7 +174,8 @@ static void keeps_in_order(void **state)
     struct fixture *fixture = *state;
     assert_holds(fixture, "");
     static const char *const names[] = {"m", "b", "z", "B", "bb", "-"};
-    for (size_t i = 0; i < COUNT(names); i++) assert_int_equal(put(fixture, names[i], names[i]), SERVER_STORE_DONE);
+    for (size_t i = 0; i < COUNT(names); i++)
+        assert_int_equal(put(fixture, names[i], names[i]), SERVER_STORE_DONE);
     assert_int_equal(drop(fixture, "z", "z"), SERVER_STORE_DONE);
     assert_int_equal(put(fixture, "m", "other"), SERVER_STORE_DONE);
     assert_holds(fixture, "-=0 B=0 b=0 bb=0 m=0 ");
@@ -191,14 +196,16 @@ static void shares_bytes(void **state)
     assert_int_equal(fetch(fixture, "same"), SERVER_STORE_ABSENT);
 }
 
-/* Who was told of a surface before it went can still fetch its bytes until everybody is told otherwise. */
+/* Who was told of a surface before it went can still fetch its bytes until everybody is told
+ * otherwise. */
 static void bytes_go_when_all_is_tidy(void **state)
 {
     struct fixture *fixture = *state;
     struct server_record *two = new_record("a", "2");
     put(fixture, "a", "1");
     const struct server_content content = content_of("2", NULL);
-    assert_int_equal(fixture->store->put(fixture->store, two, &content, &version), SERVER_STORE_DONE);
+    assert_int_equal(fixture->store->put(fixture->store, two, &content, &version),
+                     SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE);
     fixture->store->tidy(fixture->store);
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT);
@@ -242,7 +249,7 @@ static void finds_damaged_bytes_and_takes_them_again(void **state)
     server_record_release(record);
 }
 
-/* --- verification ------------------------------------------------------------------------------------------------- */
+/* --- verification ----------------------------------------------------------------------------- */
 
 struct pacing {
     size_t bytes, most;      /* read, and after how many it ends */
@@ -256,13 +263,15 @@ static bool on_piece(void *user, size_t bytes)
     pacing->bytes += bytes;
     if (pacing->fixture) {
         const struct server_content content = content_of("some bytes", NULL);
-        assert_int_equal(pacing->fixture->store->keep(pacing->fixture->store, pacing->written, &content),
-                         SERVER_STORE_DONE);
+        assert_int_equal(
+            pacing->fixture->store->keep(pacing->fixture->store, pacing->written, &content),
+            SERVER_STORE_DONE);
     }
     return pacing->bytes <= pacing->most;
 }
 
-static enum server_store_verdict verify(struct fixture *fixture, const char *bytes, struct pacing pacing)
+static enum server_store_verdict verify(struct fixture *fixture, const char *bytes,
+                                        struct pacing pacing)
 {
     struct server_record *record = new_record("a", bytes);
     enum server_store_verdict verdict =
@@ -280,7 +289,8 @@ static void what_was_found_damaged_is_not_read_again(void **state)
     object_path(fixture, path, "some bytes");
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_SOUND);
     assert_int_equal(verify(fixture, "others", all), SERVER_VERDICT_MISSING);
-    assert_int_equal(verify(fixture, "some bytes", (struct pacing){.most = 0}), SERVER_VERDICT_NONE);
+    assert_int_equal(verify(fixture, "some bytes", (struct pacing){.most = 0}),
+                     SERVER_VERDICT_NONE);
     write_over(path, "x");
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_DAMAGED);
     assert_int_equal(fixture->store->damaged(fixture->store), 1);
@@ -298,7 +308,8 @@ static void what_was_found_damaged_is_not_read_again(void **state)
 static void what_is_written_meanwhile_is_not_condemned(void **state)
 {
     struct fixture *fixture = *state;
-    struct pacing pacing = {.most = SIZE_MAX, .fixture = fixture, .written = new_record("a", "some bytes")};
+    struct pacing pacing = {
+        .most = SIZE_MAX, .fixture = fixture, .written = new_record("a", "some bytes")};
     char path[SERVER_DISK_PATH];
     put(fixture, "a", "some bytes");
     object_path(fixture, path, "some bytes");
@@ -383,7 +394,7 @@ static void without_row_and_manifest_a_name_is_lost_and_no_other(void **state)
     assert_holds(fixture, "b=0 ");
 }
 
-/* --- tenants and attachments -------------------------------------------------------------------------------------- */
+/* --- tenants and attachments ------------------------------------------------------------------ */
 
 static void names_are_each_tenants_own(void **state)
 {
@@ -393,7 +404,8 @@ static void names_are_each_tenants_own(void **state)
     assert_int_equal(put_of(fixture, acme, "1", NULL), SERVER_STORE_DONE);
     assert_holds(fixture, "a=0 acme@a=0 ");
     assert_int_equal(drop(fixture, "a", "1"), SERVER_STORE_DONE);
-    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT); /* the same bytes are not the same object */
+    /* the same bytes are not the same object */
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT);
     assert_int_equal(fetch_of(fixture, "acme", SERVER_PART_FILE, "1"), SERVER_STORE_DONE);
     close_store(fixture);
     lose(fixture, "geodesicd.db");
@@ -410,10 +422,13 @@ static void an_attachment_comes_and_goes_with_its_surface(void **state)
     const struct server_key key = mesh_key("a");
     assert_int_equal(put_of(fixture, key, "file", "attachment"), SERVER_STORE_DONE);
     assert_int_equal(put_of(fixture, mesh_key("b"), "other", "attachment"), SERVER_STORE_DONE);
-    assert_int_equal(put(fixture, "c", "attachment"), SERVER_STORE_DONE); /* a file with the bytes of an attachment */
+    /* a file with the bytes of an attachment */
+    assert_int_equal(put(fixture, "c", "attachment"), SERVER_STORE_DONE);
     assert_holds(fixture, "a=0 b=0 c=0 ");
-    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"), SERVER_STORE_DONE);
-    assert_int_equal(put(fixture, "a", "file"), SERVER_STORE_DONE); /* without it, it is another surface */
+    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"),
+                     SERVER_STORE_DONE);
+    /* without it, it is another surface */
+    assert_int_equal(put(fixture, "a", "file"), SERVER_STORE_DONE);
     assert_int_equal(drop(fixture, "c", "attachment"), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_DONE); /* of b */
     assert_int_equal(drop_of(fixture, mesh_key("b"), "other", "attachment"), SERVER_STORE_DONE);
@@ -431,9 +446,11 @@ static void a_damaged_attachment_is_found_and_taken_again(void **state)
     put_of(fixture, mesh_key("a"), "file", "attachment");
     object_path(fixture, path, "attachment");
     write_over(path, "x");
-    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"), SERVER_STORE_DAMAGED);
+    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"),
+                     SERVER_STORE_DAMAGED);
     assert_int_equal(fixture->store->keep(fixture->store, record, &content), SERVER_STORE_DONE);
-    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"), SERVER_STORE_DONE);
+    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"),
+                     SERVER_STORE_DONE);
     server_record_release(record);
 }
 

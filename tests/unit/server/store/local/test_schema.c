@@ -55,7 +55,8 @@ static void makes_a_new_one_without_a_copy(void **state)
     int version = -1;
     assert_int_equal(server_store_version(fixture->database, &version), SERVER_STORE_DONE);
     assert_int_equal(version, 0);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy), SERVER_STORE_DONE);
+    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+                     SERVER_STORE_DONE);
     assert_int_equal(number(fixture->database, "SELECT b FROM t"), 8);
     assert_int_equal(number(fixture->database, "PRAGMA user_version"), 3);
     assert_int_not_equal(access(fixture->copy, F_OK), 0);
@@ -65,10 +66,13 @@ static void brings_an_older_one_up_and_keeps_a_copy(void **state)
 {
     struct fixture *fixture = *state;
     sqlite3 *copy;
-    assert_int_equal(server_store_migrate(fixture->database, steps, 1, fixture->copy), SERVER_STORE_DONE);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 1, fixture->copy), SERVER_STORE_DONE);
+    assert_int_equal(server_store_migrate(fixture->database, steps, 1, fixture->copy),
+                     SERVER_STORE_DONE);
+    assert_int_equal(server_store_migrate(fixture->database, steps, 1, fixture->copy),
+                     SERVER_STORE_DONE);
     assert_int_not_equal(access(fixture->copy, F_OK), 0); /* nothing was to be done */
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy), SERVER_STORE_DONE);
+    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+                     SERVER_STORE_DONE);
     assert_int_equal(number(fixture->database, "SELECT b FROM t"), 8);
     assert_int_equal(sqlite3_open(fixture->copy, &copy), SQLITE_OK);
     assert_int_equal(number(copy, "SELECT a FROM t"), 7);
@@ -79,8 +83,10 @@ static void brings_an_older_one_up_and_keeps_a_copy(void **state)
 static void a_step_that_fails_changes_nothing(void **state)
 {
     struct fixture *fixture = *state;
-    assert_int_equal(server_store_migrate(fixture->database, wrong_steps, 1, fixture->copy), SERVER_STORE_DONE);
-    assert_int_equal(server_store_migrate(fixture->database, wrong_steps, 2, fixture->copy), SERVER_STORE_DAMAGED);
+    assert_int_equal(server_store_migrate(fixture->database, wrong_steps, 1, fixture->copy),
+                     SERVER_STORE_DONE);
+    assert_int_equal(server_store_migrate(fixture->database, wrong_steps, 2, fixture->copy),
+                     SERVER_STORE_DAMAGED);
     assert_int_equal(number(fixture->database, "SELECT count(*) FROM t"), 1);
     assert_int_equal(number(fixture->database, "PRAGMA user_version"), 1);
 }
@@ -89,9 +95,11 @@ static void a_version_that_never_was_is_damage(void **state)
 {
     struct fixture *fixture = *state;
     sqlite3_exec(fixture->database, "PRAGMA user_version = 99", NULL, NULL, NULL);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy), SERVER_STORE_DAMAGED);
+    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+                     SERVER_STORE_DAMAGED);
     sqlite3_exec(fixture->database, "PRAGMA user_version = -1", NULL, NULL, NULL);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy), SERVER_STORE_DAMAGED);
+    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+                     SERVER_STORE_DAMAGED);
 }
 
 static void codes_become_outcomes(void **state)
