@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
 """Reads every #include and fails where a file includes what its room may not (README, "The house").
 
-A file of the engine includes its own room and rooms of lower rank. proto includes gd/ headers and jansson. server includes gd/, proto/ and
-its boundaries, each in one place. Tests may include anything.
+A file of `engine` or `server` includes its own room and rooms of lower rank, never a room of equal rank. `proto`
+includes public headers of the engine. `server` includes public headers of the engine and `proto`. A library shows in
+its own room only, and the server's struct in the composition root only. No part (a source with its header) includes
+itself, however long the way. Tests may include anything.
+
+Prints breaches, circles, and the rooms with their sizes.
 """
+import collections
 import pathlib
 import re
 import sys
 
-RANK = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "line": 4, "query": 5, "transport": 6, "render": 6, "cut": 7, "subdiv": 7, "nurbs": 7}
-
-# public headers have the rank of the room that implements them
+# rooms of the engine; gd/ headers have the rank of the room that implements them
+ENGINE = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "line": 4, "query": 5, "transport": 6, "render": 6, "cut": 7, "subdiv": 7, "nurbs": 7}
 PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
@@ -24,71 +28,125 @@ PUBLIC = {
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
     "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
 }
-ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for name in names}
+ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}
 
-# libraries, and the only files that may include them
+SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "http": 3, "store": 3, "store/local": 4, "store/postgres": 4, "fields": 3,
+          "surfaces": 5, "jobs": 6, "query": 7, "api/surfaces": 8, "api/distances": 8, "api/curves": 8, "api/smooth": 8, "api/service": 8, "": 9}
+
+RANK = {f"engine/{room}": rank for room, rank in ENGINE.items()} | {"proto": 10} | {f"server/{room}".rstrip("/"): 20 + rank for room, rank in SERVER.items()}
+
+# libraries and the server's struct, and the folders (or files) that alone may include them
 BOUNDARY = {
-    r"microhttpd\.h": ["server/http/*"],
-    r"jansson\.h": ["proto/*", "server/query/*", "server/api/*/*"],
-    r"gnutls/.*": ["server/http/*", "server/base/*"],
-    r"zlib\.h": ["server/base/*", "engine/render/png.c"],
-    r"seccomp\.h": ["server/access/seccomp.c"],
-    r"sqlite3\.h": ["server/store/local/*"],
-    r"(postgresql/)?libpq-fe\.h": ["server/store/postgres/*"],
+    r"microhttpd\.h": ["server/http"],
+    r"jansson\.h": ["proto", "server/query", "server/api", "clients/c"],
+    r"gnutls/.*": ["server/http", "server/base"],
+    r"zlib\.h": ["server/base", "engine/render/png.c"],
+    r"seccomp\.h": ["server/access"],
+    r"sqlite3\.h": ["server/store/local"],
+    r"(postgresql/)?libpq-fe\.h": ["server/store/postgres"],
+    r"server/server\.h": ["server/server.c", "server/main.c", "server/router.c", "server/metrics.c"],
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)
 
 
+def sources():
+    for top in ("engine", "proto", "server", "clients"):
+        for path in sorted(pathlib.Path(top).rglob("*")):
+            if path.suffix in (".c", ".h", ".cc", ".hpp") and "node_modules" not in path.parts:
+                yield path
+
+
 def room_of(path):
-    parts = path.parts
-    if parts[0] == "engine" and parts[1] == "include":
-        return ROOM_OF_HEADER.get("gd/" + path.name, "unknown public header")
-    return parts[1] if parts[0] == "engine" else parts[0]
+    """The room of a source, or None outside the house."""
+    if path.parts[:2] == ("engine", "include"):
+        return ROOM_OF_HEADER.get("gd/" + path.name, f"gd/{path.name}")
+    folder = path.parent.as_posix()
+    return folder if folder in RANK else "proto" if path.parts[0] == "proto" else None
 
 
-def target_room(include):
-    if include.startswith("gd/"):
-        return ROOM_OF_HEADER.get(include, "unknown public header")
-    first = include.split("/")[0]
-    return first if first in RANK or first in ("proto", "server") else None
-
-
-def breach(path, include):
-    for library, places in BOUNDARY.items():
-        if re.fullmatch(library, include) and not any(path.match(place) for place in places):
-            return f"only {', '.join(places)} may include it"
-    source, target = room_of(path), target_room(include)
-    if target is None:
-        return None
-    if target not in RANK and target not in ("proto", "server"):
-        return f"{target}: say in tests/check_layers.py which room it belongs to"
-    if source in RANK:
-        if target not in RANK:
-            return "the engine knows nothing of proto and server"
-        if RANK[target] > RANK[source] or (RANK[target] == RANK[source] and target != source):
-            return f"{source} (rank {RANK[source]}) may not include {target} (rank {RANK[target]})"
-    elif target in RANK and not include.startswith("gd/"):
-        return "only the engine's public headers, gd/…"
-    elif source == "proto" and target == "server":
-        return "proto knows nothing of the server"
+def resolve(path, include):
+    """The file of this project that an include names, or None."""
+    for base in (path.parent, pathlib.Path("."), pathlib.Path("engine"), pathlib.Path("engine/include")):
+        if (base / include).is_file():
+            return base / include
     return None
 
 
+def breach(path, include, target):
+    """Why the file may not include it, or None."""
+    for library, places in BOUNDARY.items():
+        if re.fullmatch(library, include) and not any(path.is_relative_to(place) for place in places):
+            return f"only {', '.join(places)} may include it"
+    source, room = room_of(path), room_of(target) if target else None
+    if source is None or room is None or room == source:
+        return None
+    if room not in RANK:
+        return f"{room}: say in tests/check_layers.py which room it belongs to"
+    if not source.startswith("engine/") and room.startswith("engine/") and target.parts[1] != "include":
+        return "only the engine's public headers, gd/…"
+    if RANK[room] >= RANK[source]:
+        return f"{source} (rank {RANK[source]}) may not include {room} (rank {RANK[room]})"
+    return None
+
+
+def part_of(path):
+    """A source and its header are one part."""
+    return "gd/" + path.stem if path.parts[:2] == ("engine", "include") else path.with_suffix("").as_posix()
+
+
+def circles(graph):
+    """Sets of parts that include each other: Tarjan's strongly connected components."""
+    index, low, stack, found = {}, {}, [], []
+
+    def visit(node):
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in sorted(graph[node]):
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            members = [stack.pop()]
+            while members[-1] != node:
+                members.append(stack.pop())
+            if len(members) > 1:
+                found.append(sorted(members))
+
+    for node in sorted(graph):
+        if node not in index:
+            visit(node)
+    return found
+
+
 def main():
-    breaches = 0
-    for top in ("engine", "proto", "server"):
-        for path in sorted(pathlib.Path(top).rglob("*")):
-            if path.suffix not in (".c", ".h", ".cc", ".hpp"):
-                continue
-            for include in INCLUDE.findall(path.read_text()):
-                why = breach(path, include)
-                if why:
-                    print(f"{path}: includes {include}: {why}")
-                    breaches += 1
-    print(f"layers: {breaches} breaches")
-    return 1 if breaches else 0
+    breaches, lines, files, graph = 0, collections.Counter(), collections.Counter(), collections.defaultdict(set)
+    for path in sources():
+        text = path.read_text()
+        room = room_of(path) or path.parent.as_posix()
+        lines[room] += text.count("\n")
+        files[room] += 1
+        graph[part_of(path)] |= set()
+        for include in INCLUDE.findall(text):
+            target = resolve(path, include)
+            why = breach(path, include, target)
+            if why:
+                print(f"{path}: includes {include}: {why}")
+                breaches += 1
+            if target and part_of(target) != part_of(path):
+                graph[part_of(path)].add(part_of(target))
+                graph[part_of(target)] |= set()
+    found = circles(graph)
+    for members in found:
+        print("circle: " + " ".join(members))
+    for room in sorted(lines, key=lambda room: (RANK.get(room, 99), room)):
+        print(f"{RANK.get(room, ''):>4}  {room:<24} {files[room]:>3} files {lines[room]:>6} lines")
+    print(f"layers: {breaches} breaches, {len(found)} circles")
+    return 1 if breaches or found else 0
 
 
 if __name__ == "__main__":
+    sys.setrecursionlimit(10000)
     sys.exit(main())
