@@ -10,7 +10,7 @@
 #include "server/query/request.h"
 #include "server/http/prefer.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define QUERY_BODY_LIMIT (UINT64_C(1) << 20) /* bytes of a query's JSON */
 #define BATCH_BODY_LIMIT (UINT64_C(4) << 20) /* of what begins a batch */
@@ -60,7 +60,7 @@ static void identify(struct server_exchange *exchange)
 
 static bool admit(struct server_exchange *exchange, struct proto_problem *problem)
 {
-    const struct server_guard *guard = &exchange->server->guard;
+    const struct server_guard *guard = exchange->host->api->guard;
     const struct server_guard_request request = {
         .host = server_exchange_header(exchange, "Host"),
         .origin = server_exchange_header(exchange, "Origin"),
@@ -118,7 +118,7 @@ static bool authorize(struct server_exchange *exchange, struct proto_problem *pr
         .authorization_count = server_exchange_count_headers(exchange, "Authorization"),
         .needed = route ? route->access : PROTO_ACCESS_READ,
     };
-    if (!server_access_admit(exchange->server->access, &request, &exchange->grant, problem))
+    if (!server_access_admit(exchange->host->api->access, &request, &exchange->grant, problem))
         return false;
     exchange->tenant = server_grant_tenant(&exchange->grant);
     return true;
@@ -131,7 +131,7 @@ static bool prepare_coding(struct server_exchange *exchange, struct proto_proble
     if (!coding || strcasecmp(coding, "identity") == 0) return true;
     if (server_exchange_count_headers(exchange, "Content-Encoding") == 1 &&
         (strcasecmp(coding, "gzip") == 0 || strcasecmp(coding, "x-gzip") == 0))
-        return server_body_unpack(&exchange->body, &exchange->server->budget, problem);
+        return server_body_unpack(&exchange->body, exchange->host->budget, problem);
     return proto_problem_set(
         problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
         "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
@@ -141,7 +141,7 @@ static bool prepare_body(struct server_exchange *exchange, const struct server_f
                          struct proto_problem *problem)
 {
     const struct proto_route *route = exchange->match.route;
-    uint64_t limit = exchange->server->config.max_body;
+    uint64_t limit = exchange->host->api->config->max_body;
     if (!route->has_body)
         return framing->declared == 0 ||
                proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
@@ -152,7 +152,7 @@ static bool prepare_body(struct server_exchange *exchange, const struct server_f
     if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
     if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
         limit = BATCH_BODY_LIMIT;
-    return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit,
+    return server_body_prepare(&exchange->body, exchange->host->budget, framing->declared, limit,
                                problem) &&
            prepare_coding(exchange, problem);
 }
@@ -196,7 +196,7 @@ void server_router_dispatch(struct server_exchange *exchange)
     const struct proto_route *route = exchange->match.route;
     /* the time begins when all is there */
     uint64_t now_ns = exchange->body.size ? gd_now_ns() : exchange->started_ns;
-    exchange->job.deadline_ns = now_ns + exchange->server->config.timeout_ms * 1000000;
+    exchange->job.deadline_ns = now_ns + exchange->host->timeout_ms * 1000000;
     if (server_request_follows_first(exchange)) return;
     if (route->query && exchange->body.size > INLINE_BODY_LIMIT)
         server_exchange_defer(exchange, run_handler, NULL);
@@ -208,7 +208,7 @@ void server_router_end(struct server_exchange *exchange)
 {
     struct proto_problem problem;
     if (exchange->response.status) return;
-    if (!server_body_check(&exchange->body, &exchange->server->budget, &problem))
+    if (!server_body_check(&exchange->body, exchange->host->budget, &problem))
         server_reply_problem(exchange, &problem);
     else if (exchange->match.route->is_async && server_prefers(exchange, "respond-async"))
         server_handle_async(exchange);

@@ -21,6 +21,8 @@
 #include "server/surfaces/scrub.h"
 #include "server/work/deadlines.h"
 #include "server/http/tls.h"
+#include "server/gauges.h"
+#include "server/router.h"
 
 /* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound
  * with the arrays' size, and keep what meshes and fields leave behind: half of the budget again,
@@ -122,6 +124,47 @@ static bool open_access(struct server *server, char *error, size_t error_size)
     return !*config->tls_cert || server->tls;
 }
 
+static void watch_deadlines(void *user)
+{
+    struct server *server = user;
+    server_timekeeper_wake(server->timekeeper);
+}
+
+void server_connect(struct server *server)
+{
+    const struct server_config *config = &server->config;
+    server->host = (struct server_host){
+        .budget = &server->budget,
+        .workers = server->workers,
+        .workspaces = server->workspaces,
+        .events = server->events,
+        .metrics = server->metrics,
+        .timeout_ms = config->timeout_ms,
+        .slow_ms = config->slow_ms,
+        .queue_length = config->queue_length,
+        .has_cors_origins = config->cors_origins.count > 0,
+        .dispatch = server_router_dispatch,
+        .watch = watch_deadlines,
+        .watcher = server,
+        .api = &server->api,
+    };
+    server->api = (struct server_api){
+        .config = config,
+        .guard = &server->guard,
+        .access = server->access,
+        .registry = server->registry,
+        .cache = server->cache,
+        .loads = server->loads,
+        .landmarks = server->landmarks,
+        .discretizations = server->discretizations,
+        .jobs = server->jobs,
+        .batches = server->batches,
+        .write_metrics = server_gauges_write,
+        .metrics_source = server,
+        .server = server,
+    };
+}
+
 static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
@@ -152,7 +195,9 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     server->keeper = server_keeper_create(server);
     bool scrubs = config->scrub_s && server_registry_can_verify(server->registry);
     if (scrubs) server->scrub = server_scrub_create(server);
+    server_connect(server);
     server->batches = server_batches_create(server, error, error_size);
+    server->api.batches = server->batches;
     server->connections = server_connections_create();
     return server->timekeeper && server->keeper && server->batches && server->connections &&
            (!scrubs || server->scrub);
@@ -180,11 +225,6 @@ struct server *server_start(const struct server_config *config, int listening, c
     if (server->workers) server_workers_cancel(server->workers);
     destroy(server);
     return NULL;
-}
-
-void server_deferred_begin(struct server *server)
-{
-    if (atomic_fetch_add(&server->deferred, 1) == 0) server_timekeeper_wake(server->timekeeper);
 }
 
 /* --- anew ------------------------------------------------------------------------------------- */
@@ -218,7 +258,7 @@ static void pause_briefly(void)
 /* Requests under way, and jobs, which no request waits for. */
 static void wait_until_idle(struct server *server, uint64_t until_ns)
 {
-    while ((server_http_active(server->http) || atomic_load(&server->deferred)) &&
+    while ((server_http_active(server->http) || atomic_load(&server->host.deferred)) &&
            gd_now_ns() < until_ns)
         pause_briefly();
 }
@@ -229,7 +269,7 @@ static void stand_aside(struct server *server)
 {
     uint64_t ms = server->config.drain_delay_ms;
     struct timespec rest = {(time_t)(ms / 1000), (long)(ms % 1000) * 1000000};
-    atomic_store(&server->draining, true);
+    atomic_store(&server->host.is_draining, true);
     if (ms)
         server_log_message(SERVER_LOG_INFO, "standing_aside", "for %llu ms",
                            (unsigned long long)ms);
@@ -266,7 +306,7 @@ void server_stop(struct server *server)
     server_events_end(server->events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->workers);
-    while (atomic_load(&server->deferred) || server_workers_load(server->workers).background)
+    while (atomic_load(&server->host.deferred) || server_workers_load(server->workers).background)
         pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     server_http_stop(server->http);

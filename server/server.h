@@ -15,18 +15,18 @@
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "server/work/budget.h"
 #include "server/fields/cache.h"
 #include "server/config/config.h"
+#include "server/query/api.h"
 #include "server/surfaces/discretizations.h"
 #include "server/access/guard.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/pending_loads.h"
-#include "server/metrics.h"
+#include "server/http/metrics.h"
 #include "server/surfaces/registry.h"
 #include "server/work/workers.h"
 #include "server/work/workspaces.h"
@@ -44,6 +44,8 @@ struct server_scrub;
 struct server_field_store;
 
 struct server {
+    struct server_host host; /* what requests use */
+    struct server_api api;   /* what their handlers use besides */
     struct server_config config;
     struct server_guard guard;
     struct server_access *access; /* NULL: there are no keys */
@@ -66,14 +68,15 @@ struct server {
     struct server_scrub *scrub; /* NULL: nothing is looked through */
     struct server_connections *connections;
     struct server_http *http;
-    atomic_uint deferred; /* exchanges that connections and jobs have submitted */
-    atomic_bool draining;
 };
 
 /* Starts everything, and listens last on the socket (server_address_bind), which becomes the
  * server's own. NULL with a sentence in `error`. */
 struct server *server_start(const struct server_config *config, int listening, char *error,
                             size_t error_size);
+
+/* Fills in host and api with the parts that there are. */
+void server_connect(struct server *server);
 
 /* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By
  * one thread at a time. */
@@ -82,8 +85,5 @@ void server_reload(struct server *server);
 /* Drains, stops, frees. Returns within drain_delay_ms, drain_ms and the few seconds that the last
  * answers need to leave. */
 void server_stop(struct server *server);
-
-/* Counts an exchange as deferred, before it is submitted. */
-void server_deferred_begin(struct server *server);
 
 #endif

@@ -11,7 +11,7 @@
 #include "server/fields/cache.h"
 #include "server/http/events.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/surfaces/surface.h"
 
 /* --- the target ------------------------------------------------------------------------------- */
 
@@ -93,11 +93,11 @@ static bool read_target(struct server_exchange *exchange, const char *target)
 static void run(struct server_job *job);
 static void refuse(struct server_job *job, enum server_refusal why);
 
-static void clear(struct server_exchange *exchange, struct server *server,
+static void clear(struct server_exchange *exchange, struct server_host *host,
                   const struct server_transport *transport)
 {
     memset(exchange, 0, offsetof(struct server_exchange, response.headers));
-    exchange->server = server;
+    exchange->host = host;
     exchange->transport = transport;
     exchange->tenant = "";
     exchange->started_ns = gd_now_ns();
@@ -105,10 +105,10 @@ static void clear(struct server_exchange *exchange, struct server *server,
     exchange->job.refuse = refuse;
 }
 
-bool server_exchange_begin(struct server_exchange *exchange, struct server *server,
+bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target)
 {
-    clear(exchange, server, transport);
+    clear(exchange, host, transport);
     return read_target(exchange, target);
 }
 
@@ -123,8 +123,8 @@ void server_exchange_end(struct server_exchange *exchange)
 {
     drop_state(exchange);
     server_surface_release(exchange->surface);
-    server_body_drop(&exchange->body, &exchange->server->budget);
-    server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, exchange->held);
+    server_body_drop(&exchange->body, exchange->host->budget);
+    server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_stream_close(exchange->response.stream);
     server_grant_end(&exchange->grant);
     server_reply_drop_body(exchange);
@@ -132,12 +132,12 @@ void server_exchange_end(struct server_exchange *exchange)
     free(exchange->target);
 }
 
-struct server_exchange *server_exchange_create(struct server *server,
+struct server_exchange *server_exchange_create(struct server_host *host,
                                                const struct server_transport *transport,
                                                const char *target)
 {
     struct server_exchange *exchange = malloc(sizeof *exchange);
-    if (exchange && server_exchange_begin(exchange, server, transport, target)) return exchange;
+    if (exchange && server_exchange_begin(exchange, host, transport, target)) return exchange;
     free(exchange);
     return NULL;
 }
@@ -215,9 +215,9 @@ static struct server_exchange *create_detached(struct server_exchange *exchange,
 {
     struct server_exchange *detached = malloc(sizeof *detached);
     if (!detached) return NULL;
-    clear(detached, exchange->server, transport);
+    clear(detached, exchange->host, transport);
     size_t bytes = sizeof *detached + exchange->target_size;
-    if (server_budget_take(&exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes))
+    if (server_budget_take(exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
         detached->held = bytes;
     if (detached->held && copy_target(detached, exchange) && copy_head(detached, exchange))
         return detached;
@@ -318,7 +318,7 @@ struct server_exchange *server_exchange_of(struct server_job *job)
 
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms)
 {
-    uint64_t limit_ms = exchange->server->config.timeout_ms;
+    uint64_t limit_ms = exchange->host->timeout_ms;
     if (!timeout_ms || timeout_ms >= limit_ms) return;
     exchange->job.deadline_ns -= (limit_ms - timeout_ms) * 1000000;
 }
@@ -333,10 +333,10 @@ void server_exchange_defer(struct server_exchange *exchange,
 
 static void finish(struct server_exchange *exchange)
 {
-    struct server *server = exchange->server;
+    struct server_host *host = exchange->host;
     drop_state(exchange); /* now: others may wait for what it holds */
     exchange->transport->finish(exchange);
-    atomic_fetch_sub(&server->deferred, 1);
+    atomic_fetch_sub(&host->deferred, 1);
 }
 
 static void run(struct server_job *job)
@@ -363,25 +363,30 @@ static void refuse(struct server_job *job, enum server_refusal why)
         (void)proto_problem_from_status(&problem, GD_CANCELLED, NULL);
         break;
     case SERVER_REFUSAL_MEMORY:
-        (void)server_budget_refuse(&exchange->server->budget, "the mesh", 0, &problem);
+        (void)server_budget_refuse(exchange->host->budget, "the mesh", 0, &problem);
         break;
     }
     server_reply_problem(exchange, &problem);
     finish(exchange);
 }
 
+void server_exchange_count_deferred(struct server_host *host)
+{
+    if (atomic_fetch_add(&host->deferred, 1) == 0) host->watch(host->watcher);
+}
+
 void server_exchange_submit(struct server_exchange *exchange)
 {
-    struct server *server = exchange->server;
-    server_deferred_begin(server);
+    struct server_host *host = exchange->host;
+    server_exchange_count_deferred(host);
     exchange->job.tenant = exchange->tenant;
     if (exchange->join && exchange->join(exchange)) return;
-    if (server_workers_submit(server->workers, &exchange->job)) return;
+    if (server_workers_submit(host->workers, &exchange->job)) return;
     server_reply_refusal(
         exchange, PROTO_PROBLEM_OVERLOADED,
         "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
         "try again in a moment",
-        (unsigned long long)server->config.queue_length);
+        (unsigned long long)host->queue_length);
     finish(exchange);
 }
 
@@ -392,7 +397,7 @@ static bool on_progress(void *user, double fraction)
     const struct server_transport *transport = exchange->transport;
     double share = monitor->share > 0 ? monitor->share : 1;
     if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
-    if (!server_workers_go_on(exchange->server->workers)) return false;
+    if (!server_workers_go_on(exchange->host->workers)) return false;
     return !transport->is_gone(exchange) ||
            (monitor->flight && server_cache_is_awaited(monitor->flight));
 }

@@ -16,6 +16,7 @@
 #ifndef SERVER_HTTP_EXCHANGE_H
 #define SERVER_HTTP_EXCHANGE_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -33,8 +34,11 @@
 #define SERVER_HEADER_VALUE        256
 #define SERVER_REQUEST_ID          65
 
-struct server;
+struct server_api;
+struct server_events;
 struct server_exchange;
+struct server_metrics;
+struct server_workspaces;
 struct server_flight;
 struct server_stream;
 struct server_surface;
@@ -94,8 +98,29 @@ struct server_transport {
     bool can_stream; /* its client can take an answer as it comes (server_reply_stream) */
 };
 
+/* What the requests of a daemon have in common. The composition root fills it in; all that it
+ * points to outlives the exchanges. */
+struct server_host {
+    struct server_budget *budget;
+    struct server_workers *workers;
+    struct server_workspaces *workspaces;
+    struct server_events *events;
+    struct server_metrics *metrics;
+    uint64_t timeout_ms, slow_ms, queue_length;
+    bool has_cors_origins;
+    /* Calls the handler of the exchange's route, with a deadline from now on. Returns with a reply,
+     * or with `work` set: then the exchange is to be submitted. */
+    void (*dispatch)(struct server_exchange *exchange);
+    /* The first exchange was deferred, or a stream was opened: deadlines have to be watched. */
+    void (*watch)(void *user);
+    void *watcher;
+    atomic_uint deferred; /* exchanges that connections and jobs have submitted */
+    atomic_bool is_draining;
+    struct server_api *api; /* what handlers use besides (query/api.h) */
+};
+
 struct server_exchange {
-    struct server *server;
+    struct server_host *host;
     const struct server_transport *transport;
     struct server_job job;
 
@@ -146,12 +171,12 @@ struct server_exchange {
 /* Makes an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when it
  * has ended. False without memory: then it has not begun. A target that can't be read is a fault of
  * the request. */
-bool server_exchange_begin(struct server_exchange *exchange, struct server *server,
+bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target);
 void server_exchange_end(struct server_exchange *exchange);
 
 /* The same in memory of its own; NULL without memory. */
-struct server_exchange *server_exchange_create(struct server *server,
+struct server_exchange *server_exchange_create(struct server_host *host,
                                                const struct server_transport *transport,
                                                const char *target);
 void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
@@ -165,6 +190,9 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
  * the body and copies the rest. What is left of `exchange` can be answered. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
+
+/* Counts an exchange as deferred, before it is submitted. */
+void server_exchange_count_deferred(struct server_host *host);
 
 /* Hands a deferred exchange to the workers; it is not the caller's any more. A full queue answers
  * it with overloaded. */

@@ -180,7 +180,7 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
                       .http = http,
                       .wire = line->wire,
                       .number = line->wire->requests++};
-    if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target))
+    if (!server_exchange_begin(&line->exchange, &http->server->host, &line->call.transport, target))
         return NULL;
     server_traffic_note(line->exchange.started_ns);
     server_place_http(http->threads, server_workers_are_busy(http->server->workers),
@@ -357,7 +357,7 @@ static struct MHD_Response *make_response(struct call *call)
 /* Unix sockets do not tell what a client has taken; their buffers are small. */
 static bool is_local(const struct call *call)
 {
-    return call->exchange->server->config.listen.socket.ss_family == AF_UNIX;
+    return call->http->server->config.listen.socket.ss_family == AF_UNIX;
 }
 
 static enum MHD_Result answer(struct call *call)
@@ -368,9 +368,9 @@ static enum MHD_Result answer(struct call *call)
     call->phase = PHASE_DONE;
     struct MHD_Response *response = make_response(call);
     if (!response) return MHD_NO;
-    server_metrics_count(exchange->server->metrics, exchange->match.route, reply->status,
+    server_metrics_count(exchange->host->metrics, exchange->match.route, reply->status,
                          nanoseconds);
-    server_metrics_count_problem(exchange->server->metrics, reply->problem);
+    server_metrics_count_problem(exchange->host->metrics, reply->problem);
     server_request_log(exchange, peer_of(call->connection), nanoseconds);
     server_connection_answer(call->wire, reply->size, reply->stream != NULL, now);
     watch_silence(call, is_local(call) && (reply->stream || reply->size > LONG_ANSWER));

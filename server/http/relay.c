@@ -10,13 +10,12 @@
 #include "server/http/events.h"
 #include "server/base/gzip.h"
 #include "server/http/reply.h"
-#include "server/server.h"
 
 /* bytes that are taken at a time: less than a stream's message may have */
 #define MESSAGE_MOST 32768
 
 struct server_relay {
-    struct server *server;
+    struct server_host *host;
     atomic_uint references;
     pthread_mutex_t lock;
     struct proto_writer waiting;
@@ -30,15 +29,15 @@ struct server_relay {
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-struct server_relay *server_relay_create(struct server *server, bool is_packed)
+struct server_relay *server_relay_create(struct server_host *host, bool is_packed)
 {
     struct server_relay *relay = calloc(1, sizeof *relay);
     if (!relay) return NULL;
-    relay->server = server;
+    relay->host = host;
     relay->references = 1;
     pthread_mutex_init(&relay->lock, NULL);
-    proto_writer_init(&relay->waiting, server->budget.largest_answer + SERVER_RELAY_MOST);
-    relay->waiting.account = &server->budget.answers;
+    proto_writer_init(&relay->waiting, host->budget->largest_answer + SERVER_RELAY_MOST);
+    relay->waiting.account = &host->budget->answers;
     proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST);
     if (is_packed) relay->packer = server_packer_create();
     if (!relay->waiting.failure && (!is_packed || relay->packer)) return relay;
@@ -86,7 +85,7 @@ static void take(struct server_relay *relay, struct proto_writer *writer)
         relay->waiting.size = relay->taken = 0;
     }
     if (relay->parked && left_in(relay) <= SERVER_RELAY_MOST / 2)
-        server_workers_unpark(relay->server->workers, relay->parked);
+        server_workers_unpark(relay->host->workers, relay->parked);
 }
 
 static bool tell(void *user, struct proto_writer *writer)
@@ -107,7 +106,7 @@ static void close_stream(void *user)
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
     atomic_store(&relay->is_over, true);
-    if (relay->parked) server_workers_unpark(relay->server->workers, relay->parked);
+    if (relay->parked) server_workers_unpark(relay->host->workers, relay->parked);
     pthread_mutex_unlock(&relay->lock);
     server_relay_release(relay);
 }
@@ -119,7 +118,7 @@ struct server_stream *server_relay_open(struct server_relay *relay)
                                                .release = close_stream,
                                                .user = relay,
                                                .is_content = true};
-    struct server_stream *stream = server_stream_open(relay->server->events, &source);
+    struct server_stream *stream = server_stream_open(relay->host->events, &source);
     if (stream) retain(relay);
     return stream;
 }
@@ -146,7 +145,7 @@ static void append(struct server_relay *relay, const char *text, size_t size, bo
 static void wake(struct server_relay *relay)
 {
     atomic_fetch_add(&relay->version, 1);
-    server_events_wake(relay->server->events, relay);
+    server_events_wake(relay->host->events, relay);
 }
 
 void server_relay_write(struct server_relay *relay, const char *text, size_t size)
@@ -165,7 +164,7 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
     bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
         relay->parked = job;
-        is_ahead = server_workers_park(relay->server->workers, job);
+        is_ahead = server_workers_park(relay->host->workers, job);
         /* the daemon ends, and the client does not read */
         if (!is_ahead) atomic_store(&relay->is_over, true);
     }

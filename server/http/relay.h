@@ -1,6 +1,6 @@
 /* Relay: an answer's text on its way from the worker that writes it to the client that reads it.
  *
- *     relay = server_relay_create(server, is_packed);
+ *     relay = server_relay_create(host, is_packed);
  *     stream = server_relay_open(relay);               for server_reply_stream
  *     server_relay_write(relay, text, size);           the worker, again and again
  *     if (server_relay_wait(relay, job)) return;       ... too far ahead of its client: the job is
@@ -22,13 +22,13 @@
 
 #define SERVER_RELAY_MOST ((size_t)1 << 20) /* bytes that wait, but for what is written at once */
 
-struct server;
+struct server_host;
 struct server_relay;
 struct server_stream;
 
 /* One reference. `is_packed`: the client reads gzip. NULL without memory, in the budget or in the
  * system. */
-struct server_relay *server_relay_create(struct server *server, bool is_packed);
+struct server_relay *server_relay_create(struct server_host *host, bool is_packed);
 void server_relay_release(struct server_relay *relay); /* NULL is harmless */
 
 /* The client's end, once. NULL without memory. */

@@ -10,7 +10,6 @@
 #include "proto/accept.h"
 #include "server/http/etag.h"
 #include "server/base/gzip.h"
-#include "server/server.h"
 
 #define GZIP_FROM    1025  /* bytes: smaller ones fit into a packet anyway */
 #define PROBLEM_MOST 65536 /* bytes of a problem's text: far more than any has */
@@ -77,7 +76,7 @@ void server_reply_drop_body(struct server_exchange *exchange)
     struct server_response *response = &exchange->response;
     free(response->owned);
     if (response->lent.bytes) response->lent.release(response->lent.lender);
-    server_budget_give(&exchange->server->budget, SERVER_BUDGET_ANSWERS, response->held);
+    server_budget_give(exchange->host->budget, SERVER_BUDGET_ANSWERS, response->held);
     response->owned = NULL;
     response->body = NULL;
     response->lent = (struct server_lent){0};
@@ -86,7 +85,7 @@ void server_reply_drop_body(struct server_exchange *exchange)
 
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer)
 {
-    const struct server_budget *budget = &exchange->server->budget;
+    const struct server_budget *budget = exchange->host->budget;
     proto_writer_init(writer, budget->largest_answer);
     writer->account = &budget->answers;
 }
@@ -96,7 +95,7 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
 static bool hold_answer(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {
-    struct server_budget *budget = &exchange->server->budget;
+    struct server_budget *budget = exchange->host->budget;
     struct proto_writer counting = {.maximum = budget->largest_answer};
     size_t counted = proto_writer_counted(size),
            flight = size < exchange->held ? size : exchange->held;
@@ -159,7 +158,7 @@ static void set_text(struct server_exchange *exchange, unsigned status, const ch
     char *text = proto_writer_take(writer, &size);
     exchange->response.held = proto_writer_counted(size);
     if (!is_counted)
-        server_budget_adjust(&exchange->server->budget, SERVER_BUDGET_ANSWERS, 0,
+        server_budget_adjust(exchange->host->budget, SERVER_BUDGET_ANSWERS, 0,
                              exchange->response.held);
     set_body(exchange, status, media_type, text, text, size);
 }
@@ -357,7 +356,7 @@ static void compress(struct server_exchange *exchange)
 static void allow_origin(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    if (exchange->server->config.cors_origins.count) add_header(response, "Vary", "Origin");
+    if (exchange->host->has_cors_origins) add_header(response, "Vary", "Origin");
     if (!exchange->cors_origin) return;
     add_header(response, "Access-Control-Allow-Origin", exchange->cors_origin);
     add_header(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
@@ -379,6 +378,6 @@ void server_reply_seal(struct server_exchange *exchange)
                response->policy ? response->policy : DATA_POLICY);
     add_header(response, "Cache-Control",
                response_header(response, "ETag") ? "no-cache" : "no-store");
-    if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed))
+    if (atomic_load_explicit(&exchange->host->is_draining, memory_order_relaxed))
         response->close = true;
 }

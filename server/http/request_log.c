@@ -7,7 +7,6 @@
 
 #include "server/http/exchange.h"
 #include "server/base/log.h"
-#include "server/server.h"
 
 #define PEER_TEXT 64
 
@@ -32,7 +31,7 @@ struct kind {
 
 static struct kind kind_of(const struct server_exchange *exchange, uint64_t nanoseconds)
 {
-    uint64_t slow_ms = exchange->server->config.slow_ms;
+    uint64_t slow_ms = exchange->host->slow_ms;
     bool is_slow = slow_ms && nanoseconds >= slow_ms * 1000000;
     if (exchange->response.status == 500) return (struct kind){"request", SERVER_LOG_ERROR};
     return is_slow ? (struct kind){"slow_request", SERVER_LOG_WARN}

@@ -8,8 +8,6 @@
 #include "server/jobs/jobs.h"
 #include "server/base/log.h"
 #include "server/http/reply.h"
-#include "server/router.h"
-#include "server/server.h"
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
@@ -120,7 +118,7 @@ struct server_async *server_async_create(struct server_jobs *jobs, struct server
     snprintf(job->key, sizeof job->key, "%s", key ? key : "");
     job->transport = (struct server_transport){
         .finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
-    job->budget = &exchange->server->budget;
+    job->budget = exchange->host->budget;
     if (server_budget_take(job->budget, SERVER_BUDGET_RECORDS, sizeof *job + exchange->target_size))
         job->own = sizeof *job + exchange->target_size;
     if (job->own && asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0)
@@ -136,7 +134,7 @@ void server_async_run(struct server_async *job)
 {
     struct server_exchange *exchange = job->exchange;
     server_async_retain(job); /* for the exchange */
-    server_router_dispatch(exchange);
+    exchange->host->dispatch(exchange);
     if (exchange->response.status)
         exchange->transport->finish(exchange);
     else

@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/router.h"
-#include "server/server.h"
-
 #define LARGEST_BODY ((size_t)4 << 20)
 #define CONTENT_TYPE "application/json"
 
@@ -22,7 +19,7 @@ struct server_batch_item *server_batch_item_of(struct server_exchange *exchange)
 static bool set_body(struct server_exchange *exchange, const struct proto_writer *body,
                      struct proto_problem *problem)
 {
-    struct server_budget *budget = &exchange->server->budget;
+    struct server_budget *budget = exchange->host->budget;
     return proto_writer_check(body, problem) &&
            server_body_prepare(&exchange->body, budget, body->size, LARGEST_BODY, problem) &&
            server_body_append(&exchange->body, budget, body->data, body->size) &&
@@ -46,7 +43,7 @@ static bool set_request(struct server_batch_item *item, const struct proto_write
            set_body(exchange, body, problem);
 }
 
-static bool make_exchange(struct server_batch_item *item, struct server *server,
+static bool make_exchange(struct server_batch_item *item, struct server_host *host,
                           const struct proto_many *many, struct proto_problem *problem)
 {
     struct proto_writer body;
@@ -55,7 +52,7 @@ static bool make_exchange(struct server_batch_item *item, struct server *server,
     proto_writer_init(&body, LARGEST_BODY);
     const char *question = proto_many_ask(many, number, &body);
     snprintf(target, sizeof target, "/v1/meshes/%s/%s", proto_many_mesh(many, number), question);
-    item->exchange = server_exchange_create(server, &item->transport, target);
+    item->exchange = server_exchange_create(host, &item->transport, target);
     bool is_made = item->exchange ? set_request(item, &body, problem)
                                   : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     proto_writer_free(&body);
@@ -70,7 +67,7 @@ static bool is_gone(struct server_exchange *exchange)
     return atomic_load_explicit(&exchange->job.is_unwanted, memory_order_relaxed);
 }
 
-struct server_batch_item *server_batch_item_create(struct server *server,
+struct server_batch_item *server_batch_item_create(struct server_host *host,
                                                    const struct proto_many *many,
                                                    const struct server_batch_claim *claim,
                                                    void (*finish)(struct server_exchange *exchange),
@@ -84,9 +81,9 @@ struct server_batch_item *server_batch_item_create(struct server *server,
     *item = (struct server_batch_item){.transport = {.finish = finish, .is_gone = is_gone},
                                        .owner = owner,
                                        .claim = *claim,
-                                       .budget = &server->budget};
+                                       .budget = host->budget};
     if (claim->etag[0]) snprintf(item->tag, sizeof item->tag, "\"%s\"", claim->etag);
-    if (make_exchange(item, server, many, problem)) return item;
+    if (make_exchange(item, host, many, problem)) return item;
     free(item);
     return NULL;
 }
@@ -102,7 +99,7 @@ void server_batch_item_free(struct server_batch_item *item)
 void server_batch_item_run(struct server_batch_item *item)
 {
     struct server_exchange *exchange = item->exchange;
-    server_router_dispatch(exchange);
+    exchange->host->dispatch(exchange);
     if (exchange->response.status)
         item->transport.finish(exchange);
     else

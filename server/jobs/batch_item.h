@@ -26,7 +26,7 @@ struct server_batch_item {
 
 /* An item with its exchange; `many` is the batch's, and borrowed for the call. NULL with the
  * problem. */
-struct server_batch_item *server_batch_item_create(struct server *server,
+struct server_batch_item *server_batch_item_create(struct server_host *host,
                                                    const struct proto_many *many,
                                                    const struct server_batch_claim *claim,
                                                    void (*finish)(struct server_exchange *exchange),

@@ -227,8 +227,8 @@ static void begin(struct server_batches *batches, const struct server_batch_clai
                                 "this item was begun %d times, and no daemon lived to answer it",
                                 SERVER_BATCH_TRIES);
     else if (learn(batches, claim->id, &problem))
-        item = server_batch_item_create(batches->server, &batches->many, claim, finish, batches,
-                                        &problem);
+        item = server_batch_item_create(&batches->server->host, &batches->many, claim, finish,
+                                        batches, &problem);
     if (item) {
         add(batches, item);
         server_batch_item_run(item);

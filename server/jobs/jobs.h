@@ -23,6 +23,7 @@
 
 #include "server/jobs/async.h"
 
+struct server;
 struct server_jobs;
 
 /* `server` is borrowed. NULL without memory. */

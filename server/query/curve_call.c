@@ -2,7 +2,7 @@
 #include "server/query/curve_call.h"
 
 #include "server/surfaces/landmarks.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 struct making {
     struct server_query *query;
@@ -46,7 +46,7 @@ bool server_curve_call_make(struct server_query *query, const struct server_curv
                             struct proto_problem *problem)
 {
     struct server_landmark_set *set =
-        server_landmarks_find(query->exchange->server->landmarks, query->surface);
+        server_landmarks_find(query->exchange->host->api->landmarks, query->surface);
     struct making making = {.query = query,
                             .call = call,
                             .landmarks = set ? set->landmarks : NULL,

@@ -4,6 +4,7 @@
 #include "server/fields/cache.h"
 #include "server/work/budgeted_call.h"
 #include "server/work/team.h"
+#include "server/query/api.h"
 
 /* while two threads build it; what is kept of it: 50 on flat meshes, 200 to 400 on scans */
 #define BYTES_AN_EDGE 1024
@@ -44,16 +45,16 @@ static uint64_t count_windows(const struct build *built)
 
 static enum gd_status call(struct server_monitor *part, struct build *wanted)
 {
-    struct server *server = part->exchange->server;
-    struct server_team *team = server_team_call(server->workers, part->exchange->job.deadline_ns);
+    struct server_host *host = part->exchange->host;
+    struct server_team *team = server_team_call(host->workers, part->exchange->job.deadline_ns);
     wanted->executor = server_team_executor(team);
     const struct server_call call = {.make = build,
                                      .user = wanted,
                                      .control = server_exchange_control(part),
                                      .grant = server_field_build_grant(wanted->mesh)};
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status = server_call_make(host->workspaces, &call);
     server_team_dismiss(team);
-    if (!status) server_metrics_count_windows(server->metrics, count_windows(wanted));
+    if (!status) server_metrics_count_windows(host->metrics, count_windows(wanted));
     return status;
 }
 

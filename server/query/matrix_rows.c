@@ -11,6 +11,7 @@
 #include "server/query/field_build.h"
 #include "server/surfaces/landmarks.h"
 #include "server/query/pair_search.h"
+#include "server/query/api.h"
 
 /* so many searches take half as long as a field */
 #define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2)
@@ -159,7 +160,7 @@ static enum gd_status row_by_propagation(struct row *row)
                                      .aside = is_plain ? summary->index_count * sizeof(double)
                                                        : (size_t)matrix->columns->count *
                                                              BYTES_A_COLUMN};
-    return server_call_make(row->monitor.exchange->server, &call);
+    return server_call_make(row->monitor.exchange->host->workspaces, &call);
 }
 
 /* False: the cache has no field of the row's point that reaches far enough. */
@@ -252,8 +253,8 @@ static enum gd_status run_rows(struct matrix *matrix)
     struct server_executor executor;
     const struct server_exchange *exchange = matrix->part->exchange;
     gd_executor_run(
-        server_executor_of(&executor, exchange->server->workers, exchange->job.deadline_ns),
-        run_row, matrix, matrix->rows->count);
+        server_executor_of(&executor, exchange->host->workers, exchange->job.deadline_ns), run_row,
+        matrix, matrix->rows->count);
     matrix->is_alone = true;
     for (uint32_t i = 0; i < matrix->rows->count; i++)
         if (matrix->is_left[i]) run_row(matrix, i);
@@ -303,10 +304,10 @@ static enum gd_status solve(const struct server_monitor *part,
     const struct server_distinct *rows = is_turned ? targets : sources,
                                  *columns = is_turned ? sources : targets;
     const struct gd_mesh *mesh = request->surface->mesh;
-    struct server *server = part->exchange->server;
     struct server_landmark_set *set =
-        columns->count < FEW_COLUMNS ? server_landmarks_find(server->landmarks, request->surface)
-                                     : NULL;
+        columns->count < FEW_COLUMNS
+            ? server_landmarks_find(part->exchange->host->api->landmarks, request->surface)
+            : NULL;
     uint32_t *vertices = vertices_of(mesh, columns);
     struct matrix matrix = {
         .part = part,

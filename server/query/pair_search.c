@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "server/work/budgeted_call.h"
+#include "server/query/api.h"
 
 /* the arrays of a workspace and the windows of a far pair; see doc/003 */
 #define BYTES_AN_EDGE 224
@@ -34,15 +35,14 @@ enum gd_status server_pair_search(struct server_monitor *part, const struct gd_m
                                   enum gd_pair_wish wish, const struct gd_landmarks *landmarks,
                                   struct gd_pair_answer *out)
 {
-    struct server *server = part->exchange->server;
     struct search wanted = {mesh, from, to, wish, landmarks, out};
     const struct server_call call = {.make = search,
                                      .user = &wanted,
                                      .control = server_exchange_control(part),
                                      .grant = BYTES_A_SEARCH +
                                               (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
-    server_metrics_count_search(server->metrics);
-    return server_call_make(server, &call);
+    server_metrics_count_search(part->exchange->host->metrics);
+    return server_call_make(part->exchange->host->workspaces, &call);
 }
 
 /* --- routes ----------------------------------------------------------------------------------- */

@@ -9,7 +9,7 @@
 #include "server/api/surfaces/description.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define BYTES "application/octet-stream"
 
@@ -64,7 +64,7 @@ struct server_monitor server_monitor_portion(const struct server_monitor *whole,
 
 void server_query_count(const struct server_query *query, enum gd_status status)
 {
-    server_metrics_count_status(query->exchange->server->metrics, status);
+    server_metrics_count_status(query->exchange->host->metrics, status);
 }
 
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
@@ -74,7 +74,7 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
     if (status == GD_BUDGET && query->draft.failure)
         (void)proto_writer_check(&query->draft, problem);
     else if (status == GD_BUDGET)
-        server_budget_refuse(&query->exchange->server->budget, what, 0, problem);
+        server_budget_refuse(query->exchange->host->budget, what, 0, problem);
     else
         proto_problem_from_status(problem, status, NULL);
     return SERVER_QUERY_FAILED;
@@ -84,7 +84,7 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
 
 enum gd_status server_query_take(struct server_query *query, size_t bytes)
 {
-    if (!server_budget_take(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes))
+    if (!server_budget_take(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
         return GD_BUDGET;
     query->held += bytes;
     return GD_OK;
@@ -92,7 +92,7 @@ enum gd_status server_query_take(struct server_query *query, size_t bytes)
 
 void server_query_give(struct server_query *query, size_t bytes)
 {
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes);
+    server_budget_give(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes);
     query->held -= bytes;
 }
 
@@ -118,7 +118,7 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
                                      .user = &holding,
                                      .control = server_exchange_control(part),
                                      .grant = grant};
-    enum gd_status status = server_call_make(query->exchange->server, &call);
+    enum gd_status status = server_call_make(query->exchange->host->workspaces, &call);
     query->held += holding.kept;
     return status;
 }

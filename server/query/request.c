@@ -9,7 +9,7 @@
 #include "server/surfaces/kind.h"
 #include "server/surfaces/loader.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define KIND_SEGMENT     1                  /* of the path */
 #define PARSED_UNCOUNTED ((size_t)16 << 10) /* bytes of a text whose document is not counted */
@@ -70,7 +70,7 @@ static void reply_out_of_reach(struct server_exchange *exchange, const char *wha
 /* Is it not known for now what other daemons have? */
 static bool is_cut_off(const struct server_exchange *exchange)
 {
-    struct server_registry *registry = exchange->server->registry;
+    struct server_registry *registry = exchange->host->api->registry;
     return server_registry_is_shared(registry) && server_registry_health(registry);
 }
 
@@ -92,7 +92,7 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     if (!server_request_key(exchange, name, &key)) return false;
-    if (server_registry_find(exchange->server->registry, &key, out)) return true;
+    if (server_registry_find(exchange->host->api->registry, &key, out)) return true;
     reply_absent(exchange);
     return false;
 }
@@ -102,7 +102,7 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
 /* By a worker. */
 static bool follow(struct server_exchange *exchange)
 {
-    struct server_registry *registry = exchange->server->registry;
+    struct server_registry *registry = exchange->host->api->registry;
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     struct server_listed listed;
@@ -125,7 +125,7 @@ bool server_request_follows_first(struct server_exchange *exchange)
     const struct proto_route *route = exchange->match.route;
     const struct proto_capture *capture = &exchange->match.captures[0];
     char name[PROTO_MESH_NAME + 1];
-    if (!server_registry_is_shared(exchange->server->registry) ||
+    if (!server_registry_is_shared(exchange->host->api->registry) ||
         route->segment_count <= KIND_SEGMENT)
         return false;
     if (!route->segments[KIND_SEGMENT] || !server_kind_by_plural(route->segments[KIND_SEGMENT]))
@@ -135,7 +135,8 @@ bool server_request_follows_first(struct server_exchange *exchange)
     if (names_one && capture->length > PROTO_MESH_NAME) return false;
     if (names_one) snprintf(name, sizeof name, "%.*s", (int)capture->length, capture->text);
     const struct server_key key = {exchange->tenant, server_request_kind(exchange), name};
-    if (server_registry_is_fresh(exchange->server->registry, names_one ? &key : NULL)) return false;
+    if (server_registry_is_fresh(exchange->host->api->registry, names_one ? &key : NULL))
+        return false;
     server_exchange_defer(exchange, follow, NULL);
     return true;
 }
@@ -156,8 +157,8 @@ static void load(struct server_exchange *exchange, struct server_record *record,
 {
     struct server_surface *surface;
     struct proto_problem problem;
-    enum server_loader_outcome outcome =
-        server_loader_load(exchange->server, record, exchange->job.deadline_ns, &surface, &problem);
+    enum server_loader_outcome outcome = server_loader_load(
+        exchange->host->api->server, record, exchange->job.deadline_ns, &surface, &problem);
     if (outcome == SERVER_LOADER_NO_MEMORY)
         server_loads_fail(load, SERVER_REFUSAL_MEMORY);
     else
@@ -171,7 +172,7 @@ static void load(struct server_exchange *exchange, struct server_record *record,
 static bool load_or_wait(struct server_exchange *exchange, struct server_record *record)
 {
     struct server_load *started;
-    switch (server_loads_enter(exchange->server->loads, record, &exchange->job, &started)) {
+    switch (server_loads_enter(exchange->host->api->loads, record, &exchange->job, &started)) {
     case SERVER_LOADS_WAIT:
         return false;
     case SERVER_LOADS_LOAD:
@@ -204,10 +205,10 @@ static bool join(struct server_exchange *exchange)
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     if (!server_request_key(exchange, name, &key) ||
-        !server_registry_find(exchange->server->registry, &key, &listed))
+        !server_registry_find(exchange->host->api->registry, &key, &listed))
         return false;
     bool joined = !listed.surface &&
-                  server_loads_join(exchange->server->loads, listed.record, &exchange->job);
+                  server_loads_join(exchange->host->api->loads, listed.record, &exchange->job);
     server_listed_release(&listed);
     return joined;
 }
@@ -220,7 +221,7 @@ static struct server_surface *find_surface(struct server_exchange *exchange)
     struct server_surface *surface;
     if (exchange->surface) return server_surface_retain(exchange->surface);
     if (!server_request_key(exchange, name, &key)) return NULL;
-    if (!server_registry_use(exchange->server->registry, &key, &surface)) {
+    if (!server_registry_use(exchange->host->api->registry, &key, &surface)) {
         reply_absent(exchange);
         return NULL;
     }
@@ -243,13 +244,13 @@ bool server_request_write(struct server_exchange *exchange,
                           bool (*work)(struct server_exchange *exchange))
 {
     server_exchange_defer(exchange, work, NULL);
-    server_registry_submit(exchange->server->registry, &exchange->job);
+    server_registry_submit(exchange->host->api->registry, &exchange->job);
     return false;
 }
 
 static bool submit_list(struct server_exchange *exchange)
 {
-    server_registry_submit_list(exchange->server->registry, &exchange->job);
+    server_registry_submit_list(exchange->host->api->registry, &exchange->job);
     return true;
 }
 
@@ -272,7 +273,7 @@ static bool is_json(const char *content_type)
 bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
                                   struct proto_problem *problem)
 {
-    struct server_budget *budget = &exchange->server->budget;
+    struct server_budget *budget = exchange->host->budget;
     size_t cost = size > PARSED_UNCOUNTED ? proto_decode_cost(text, size) : 0;
     if (cost && !server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
         return server_budget_refuse(budget, "the request's JSON", cost, problem);
@@ -285,7 +286,7 @@ bool server_request_begin_parsing(struct server_exchange *exchange, const char *
 void server_request_end_parsing(struct server_exchange *exchange)
 {
     size_t parsed = exchange->parsed;
-    server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, parsed);
+    server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, parsed);
     exchange->held -= parsed;
     exchange->parsed = 0;
     if (parsed > PARSED_TRIMMED) malloc_trim(0);

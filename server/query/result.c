@@ -4,14 +4,14 @@
 
 #include "proto/flat_strip.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define WHAT "the file"
 
 /* Counts so many more bytes for the exchange. */
 static bool hold(const struct server_query *query, size_t bytes, struct proto_problem *problem)
 {
-    struct server_budget *budget = &query->exchange->server->budget;
+    struct server_budget *budget = query->exchange->host->budget;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes))
         return server_budget_refuse(budget, WHAT, bytes, problem);
     query->exchange->held += bytes;
@@ -21,7 +21,7 @@ static bool hold(const struct server_query *query, size_t bytes, struct proto_pr
 /* Corrects what was counted, `bytes` of it for what turned out to be `actual`. */
 static void settle(const struct server_query *query, size_t bytes, size_t actual)
 {
-    server_budget_adjust(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes, actual);
+    server_budget_adjust(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes, actual);
     query->exchange->held += actual;
     query->exchange->held -= bytes;
 }
@@ -114,7 +114,7 @@ static bool draw(const struct server_query *query, const struct gd_flat_strip *s
                  char **bytes, size_t *size, struct proto_problem *problem)
 {
     struct proto_writer writer;
-    proto_writer_init(&writer, query->exchange->server->budget.largest_answer);
+    proto_writer_init(&writer, query->exchange->host->budget->largest_answer);
     proto_writer_expect(&writer, proto_flat_strip_bytes(strip));
     proto_flat_strip_svg(&writer, strip, length);
     bool ok = proto_writer_check(&writer, problem);

@@ -2,7 +2,7 @@
 #include "server/query/set_resolve.h"
 
 #include "server/surfaces/landmarks.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define BYTES_AN_EDGE 224               /* as for a search (pair_search.c) */
 #define BYTES_A_SET   ((size_t)1 << 20) /* on any mesh */
@@ -30,7 +30,7 @@ bool server_set_resolve(struct server_query *query, struct server_monitor *part,
                         struct proto_problem *problem)
 {
     struct server_landmark_set *landmarks =
-        server_landmarks_find(query->exchange->server->landmarks, query->surface);
+        server_landmarks_find(query->exchange->host->api->landmarks, query->surface);
     struct resolving wanted = {query->surface->mesh, set, landmarks ? landmarks->landmarks : NULL,
                                out, problem};
     size_t grant =

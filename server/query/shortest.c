@@ -4,7 +4,7 @@
 #include "server/fields/cache.h"
 #include "server/surfaces/landmarks.h"
 #include "server/query/pair_search.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 enum gd_status server_shortest_path(const struct server_query *query, struct server_monitor *part,
                                     const struct gd_point *from, const struct gd_point *to,
@@ -19,7 +19,7 @@ enum gd_status server_shortest_path(const struct server_query *query, struct ser
         return status;
     }
     struct server_landmark_set *set =
-        server_landmarks_find(query->exchange->server->landmarks, surface);
+        server_landmarks_find(query->exchange->host->api->landmarks, surface);
     enum gd_status status =
         server_pair_search(part, surface->mesh, from, to, wish, set ? set->landmarks : NULL, out);
     server_landmark_set_release(set);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "server/server.h"
 #include "server/work/budgeted_call.h"
 #include "server/http/exchange.h"
 
@@ -140,7 +141,7 @@ static enum gd_status build(struct server *server,
                                      .user = &building,
                                      .control = server_exchange_control(request->monitor),
                                      .grant = grant_for(request, &server->budget)};
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status = server_call_make(server->workspaces, &call);
     if (status) return status;
     *out = create(&server->budget, building.mesh);
     return *out ? GD_OK : GD_NO_MEMORY;

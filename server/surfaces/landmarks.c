@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+#include "server/server.h"
 #include "server/work/budgeted_call.h"
 #include "server/surfaces/field_store.h"
 
@@ -163,7 +164,7 @@ static struct gd_landmarks *build_landmarks(struct bringing *bringing)
                                      .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
                                      .is_modest = true};
     bool is_affordable = call.grant + call.aside <= server->budget.limit / LARGEST_PART;
-    enum gd_status status = is_affordable ? server_call_make(server, &call) : GD_BUDGET;
+    enum gd_status status = is_affordable ? server_call_make(server->workspaces, &call) : GD_BUDGET;
     bringing->is_hopeless = server_metrics_count_status(server->metrics, status) || !is_affordable;
     if (status) return NULL;
     if (server->fields)

@@ -37,7 +37,7 @@ static bool is_idle(const struct server *server)
  * don't hasten it. */
 static bool rest(const struct server *server, struct server_thread *thread)
 {
-    if (atomic_load(&server->deferred)) return server_thread_sleep(thread, TICK_NS);
+    if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
     return server_thread_pause(thread, is_idle(server) ? SERVER_THREAD_FOREVER : LOOK_NS);
 }
 

@@ -12,7 +12,7 @@
 #include "server/query/query.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define BYTES_AN_EDGE 320 /* a search for the curve, or the cut and its pieces */
 #define BYTES_A_CUT   ((size_t)1 << 20)
@@ -107,7 +107,7 @@ static bool make_meshes(struct cut *cut, struct proto_problem *problem)
 /* A name that nobody gave must not take another mesh's place. NULL: none does. */
 static const char *find_taken(const struct cut *cut)
 {
-    struct server_registry *registry = cut->query.exchange->server->registry;
+    struct server_registry *registry = cut->query.exchange->host->api->registry;
     for (uint32_t i = 0; i < cut->making.count && !cut->names; i++) {
         const struct server_record *record = cut->making.made[i].surface->record;
         const struct server_key key = server_record_key(record);
@@ -139,7 +139,7 @@ static bool store(struct server_exchange *exchange)
     }
     cut->is_stored = true;
     server_exchange_defer(exchange, cut->work, NULL);
-    server_workers_resume(exchange->server->workers, &exchange->job);
+    server_workers_resume(exchange->host->workers, &exchange->job);
     return false;
 }
 

@@ -5,7 +5,7 @@
 #include "server/query/field_build.h"
 #include "server/query/query.h"
 #include "server/surfaces/landmarks.h"
-#include "server/server.h"
+#include "server/query/api.h"
 #include "server/work/team.h"
 
 #define BUILD_SHARE 0.7 /* of the work */
@@ -76,11 +76,11 @@ static enum gd_status make(void *user, const struct gd_control *control, size_t 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct drawing *drawing = (struct drawing *)query;
-    struct server *server = query->exchange->server;
-    struct server_landmark_set *set = server_landmarks_find(server->landmarks, query->surface);
+    struct server_host *host = query->exchange->host;
+    struct server_landmark_set *set = server_landmarks_find(host->api->landmarks, query->surface);
     struct making making = {.drawing = drawing,
                             .part = server_query_monitor(query, 0, BUILD_SHARE)};
-    struct server_team *team = server_team_call(server->workers, query->exchange->job.deadline_ns);
+    struct server_team *team = server_team_call(host->workers, query->exchange->job.deadline_ns);
     drawing->located.request.landmarks = set ? set->landmarks : NULL;
     drawing->located.request.executor = server_team_executor(team);
     enum gd_status status = server_query_call(query, &making.part, make, &making,

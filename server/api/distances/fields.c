@@ -9,7 +9,7 @@
 #include "server/query/field_query.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define WHAT "the field"
 
@@ -70,7 +70,7 @@ static enum gd_status list(struct making *making, const struct proto_field_descr
 {
     struct server_field_query *field = &making->field;
     struct server_catalogue *catalogue = server_record_catalogue(field->query.surface->record);
-    struct server_budget *budget = &field->query.exchange->server->budget;
+    struct server_budget *budget = field->query.exchange->host->budget;
     if (!catalogue) return GD_NO_MEMORY;
     field->resource = server_resource_create(making->id, field->own_set, description, budget);
     if (!field->resource) return GD_BUDGET;

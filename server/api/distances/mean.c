@@ -7,7 +7,7 @@
 #include "server/query/field_build.h"
 #include "server/query/query.h"
 #include "server/surfaces/landmarks.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define WHAT "the mean"
 
@@ -76,7 +76,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 {
     struct mean *mean = (struct mean *)query;
     struct server_landmark_set *set =
-        server_landmarks_find(query->exchange->server->landmarks, query->surface);
+        server_landmarks_find(query->exchange->host->api->landmarks, query->surface);
     struct server_monitor part = server_query_monitor(query, 0, 1);
     struct finding finding = {mean, set ? set->landmarks : NULL};
     enum gd_status status = server_query_call(query, &part, find, &finding,

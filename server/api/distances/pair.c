@@ -17,7 +17,7 @@
 #include "server/query/result.h"
 #include "server/surfaces/landmarks.h"
 #include "server/query/pair_search.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 /* tracing a path across a larger mesh may keep an HTTP thread for too long */
 #define INLINE_PATH_FACES 200000
@@ -132,8 +132,8 @@ static struct server_monitor monitor_of(const struct pair *pair)
 
 static enum server_query_turn search(struct pair *pair, struct proto_problem *problem)
 {
-    struct server *server = pair->query.exchange->server;
-    struct server_landmark_set *set = server_landmarks_find(server->landmarks, pair->query.surface);
+    const struct server_api *api = pair->query.exchange->host->api;
+    struct server_landmark_set *set = server_landmarks_find(api->landmarks, pair->query.surface);
     struct server_monitor monitor = monitor_of(pair);
     struct gd_pair_answer leg;
     enum gd_status status =

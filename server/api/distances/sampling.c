@@ -8,7 +8,7 @@
 #include "proto/sampling.h"
 #include "server/query/field_build.h"
 #include "server/query/query.h"
-#include "server/server.h"
+#include "server/query/api.h"
 #include "server/work/team.h"
 
 #define BYTES_A_POINT 512 /* of the points, their radii, and the answer's text */
@@ -65,10 +65,10 @@ static enum gd_status choose(void *user, const struct gd_control *control, size_
 
 static enum gd_status choose_points(struct sampling *sampling)
 {
-    struct server *server = sampling->query.exchange->server;
+    struct server_host *host = sampling->query.exchange->host;
     struct server_monitor part = server_query_monitor(&sampling->query, 0, 1);
     struct server_team *team =
-        server_team_call(server->workers, sampling->query.exchange->job.deadline_ns);
+        server_team_call(host->workers, sampling->query.exchange->job.deadline_ns);
     struct choosing choosing = {sampling, server_team_executor(team)};
     enum gd_status status =
         server_query_call(&sampling->query, &part, choose, &choosing,

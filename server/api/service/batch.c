@@ -23,7 +23,7 @@
 #include "server/query/request.h"
 #include "server/http/relay.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define NDJSON "application/x-ndjson"
 #define ANSWER_MOST                                                                                \
@@ -249,9 +249,9 @@ static void move_to(struct batch *batch, struct server_exchange *rest)
  * on collecting. */
 static bool start_stream(struct batch *batch)
 {
-    struct server *server = batch->exchange->server;
+    struct server_host *host = batch->exchange->host;
     bool is_packed = server_reply_takes_gzip(batch->exchange);
-    struct server_relay *relay = server_relay_create(server, is_packed);
+    struct server_relay *relay = server_relay_create(host, is_packed);
     struct server_exchange *rest = relay ? detach(batch, relay, is_packed) : NULL;
     if (!rest) {
         server_relay_release(relay);
@@ -259,8 +259,8 @@ static bool start_stream(struct batch *batch)
     }
     batch->relay = relay;
     move_to(batch, rest);
-    server_deferred_begin(server);
-    server_workers_resume(server->workers, &rest->job);
+    server_exchange_count_deferred(host);
+    server_workers_resume(host->workers, &rest->job);
     return true;
 }
 

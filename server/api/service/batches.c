@@ -15,7 +15,7 @@
 #include "server/surfaces/kind.h"
 #include "server/base/log.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define BATCHES_MOST 1000 /* of a tenant */
 #define READ_AT_ONCE 16
@@ -26,7 +26,7 @@ static struct server_store_sql *open_queue(struct server_exchange *exchange)
 {
     char error[256];
     struct server_store_sql *sql =
-        server_batches_sql(exchange->server->batches, error, sizeof error);
+        server_batches_sql(exchange->host->api->batches, error, sizeof error);
     if (sql) return sql;
     server_request_fail(exchange, SERVER_STORE_REFUSED);
     return NULL;
@@ -99,8 +99,8 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     struct server_listed listed;
     etag[0] = '\0';
     if (many->query != PROTO_MANY_ALL_PAIRS) return true;
-    (void)server_registry_follow(exchange->server->registry, exchange->started_ns);
-    if (server_registry_find(exchange->server->registry, &key, &listed)) {
+    (void)server_registry_follow(exchange->host->api->registry, exchange->started_ns);
+    if (server_registry_find(exchange->host->api->registry, &key, &listed)) {
         strcpy(etag, listed.record->etag);
         server_listed_release(&listed);
         return true;
@@ -135,7 +135,7 @@ static void add_batch(struct server_exchange *exchange, const struct proto_many 
     const struct server_batch_order order = {&batch, exchange->tenant, exchange->body.bytes,
                                              exchange->body.size, etag};
     if (!check(exchange, server_batch_queue_add(sql, &order))) return;
-    server_batches_wake(exchange->server->batches);
+    server_batches_wake(exchange->host->api->batches);
     server_reply_header(exchange, "Location", "/v1/batches/%s", batch.id);
     reply_batch(exchange, 201, &batch);
 }
@@ -319,7 +319,7 @@ static bool end(struct server_exchange *exchange)
     if (!check(exchange, has_ended ? server_batch_queue_remove(sql, batch.id)
                                    : server_batch_queue_cancel(sql, batch.id)))
         return true;
-    server_batches_end(exchange->server->batches, batch.id);
+    server_batches_end(exchange->host->api->batches, batch.id);
     server_reply_empty(exchange, 204);
     return true;
 }

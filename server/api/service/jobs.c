@@ -11,7 +11,7 @@
 #include "server/query/request.h"
 #include "server/jobs/jobs.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 #include "server/work/deadlines.h"
 
 #define EVENT_STREAM "text/event-stream"
@@ -24,7 +24,7 @@ static struct server_async *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
     struct server_async *job =
-        server_jobs_find(exchange->server->jobs, exchange->tenant, id->text, id->length);
+        server_jobs_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
     if (!job)
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
                              "there is no job of this id: it was removed, or has ended some time "
@@ -125,7 +125,7 @@ static void write_page(struct proto_writer *writer, struct server_async *const *
 static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page,
                             uint32_t most, struct server_async **jobs)
 {
-    return server_jobs_list(exchange->server->jobs, exchange->tenant, page->after,
+    return server_jobs_list(exchange->host->api->jobs, exchange->tenant, page->after,
                             page->limit < most ? page->limit + 1 : most, jobs);
 }
 
@@ -177,7 +177,7 @@ static void reply_started(struct server_exchange *exchange, struct server_async 
     struct proto_job told = server_jobs_look(job);
     if (was_refused(&told)) {
         reply_answer(exchange, job, told.answer);
-        server_jobs_cancel(exchange->server->jobs, job);
+        server_jobs_cancel(exchange->host->api->jobs, job);
         return;
     }
     server_reply_header(exchange, "Location", "/v1/jobs/%s", told.id);
@@ -188,7 +188,7 @@ static void reply_started(struct server_exchange *exchange, struct server_async 
 void server_handle_async(struct server_exchange *exchange)
 {
     struct proto_problem problem;
-    struct server_async *job = server_jobs_start(exchange->server->jobs, exchange, &problem);
+    struct server_async *job = server_jobs_start(exchange->host->api->jobs, exchange, &problem);
     if (job)
         reply_started(exchange, job);
     else
@@ -203,7 +203,7 @@ void server_handle_delete_job(struct server_exchange *exchange)
     struct proto_problem problem;
     if (!job) return;
     bool may = server_grant_may_change(&exchange->grant, job->key, &problem);
-    if (may) server_jobs_cancel(exchange->server->jobs, job);
+    if (may) server_jobs_cancel(exchange->host->api->jobs, job);
     server_async_release(job);
     if (may)
         server_reply_empty(exchange, 204);
@@ -230,18 +230,18 @@ static bool tell_event(void *user, struct proto_writer *writer)
 /* The stream has a reference of the job of its own. */
 static void reply_events(struct server_exchange *exchange, struct server_async *job)
 {
-    struct server *server = exchange->server;
+    struct server_host *host = exchange->host;
     const struct server_event_source source = {.version = event_version,
                                                .tell = tell_event,
                                                .release = release_job,
                                                .user = server_async_retain(job)};
-    struct server_stream *stream = server_stream_open(server->events, &source);
+    struct server_stream *stream = server_stream_open(host->events, &source);
     if (!stream) {
         server_async_release(job);
         server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
         return;
     }
-    server_timekeeper_wake(server->timekeeper);
+    host->watch(host->watcher);
     server_reply_stream(exchange, 200, EVENT_STREAM, stream);
 }
 

@@ -5,7 +5,7 @@
 #include "server/jobs/batches.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define ANSWER_MOST ((size_t)16 << 20) /* bytes */
 #include "server/base/version.h"
@@ -50,14 +50,14 @@ void server_handle_get_livez(struct server_exchange *exchange)
  * memory can be asked about. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
-    const char *reason = server_registry_health(exchange->server->registry);
-    if (!reason) reason = server_batches_health(exchange->server->batches);
+    const char *reason = server_registry_health(exchange->host->api->registry);
+    if (!reason) reason = server_batches_health(exchange->host->api->batches);
     if (!server_request_is_plain(exchange)) return;
-    if (atomic_load(&exchange->server->draining)) {
+    if (atomic_load(&exchange->host->is_draining)) {
         server_reply_header(exchange, "Retry-After", "1");
         reply_health(exchange, 503, PROTO_HEALTH_DRAINING, NULL);
     } else {
-        enum proto_health broken = server_registry_is_shared(exchange->server->registry)
+        enum proto_health broken = server_registry_is_shared(exchange->host->api->registry)
                                        ? PROTO_HEALTH_DEGRADED
                                        : PROTO_HEALTH_READ_ONLY;
         reply_health(exchange, 200, reason ? broken : PROTO_HEALTH_OK, reason);
@@ -68,27 +68,26 @@ void server_handle_get_readyz(struct server_exchange *exchange)
  * every client is of this machine. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
-    struct server *server = exchange->server;
+    const struct server_api *api = exchange->host->api;
     struct proto_writer writer;
     if (!server_request_is_plain(exchange)) return;
     proto_writer_init(&writer, ANSWER_MOST);
-    if (server_grant_is_operator(&exchange->grant))
-        server_metrics_write(server->metrics, server, &writer);
-    else
-        server_metrics_write_tenant(server, exchange->tenant, &writer);
+    api->write_metrics(api->metrics_source,
+                       server_grant_is_operator(&exchange->grant) ? NULL : exchange->tenant,
+                       &writer);
     server_reply_text(exchange, 200, "text/plain; version=0.0.4; charset=utf-8", &writer);
 }
 
 void server_handle_get_service(struct server_exchange *exchange)
 {
-    const struct server_config *config = &exchange->server->config;
+    const struct server_config *config = exchange->host->api->config;
     const struct proto_service service = {
         .version = SERVER_VERSION,
         .limits = {.max_body_bytes = config->max_body,
                    .max_faces = config->max_faces,
                    .timeout_ms = config->timeout_ms,
                    .memory_budget_bytes = config->memory_budget,
-                   .max_answer_bytes = exchange->server->budget.largest_answer,
+                   .max_answer_bytes = exchange->host->budget->largest_answer,
                    .workers = config->workers},
         .routes = proto_routes,
         .route_count = proto_route_count,

@@ -2,7 +2,7 @@
 #include "server/api/smooth/smooth.h"
 
 #include "proto/jet.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define APPROACH_BYTES ((size_t)1 << 20)
 
@@ -15,7 +15,7 @@ enum server_query_turn server_smooth_fail(const struct server_query *query, enum
     if (status == GD_INTERNAL) status = GD_DEGENERATE_FACE;
     proto_problem_from_status(problem, status, detail);
     if (status == GD_TOO_LARGE)
-        proto_problem_limit(problem, query->exchange->server->config.max_faces);
+        proto_problem_limit(problem, query->exchange->host->api->config->max_faces);
     return SERVER_QUERY_FAILED;
 }
 

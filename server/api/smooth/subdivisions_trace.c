@@ -6,7 +6,7 @@
 #include "proto/member.h"
 #include "server/query/handlers.h"
 #include "server/api/surfaces/subdivisions.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define BYTES_A_TRACE ((size_t)1 << 20) /* of a smooth one */
 #define BUILD_SHARE   0.3               /* of the work, if there is no discretization yet */
@@ -63,7 +63,7 @@ static enum gd_status evaluate(struct tracing *tracing, const struct gd_limit_po
  * which nobody else is in need. */
 static enum gd_status reserve(struct tracing *tracing)
 {
-    struct server_budget *budget = &tracing->query.exchange->server->budget;
+    struct server_budget *budget = tracing->query.exchange->host->budget;
     size_t one = 2 * (size_t)tracing->wanted.ways.options.step_limit * sizeof(struct gd_point);
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
     bool is_room =

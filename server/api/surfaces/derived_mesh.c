@@ -9,7 +9,7 @@
 #include "server/surfaces/build.h"
 #include "server/api/surfaces/description.h"
 #include "server/surfaces/kind.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define MADE_OPTIONS "format=ply&triangulate=true" /* as the kind of meshes writes them */
 #define COPY_BYTES   ((size_t)4 << 20)             /* between two looks at the control */
@@ -26,7 +26,7 @@ void server_making_end(struct server_making *making)
         server_surface_release(making->made[i].surface);
         free(making->made[i].file);
     }
-    server_budget_give(&making->exchange->server->budget, SERVER_BUDGET_FLIGHT, making->held);
+    server_budget_give(making->exchange->host->budget, SERVER_BUDGET_FLIGHT, making->held);
     *making = (struct server_making){0};
 }
 
@@ -50,15 +50,15 @@ struct server_surface *server_making_build(struct server_exchange *exchange,
                                            struct server_record *record, const void *bytes,
                                            void *attachment, struct proto_problem *problem)
 {
-    struct server *server = exchange->server;
+    struct server_host *host = exchange->host;
     struct server_monitor monitor = {.exchange = exchange};
-    const struct server_builder builder = {.budget = &server->budget,
-                                           .cache = server->cache,
-                                           .max_faces = (uint32_t)server->config.max_faces,
+    const struct server_builder builder = {.budget = host->budget,
+                                           .cache = host->api->cache,
+                                           .max_faces = (uint32_t)host->api->config->max_faces,
                                            .control = server_exchange_control(&monitor)};
     struct server_surface *surface;
     if (server_build_surface(&builder, record, bytes, &surface, problem)) {
-        drop_attachment(&server->budget, record, attachment);
+        drop_attachment(host->budget, record, attachment);
         return NULL;
     }
     if (attachment) server_surface_attach(surface, attachment);
@@ -73,7 +73,7 @@ struct server_surface *server_making_build(struct server_exchange *exchange,
 /* Counts bytes as the making's. */
 static bool hold(struct server_making *making, size_t bytes, struct proto_problem *problem)
 {
-    struct server_budget *budget = &making->exchange->server->budget;
+    struct server_budget *budget = making->exchange->host->budget;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes))
         return server_budget_refuse(budget, "the mesh", bytes, problem);
     making->held += bytes;
@@ -145,7 +145,7 @@ static enum gd_status identify(const struct server_exchange *exchange, const str
     if (status) return status;
     struct server_record *record = server_record_create(&origin);
     struct server_listed before;
-    if (record && server_registry_find(exchange->server->registry, &origin.key, &before)) {
+    if (record && server_registry_find(exchange->host->api->registry, &origin.key, &before)) {
         if (server_record_equal(before.record, record)) {
             server_record_release(record);
             record = server_record_retain(before.record);
@@ -186,8 +186,7 @@ static struct server_surface *make(struct server_exchange *exchange, const struc
     enum gd_status status = identify(exchange, draft, &record);
     if (status)
         proto_problem_from_status(problem, status, NULL);
-    else if (!draft->attachment ||
-             (copy = copy_attachment(&exchange->server->budget, draft, problem)))
+    else if (!draft->attachment || (copy = copy_attachment(exchange->host->budget, draft, problem)))
         surface = server_making_build(exchange, record, draft->file, copy, problem);
     server_record_release(record);
     return surface;
@@ -228,7 +227,7 @@ static void undo(const struct server_making *making, uint32_t count)
         if (!making->made[i].is_new) continue;
         snprintf(tag, sizeof tag, "\"%s\"", record->etag);
         const struct server_precondition same = {.if_match = {tag}};
-        (void)server_registry_remove(making->exchange->server->registry, &key, &same);
+        (void)server_registry_remove(making->exchange->host->api->registry, &key, &same);
     }
 }
 
@@ -238,8 +237,8 @@ enum server_store_outcome server_making_store(struct server_making *making)
     bool is_new = true;
     for (uint32_t i = 0; i < making->count; i++) {
         struct server_made *made = &making->made[i];
-        enum server_store_outcome outcome = server_registry_put(making->exchange->server->registry,
-                                                                made->surface, made->file, &none);
+        enum server_store_outcome outcome = server_registry_put(
+            making->exchange->host->api->registry, made->surface, made->file, &none);
         if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
             undo(making, i);
             return outcome;

@@ -9,7 +9,7 @@
 #include "server/api/surfaces/description.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 /* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an
  * index 11. */
@@ -45,7 +45,7 @@ static enum gd_status write_content(const struct content *content, char **bytes,
 static bool send_content(struct server_exchange *exchange)
 {
     const struct content *content = exchange->state;
-    struct server_budget *budget = &exchange->server->budget;
+    struct server_budget *budget = exchange->host->budget;
     size_t cost = content_cost(content->surface->mesh), size;
     struct proto_problem problem;
     char *bytes;

@@ -9,7 +9,7 @@
 #include "server/query/request.h"
 #include "server/api/surfaces/vertex_origins.h"
 #include "server/surfaces/nurbs_surface.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
 #define WHAT               "the tessellation"
@@ -26,7 +26,7 @@ struct tessellating {
 static bool decode(struct server_query *query, const json_t *document,
                    struct proto_problem *problem)
 {
-    uint32_t max_faces = (uint32_t)query->exchange->server->config.max_faces;
+    uint32_t max_faces = (uint32_t)query->exchange->host->api->config->max_faces;
     return proto_tessellation_decode(document, max_faces, &((struct tessellating *)query)->wanted,
                                      problem);
 }

@@ -12,7 +12,7 @@
 #include "server/query/shortest.h"
 #include "server/query/pair_search.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 /* What most pictures take. */
 #define BYTES_A_FACE    100
@@ -117,7 +117,7 @@ static enum server_query_turn draw(struct picture *picture, const struct gd_fiel
                                      .user = picture,
                                      .control = server_exchange_control(&second),
                                      .grant = grant_of(wanted)};
-    enum gd_status status = server_call_make(query->exchange->server, &call);
+    enum gd_status status = server_call_make(query->exchange->host->workspaces, &call);
     if (status) return server_query_fail(query, status, WHAT, problem);
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;

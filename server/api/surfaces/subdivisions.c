@@ -3,7 +3,7 @@
 
 #include "proto/limit_jet.h"
 #include "server/query/handlers.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 static const struct gd_subdivision *surface_of(const struct server_query *query)
 {
@@ -21,7 +21,7 @@ enum gd_status server_subdivision_discretization(const struct server_query *quer
                                                           .level = level,
                                                           .monitor = &monitor,
                                                           .detail = detail};
-    return server_discretizations_get(query->exchange->server->discretizations, &request, out);
+    return server_discretizations_get(query->exchange->host->api->discretizations, &request, out);
 }
 
 /* --- evaluate --------------------------------------------------------------------------------- */

@@ -7,7 +7,7 @@
 #include "server/query/request.h"
 #include "server/api/surfaces/subdivisions.h"
 #include "server/api/surfaces/vertex_origins.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define BYTES_A_DISCRETIZATION ((size_t)16 << 20) /* that most take while they are made */
 #define WHAT                   "the discretization"
@@ -23,7 +23,7 @@ struct discretizing {
 static bool decode(struct server_query *query, const json_t *document,
                    struct proto_problem *problem)
 {
-    uint32_t max_faces = (uint32_t)query->exchange->server->config.max_faces;
+    uint32_t max_faces = (uint32_t)query->exchange->host->api->config->max_faces;
     return proto_discretization_decode(document, server_subdivision_of(query->surface)->surface,
                                        max_faces, &((struct discretizing *)query)->wanted, problem);
 }

@@ -6,7 +6,7 @@
 #include "server/query/request.h"
 #include "server/surfaces/kind.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 /* --- list ------------------------------------------------------------------------------------- */
 
@@ -26,7 +26,7 @@ static uint32_t find_listed(struct server_exchange *exchange, const struct proto
                             uint32_t most, struct server_listed *listed)
 {
     const struct server_key after = {exchange->tenant, server_request_kind(exchange), page->after};
-    return server_registry_list(exchange->server->registry, &after,
+    return server_registry_list(exchange->host->api->registry, &after,
                                 page->limit < most ? page->limit + 1 : most, listed);
 }
 
@@ -83,7 +83,7 @@ static bool remove_surface(struct server_exchange *exchange)
     struct server_key key;
     if (!server_request_key(exchange, name, &key)) return true;
     enum server_store_outcome outcome =
-        server_registry_remove(exchange->server->registry, &key, &precondition);
+        server_registry_remove(exchange->host->api->registry, &key, &precondition);
     if (outcome == SERVER_STORE_DONE)
         server_reply_empty(exchange, 204);
     else
@@ -93,7 +93,7 @@ static bool remove_surface(struct server_exchange *exchange)
 
 static bool leave_to_writer(struct server_exchange *exchange)
 {
-    server_registry_submit(exchange->server->registry, &exchange->job);
+    server_registry_submit(exchange->host->api->registry, &exchange->job);
     return true;
 }
 

@@ -12,7 +12,7 @@
 #include "server/query/request.h"
 #include "server/surfaces/kind.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 #define GENERATED_NAME 32 /* hexadecimal digits */
 
@@ -87,7 +87,8 @@ static bool answer_from_registry(struct server_exchange *exchange, struct upload
     const struct server_precondition precondition = server_precondition_read(exchange);
     const struct server_key key = server_record_key(upload->record);
     struct server_listed before = {0};
-    bool exists = server_registry_find(exchange->server->registry, &key, &before), replied = false;
+    bool exists = server_registry_find(exchange->host->api->registry, &key, &before),
+         replied = false;
     if (!server_precondition_holds(&precondition, exists ? before.record->etag : NULL)) {
         server_request_fail(exchange, SERVER_STORE_PRECONDITION);
         replied = true;
@@ -102,7 +103,7 @@ static void reply_outcome(struct server_exchange *exchange, struct server_surfac
                           enum server_store_outcome outcome)
 {
     const struct server_listed listed = {surface->record, surface};
-    server_body_drop(&exchange->body, &exchange->server->budget);
+    server_body_drop(&exchange->body, exchange->host->budget);
     if (outcome == SERVER_STORE_CREATED)
         reply_description(exchange, 201, &listed);
     else if (outcome == SERVER_STORE_REPLACED)
@@ -121,7 +122,7 @@ static bool store_surface(struct server_exchange *exchange)
     const struct server_precondition precondition = server_precondition_read(exchange);
     const struct upload *upload = exchange->state;
     reply_outcome(exchange, upload->surface,
-                  server_registry_put(exchange->server->registry, upload->surface,
+                  server_registry_put(exchange->host->api->registry, upload->surface,
                                       exchange->body.bytes, &precondition));
     return true;
 }
@@ -131,8 +132,8 @@ static bool store_surface(struct server_exchange *exchange)
 static bool confirm_surface(struct server_exchange *exchange)
 {
     struct upload *upload = exchange->state;
-    enum server_store_outcome outcome =
-        server_registry_confirm(exchange->server->registry, upload->surface, exchange->body.bytes);
+    enum server_store_outcome outcome = server_registry_confirm(
+        exchange->host->api->registry, upload->surface, exchange->body.bytes);
     if (outcome != SERVER_STORE_ABSENT) {
         reply_outcome(exchange, upload->surface, outcome);
         return true;
@@ -140,7 +141,7 @@ static bool confirm_surface(struct server_exchange *exchange)
     server_surface_release(upload->surface);
     upload->surface = NULL;
     server_exchange_defer(exchange, make_surface, NULL);
-    server_workers_resume(exchange->server->workers, &exchange->job);
+    server_workers_resume(exchange->host->workers, &exchange->job);
     return false;
 }
 

@@ -12,7 +12,7 @@
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
-#include "server/server.h"
+#include "server/query/api.h"
 
 /* --- the attachment --------------------------------------------------------------------------- */
 
@@ -140,7 +140,7 @@ struct made {
 static bool make(const struct server_query *query, const char *name, const struct made *made,
                  struct server_making *making, struct proto_problem *problem)
 {
-    struct server_budget *budget = &query->exchange->server->budget;
+    struct server_budget *budget = query->exchange->host->budget;
     size_t cost = cost_of(made->origin, made->polygons->position_count);
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
         return server_budget_refuse(budget, "the mesh", cost, problem);

@@ -61,6 +61,7 @@ static inline void daemon_start(struct server_store *store)
     server->events = server_events_create();
     server->jobs = server_jobs_create(server);
     server->timekeeper = server_timekeeper_create(server);
+    server_connect(server);
     sem_init(&daemon_finished, 0, 0);
 }
 
@@ -69,7 +70,7 @@ static inline void daemon_stop(void)
 {
     struct server *server = &daemon_server;
     server_workers_cancel(server->workers);
-    while (atomic_load(&server->deferred)) usleep(1000);
+    while (atomic_load(&server->host.deferred)) usleep(1000);
     server_timekeeper_destroy(server->timekeeper);
     server_jobs_destroy(server->jobs);
     server_events_destroy(server->events);
@@ -108,7 +109,7 @@ static inline struct server_exchange *daemon_begin(const char *method, const cha
                                                    char *headers)
 {
     struct server_exchange *exchange =
-        server_exchange_create(&daemon_server, &daemon_transport, target);
+        server_exchange_create(&daemon_server.host, &daemon_transport, target);
     exchange->method = method;
     server_exchange_add_header(exchange, "Host", "localhost");
     daemon_add_headers(exchange, headers);

@@ -169,7 +169,7 @@ static void long_answers_are_compressed_for_those_who_take_it(void **state)
 static void a_drain_shows(void **state)
 {
     (void)state;
-    atomic_store(&daemon_server.draining, true);
+    atomic_store(&daemon_server.host.is_draining, true);
     struct server_exchange *exchange = exchange_of("GET", "/readyz", "", NULL);
     assert_int_equal(exchange->response.status, 503);
     assert_true(exchange->response.close);
@@ -229,7 +229,7 @@ static void assert_told(enum server_refusal why, unsigned status, const char *wo
 {
     char none[] = "";
     struct server_exchange *exchange = daemon_begin("GET", "/v1", none);
-    server_deferred_begin(&daemon_server);
+    server_exchange_count_deferred(&daemon_server.host);
     exchange->response.status = 0;
     exchange->job.refuse(&exchange->job, why);
     sem_wait(&daemon_finished);

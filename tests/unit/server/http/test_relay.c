@@ -25,7 +25,8 @@ static int set_up(void **state)
     server_budget_init(&server.budget, 64 << 20);
     server.events = server_events_create();
     server.workers = server_workers_create(1, 10);
-    relay = server_relay_create(&server, false);
+    server_connect(&server);
+    relay = server_relay_create(&server.host, false);
     stream = server_relay_open(relay);
     server_stream_attach(stream, (struct server_stream_reader){ignore, ignore, is_gone, NULL});
     return 0;

@@ -31,6 +31,7 @@ static int start_server(uint64_t max_jobs, uint64_t ttl_s)
     server.events = server_events_create();
     server.jobs = server_jobs_create(&server);
     server.timekeeper = server_timekeeper_create(&server);
+    server_connect(&server);
     sem_init(&begun, 0, 0);
     sem_init(&hold, 0, 0);
     answer_size = 100;
@@ -61,7 +62,7 @@ static int tear_down(void **state)
     (void)state;
     for (int i = 0; i < 100; i++) sem_post(&hold); /* for a test that failed meanwhile */
     server_workers_cancel(server.workers);
-    while (atomic_load(&server.deferred)) usleep(1000);
+    while (atomic_load(&server.host.deferred)) usleep(1000);
     server_timekeeper_destroy(server.timekeeper);
     server_jobs_destroy(server.jobs);
     server_events_destroy(server.events);
@@ -169,7 +170,7 @@ static const char *tenant = ""; /* who asks */
 static struct server_exchange *request(const struct proto_route *route)
 {
     struct server_exchange *exchange =
-        server_exchange_create(&server, NULL, "/v1/meshes/cow/x?a=b%20c");
+        server_exchange_create(&server.host, NULL, "/v1/meshes/cow/x?a=b%20c");
     exchange->method = "POST";
     exchange->match = (struct proto_route_match){route, 1, {{exchange->path + 11, 3}}};
     exchange->tenant = tenant;
@@ -317,9 +318,9 @@ static void what_waits_is_cancelled_without_a_worker(void **state)
     struct server_async *second = start(wait_in_a_worker);
     server_jobs_cancel(server.jobs, second);
     assert_int_equal(state_of(second), PROTO_JOB_CANCELLED);
-    for (int i = 0; i < 5000 && atomic_load(&server.deferred) > 1; i++) usleep(1000);
-    assert_int_equal(atomic_load(&server.deferred), 1); /* its exchange is gone, */
-    assert_true(is_there(server_jobs_look(second).id)); /* not so the job, */
+    for (int i = 0; i < 5000 && atomic_load(&server.host.deferred) > 1; i++) usleep(1000);
+    assert_int_equal(atomic_load(&server.host.deferred), 1); /* its exchange is gone, */
+    assert_true(is_there(server_jobs_look(second).id));      /* not so the job, */
     server_jobs_cancel(server.jobs, second);
     assert_false(is_there(server_jobs_look(second).id)); /* until it is removed */
     sem_post(&hold);
@@ -336,8 +337,8 @@ static void what_runs_is_stopped_and_its_answer_dropped(void **state)
     sem_wait(&begun);
     server_jobs_cancel(server.jobs, job);
     assert_int_equal(state_of(job), PROTO_JOB_CANCELLED);
-    for (int i = 0; i < 5000 && atomic_load(&server.deferred); i++) usleep(1000);
-    assert_int_equal(atomic_load(&server.deferred), 0);
+    for (int i = 0; i < 5000 && atomic_load(&server.host.deferred); i++) usleep(1000);
+    assert_int_equal(atomic_load(&server.host.deferred), 0);
     assert_int_equal(state_of(job), PROTO_JOB_CANCELLED);
     assert_null(server_jobs_look(job).answer);
     assert_int_equal(counted(), 0);

@@ -40,7 +40,7 @@ static int set_up(void **state)
     memset(&exchange, 0, sizeof exchange);
     memset(slots, 0, sizeof slots);
     server.config.max_faces = 1000000;
-    exchange.server = &server;
+    exchange.host = &server.host;
     exchange.transport = &transport;
     exchange.job.deadline_ns = gd_now_ns() + UINT64_C(60000000000);
     surface = new_sheet();
@@ -49,6 +49,7 @@ static int set_up(void **state)
     server.workspaces = server_workspaces_create(&server.budget, 1);
     server.workers = server_workers_create(1, 1);
     server.discretizations = server_discretizations_create(&server);
+    server_connect(&server);
     return server.discretizations ? 0 : -1;
 }
 

@@ -4,7 +4,10 @@
 
 #include "server/work/budgeted_call.h"
 
-static struct server server;
+static struct {
+    struct server_budget budget;
+    struct server_workspaces *workspaces;
+} server;
 static int walks;
 
 /* Needs `need` bytes and keeps `keep` of them. */
@@ -51,7 +54,7 @@ static int tear_down(void **state)
 static enum gd_status call(struct task *task, size_t grant)
 {
     const struct server_call call = {.make = make, .user = task, .grant = grant};
-    return server_call_make(&server, &call);
+    return server_call_make(server.workspaces, &call);
 }
 
 static void one_that_makes_do_with_its_grant_looks_no_further(void **state)

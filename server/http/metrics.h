@@ -2,8 +2,8 @@
  *
  * Counters are sharded: a thread counts in a shard of its own (up to SHARDS threads) with relaxed
  * atomics, so that HTTP threads don't share cache lines; reading adds the shards up. */
-#ifndef SERVER_METRICS_H
-#define SERVER_METRICS_H
+#ifndef SERVER_HTTP_METRICS_H
+#define SERVER_HTTP_METRICS_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -12,7 +12,6 @@
 #include "proto/route.h"
 #include "proto/writer.h"
 
-struct server;
 struct server_metrics;
 
 /* For the generated route table. NULL without memory. */
@@ -36,12 +35,13 @@ void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windo
 /* Counts a search for a pair. */
 void server_metrics_count_search(struct server_metrics *metrics);
 
-/* Appends the whole text (version 0.0.4), the gauges of the server's parts included. */
-void server_metrics_write(const struct server_metrics *metrics, struct server *server,
-                          struct proto_writer *writer);
+/* Appends the counters as text for Prometheus. */
+void server_metrics_write(const struct server_metrics *metrics, struct proto_writer *writer);
 
-/* The same of what is a tenant's own: its keys and jobs. */
-void server_metrics_write_tenant(struct server *server, const char *tenant,
-                                 struct proto_writer *writer);
+/* Append the head of a metric `geodesicd_name`, and a metric with one value. */
+void server_metrics_write_head(struct proto_writer *writer, const char *name, const char *kind,
+                               const char *help);
+void server_metrics_write_value(struct proto_writer *writer, const char *name, const char *kind,
+                                const char *help, double value);
 
 #endif

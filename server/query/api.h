@@ -1,0 +1,38 @@
+/* API: what the handlers use of the daemon, besides what every request needs (struct server_host).
+ * The composition root fills it in. Everything outlives the exchanges. */
+#ifndef SERVER_QUERY_API_H
+#define SERVER_QUERY_API_H
+
+#include "server/access/guard.h"
+#include "server/config/config.h"
+#include "server/fields/cache.h"
+#include "server/http/exchange.h"
+#include "server/http/metrics.h"
+#include "server/surfaces/discretizations.h"
+#include "server/surfaces/landmarks.h"
+#include "server/surfaces/pending_loads.h"
+#include "server/surfaces/registry.h"
+#include "server/work/workspaces.h"
+
+struct server;
+struct server_batches;
+struct server_jobs;
+
+struct server_api {
+    const struct server_config *config;
+    const struct server_guard *guard;
+    struct server_access *access; /* NULL: there are no keys */
+    struct server_registry *registry;
+    struct server_cache *cache;
+    struct server_loads *loads;
+    struct server_landmarks *landmarks; /* NULL: there are none */
+    struct server_discretizations *discretizations;
+    struct server_jobs *jobs;
+    struct server_batches *batches;
+    /* Appends the metrics of the tenant, or with NULL of the whole daemon. */
+    void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
+    void *metrics_source;
+    struct server *server; /* for the loader */
+};
+
+#endif
