@@ -42,7 +42,7 @@ static void destroy(struct server *server)
     server_connections_destroy(server->connections);
     server_batches_destroy(server->batches);
     server_scrub_destroy(server->scrub);
-    server_keeper_destroy(server->keeper);
+    server_preloader_destroy(server->preloader);
     server_timekeeper_destroy(server->timekeeper);
     server_jobs_destroy(server->jobs);
     server_events_destroy(server->events);
@@ -50,7 +50,7 @@ static void destroy(struct server *server)
     server_discretizations_destroy(server->discretizations);
     server_landmarks_destroy(server->landmarks);
     server_field_store_close(server->fields);
-    server_loads_destroy(server->loads);
+    server_pending_loads_destroy(server->pending_loads);
     server_cache_destroy(server->cache);
     server_workers_destroy(server->workers);
     server_workspaces_destroy(server->workspaces);
@@ -154,7 +154,7 @@ void server_connect(struct server *server)
         .access = server->access,
         .registry = server->registry,
         .cache = server->cache,
-        .loads = server->loads,
+        .pending_loads = server->pending_loads,
         .landmarks = server->landmarks,
         .discretizations = server->discretizations,
         .jobs = server->jobs,
@@ -180,9 +180,10 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
         return false;
     if (server->workers && server->access) server_workers_share(server->workers);
     if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
-    if (server->workers) server->loads = server_loads_create(server->workers);
+    if (server->workers) server->pending_loads = server_pending_loads_create(server->workers);
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
-    if (!server->workspaces || !server->cache || !server->loads || !server->metrics) return false;
+    if (!server->workspaces || !server->cache || !server->pending_loads || !server->metrics)
+        return false;
     if (!create_registry(server, error, error_size)) return false;
     if (config->landmarks) server->landmarks = server_landmarks_create(server);
     if (config->landmarks && !server->landmarks) return false;
@@ -192,14 +193,14 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     server->jobs = server_jobs_create(server);
     if (!server->events || !server->jobs) return false;
     server->timekeeper = server_timekeeper_create(server);
-    server->keeper = server_keeper_create(server);
+    server->preloader = server_preloader_create(server);
     bool scrubs = config->scrub_s && server_registry_can_verify(server->registry);
     if (scrubs) server->scrub = server_scrub_create(server);
     server_connect(server);
     server->batches = server_batches_create(server, error, error_size);
     server->api.batches = server->batches;
     server->connections = server_connections_create();
-    return server->timekeeper && server->keeper && server->batches && server->connections &&
+    return server->timekeeper && server->preloader && server->batches && server->connections &&
            (!scrubs || server->scrub);
 }
 
@@ -282,13 +283,13 @@ static void remove_socket(const struct server_address *address)
         unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
 }
 
-/* Nothing else runs but the keeper and the scrub, which are ending. */
+/* Nothing else runs but the preloader and the scrub, which are ending. */
 static void persist(struct server *server)
 {
     server_scrub_destroy(server->scrub);
     server->scrub = NULL;
-    server_keeper_destroy(server->keeper);
-    server->keeper = NULL;
+    server_preloader_destroy(server->preloader);
+    server->preloader = NULL;
     server_registry_note_uses(server->registry);
     if (server->config.persist_fields)
         server_field_store_save(server->fields, server->registry, gd_now_ns() + PERSIST_NS);

@@ -3,10 +3,11 @@
  * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget,
  * workspaces, workers, cache, loads, metrics, store and registry (with two threads: its writer for
  * what has to be on disk, its reader for lists), field store, landmarks, discretizations, events,
- * jobs, timekeeper, keeper, scrub, batches, connections, http. Workspaces, workers, cache, loads,
- * landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock each,
- * the registry two; the only ones held together are the registry's writer lock, its slots' lock and
- * the cache's, in that order, and the landmarks' and the workers'. Budget and metrics are atomic.
+ * jobs, timekeeper, preloader, scrub, batches, connections, http. Workspaces, workers, cache,
+ * loads, landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock
+ * each, the registry two; the only ones held together are the registry's writer lock, its slots'
+ * lock and the cache's, in that order, and the landmarks' and the workers'. Budget and metrics are
+ * atomic.
  *
  * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections,
  * all else goes on) -> draining (no new connections) -> at the drain deadline workers are cancelled
@@ -39,7 +40,7 @@ struct server_http;
 struct server_jobs;
 struct server_timekeeper;
 struct server_tls;
-struct server_keeper;
+struct server_preloader;
 struct server_scrub;
 struct server_field_store;
 
@@ -54,7 +55,7 @@ struct server {
     struct server_workspaces *workspaces;
     struct server_workers *workers;
     struct server_cache *cache;
-    struct server_loads *loads;
+    struct server_pending_loads *pending_loads;
     struct server_registry *registry;
     struct server_field_store *fields;  /* NULL: nothing is stored */
     struct server_landmarks *landmarks; /* NULL: there are none */
@@ -64,7 +65,7 @@ struct server {
     struct server_jobs *jobs;
     struct server_batches *batches;
     struct server_timekeeper *timekeeper;
-    struct server_keeper *keeper;
+    struct server_preloader *preloader;
     struct server_scrub *scrub; /* NULL: nothing is looked through */
     struct server_connections *connections;
     struct server_http *http;

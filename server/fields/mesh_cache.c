@@ -13,10 +13,10 @@ static struct server_entry *allocate_entry(const struct server_field_key *key)
     return NULL;
 }
 
-struct server_entry *server_entry_create(struct server_shelf *shelf,
+struct server_entry *server_entry_create(struct server_mesh_cache *fields,
                                          const struct server_field_key *key, struct gd_field *field)
 {
-    struct server_budget *budget = shelf->cache->budget;
+    struct server_budget *budget = fields->cache->budget;
     size_t bytes = gd_field_memsize(field),
            besides = sizeof(struct server_entry) + key->seed_count * sizeof *key->seeds;
     struct server_entry *entry = allocate_entry(key);
@@ -27,10 +27,10 @@ struct server_entry *server_entry_create(struct server_shelf *shelf,
     }
     server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_FIELDS, bytes);
     server_budget_adjust(budget, SERVER_BUDGET_FIELDS, bytes, bytes + besides);
-    atomic_fetch_add(&shelf->references, 1);
+    atomic_fetch_add(&fields->references, 1);
     atomic_init(&entry->references, 1);
     entry->cached.field = field;
-    entry->shelf = shelf;
+    entry->fields = fields;
     entry->worth = (struct server_evictable){
         .cost = (double)gd_field_statistics(field)->build_ns, .bytes = bytes + besides, .uses = 1};
     return entry;
@@ -39,9 +39,9 @@ struct server_entry *server_entry_create(struct server_shelf *shelf,
 void server_entry_release(struct server_entry *entry)
 {
     if (atomic_fetch_sub(&entry->references, 1) != 1) return;
-    server_budget_give(entry->shelf->cache->budget, SERVER_BUDGET_FIELDS, entry->worth.bytes);
+    server_budget_give(entry->fields->cache->budget, SERVER_BUDGET_FIELDS, entry->worth.bytes);
     gd_field_release(entry->cached.field);
-    server_shelf_release(entry->shelf);
+    server_mesh_cache_release(entry->fields);
     server_field_key_free(&entry->slot.key);
     free(entry);
 }
@@ -63,80 +63,80 @@ static struct server_entry *entry_of_slot(struct server_field_slot *slot)
                 : NULL;
 }
 
-struct server_entry *server_shelf_find(const struct server_shelf *shelf,
-                                       const struct server_field_key *key)
+struct server_entry *server_mesh_cache_find(const struct server_mesh_cache *fields,
+                                            const struct server_field_key *key)
 {
-    return entry_of_slot(server_field_table_find(&shelf->entries, key));
+    return entry_of_slot(server_field_table_find(&fields->entries, key));
 }
 
-struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf,
-                                                const struct server_field_key *key)
+struct server_entry *server_mesh_cache_find_covering(const struct server_mesh_cache *fields,
+                                                     const struct server_field_key *key)
 {
-    struct server_entry *entry = server_shelf_find(shelf, key);
+    struct server_entry *entry = server_mesh_cache_find(fields, key);
     return entry && server_field_key_covers(&entry->slot.key, key) ? entry : NULL;
 }
 
-void server_shelf_remove(struct server_entry *entry)
+void server_mesh_cache_remove(struct server_entry *entry)
 {
-    server_field_table_remove(&entry->shelf->entries, &entry->slot);
-    entry->shelf->cache->statistics.fields--;
+    server_field_table_remove(&entry->fields->entries, &entry->slot);
+    entry->fields->cache->statistics.fields--;
 }
 
-void server_shelf_withdraw(struct server_entry *entry)
+void server_mesh_cache_withdraw(struct server_entry *entry)
 {
-    server_eviction_remove(&entry->shelf->cache->eviction, &entry->worth);
-    server_shelf_remove(entry);
+    server_eviction_remove(&entry->fields->cache->eviction, &entry->worth);
+    server_mesh_cache_remove(entry);
 }
 
-struct server_entry *server_shelf_put(struct server_entry *entry)
+struct server_entry *server_mesh_cache_put(struct server_entry *entry)
 {
-    if (!entry || entry->shelf->closed ||
-        server_shelf_find_covering(entry->shelf, &entry->slot.key))
+    if (!entry || entry->fields->closed ||
+        server_mesh_cache_find_covering(entry->fields, &entry->slot.key))
         return NULL;
-    struct server_cache *cache = entry->shelf->cache;
-    if (!server_field_table_reserve(&entry->shelf->entries) ||
+    struct server_cache *cache = entry->fields->cache;
+    if (!server_field_table_reserve(&entry->fields->entries) ||
         !server_eviction_reserve(&cache->eviction))
         return NULL;
-    struct server_entry *nearer = server_shelf_find(entry->shelf, &entry->slot.key);
+    struct server_entry *nearer = server_mesh_cache_find(entry->fields, &entry->slot.key);
     if (nearer) {
         entry->worth.uses += nearer->worth.uses;
-        server_shelf_withdraw(nearer);
+        server_mesh_cache_withdraw(nearer);
     }
     atomic_fetch_add(&entry->references, 1);
-    server_field_table_insert(&entry->shelf->entries, &entry->slot);
+    server_field_table_insert(&entry->fields->entries, &entry->slot);
     server_eviction_insert(&cache->eviction, &entry->worth);
     cache->statistics.fields++;
     return nearer;
 }
 
-/* --- the shelf -------------------------------------------------------------------------------- */
+/* --- the mesh cache --------------------------------------------------------------------------- */
 
-struct server_shelf *server_shelf_open(struct server_cache *cache)
+struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache)
 {
-    struct server_shelf *shelf = calloc(1, sizeof *shelf);
-    if (!shelf) return NULL;
-    shelf->references = 1;
-    shelf->cache = cache;
-    return shelf;
+    struct server_mesh_cache *fields = calloc(1, sizeof *fields);
+    if (!fields) return NULL;
+    fields->references = 1;
+    fields->cache = cache;
+    return fields;
 }
 
-void server_shelf_release(struct server_shelf *shelf)
+void server_mesh_cache_release(struct server_mesh_cache *fields)
 {
-    if (atomic_fetch_sub(&shelf->references, 1) != 1) return;
-    server_field_table_free(&shelf->entries);
-    free(shelf);
+    if (atomic_fetch_sub(&fields->references, 1) != 1) return;
+    server_field_table_free(&fields->entries);
+    free(fields);
 }
 
-void server_shelf_close(struct server_shelf *shelf)
+void server_mesh_cache_close(struct server_mesh_cache *fields)
 {
-    struct server_cache *cache = shelf->cache;
+    struct server_cache *cache = fields->cache;
     struct server_entry *removed = NULL;
     pthread_mutex_lock(&cache->lock);
-    shelf->closed = true;
-    for (uint32_t i = 0; i < shelf->entries.bucket_count; i++) {
-        while (shelf->entries.buckets[i]) {
-            struct server_entry *entry = entry_of_slot(shelf->entries.buckets[i]);
-            server_shelf_withdraw(entry);
+    fields->closed = true;
+    for (uint32_t i = 0; i < fields->entries.bucket_count; i++) {
+        while (fields->entries.buckets[i]) {
+            struct server_entry *entry = entry_of_slot(fields->entries.buckets[i]);
+            server_mesh_cache_withdraw(entry);
             entry->next = removed;
             removed = entry;
         }
@@ -145,11 +145,11 @@ void server_shelf_close(struct server_shelf *shelf)
     server_entries_release(removed);
 }
 
-static uint32_t pin_points(struct server_shelf *shelf, const struct server_cached **pinned)
+static uint32_t pin_points(struct server_mesh_cache *fields, const struct server_cached **pinned)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < shelf->entries.bucket_count; i++) {
-        for (struct server_field_slot *slot = shelf->entries.buckets[i]; slot; slot = slot->next) {
+    for (uint32_t i = 0; i < fields->entries.bucket_count; i++) {
+        for (struct server_field_slot *slot = fields->entries.buckets[i]; slot; slot = slot->next) {
             struct server_entry *entry = entry_of_slot(slot);
             if (!server_field_key_is_point(&slot->key)) continue;
             atomic_fetch_add(&entry->references, 1);
@@ -159,20 +159,22 @@ static uint32_t pin_points(struct server_shelf *shelf, const struct server_cache
     return count;
 }
 
-const struct server_cached **server_shelf_pin_points(struct server_shelf *shelf, uint32_t *count)
+const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cache *fields,
+                                                          uint32_t *count)
 {
-    pthread_mutex_lock(&shelf->cache->lock);
+    pthread_mutex_lock(&fields->cache->lock);
     const struct server_cached **pinned =
-        shelf->entries.count ? malloc(shelf->entries.count * sizeof(struct server_cached *)) : NULL;
-    *count = pinned ? pin_points(shelf, pinned) : 0;
-    pthread_mutex_unlock(&shelf->cache->lock);
+        fields->entries.count ? malloc(fields->entries.count * sizeof(struct server_cached *))
+                              : NULL;
+    *count = pinned ? pin_points(fields, pinned) : 0;
+    pthread_mutex_unlock(&fields->cache->lock);
     return pinned;
 }
 
-uint32_t server_shelf_count(struct server_shelf *shelf)
+uint32_t server_mesh_cache_count(struct server_mesh_cache *fields)
 {
-    pthread_mutex_lock(&shelf->cache->lock);
-    uint32_t count = shelf->entries.count;
-    pthread_mutex_unlock(&shelf->cache->lock);
+    pthread_mutex_lock(&fields->cache->lock);
+    uint32_t count = fields->entries.count;
+    pthread_mutex_unlock(&fields->cache->lock);
     return count;
 }

@@ -399,7 +399,7 @@ static bool on_progress(void *user, double fraction)
     if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
     if (!server_workers_go_on(exchange->host->workers)) return false;
     return !transport->is_gone(exchange) ||
-           (monitor->flight && server_cache_is_awaited(monitor->flight));
+           (monitor->build && server_cache_is_awaited(monitor->build));
 }
 
 struct gd_control server_exchange_control(struct server_monitor *monitor)

@@ -1,9 +1,9 @@
 /* Exchange: one request and its answer, as handlers see them. No HTTP library shows here.
  *
  * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the
- * handler deferred it, the queue, a worker or a flight of the cache, then the HTTP thread again.
- * The hand-over is the workers' lock one way and transport->finish the other: who has submitted,
- * parked or finished an exchange does not touch it any more.
+ * handler deferred it, the queue, a worker or a pending build of the cache, then the HTTP thread
+ * again. The hand-over is the workers' lock one way and transport->finish the other: who has
+ * submitted, parked or finished an exchange does not touch it any more.
  *
  * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept
  * for later (jobs.c). Handlers need not know which.
@@ -39,7 +39,7 @@ struct server_events;
 struct server_exchange;
 struct server_metrics;
 struct server_workspaces;
-struct server_flight;
+struct server_pending_build;
 struct server_stream;
 struct server_surface;
 
@@ -221,10 +221,10 @@ void server_exchange_keep(struct server_exchange *exchange, void *state,
                           void (*free_state)(void *state));
 
 /* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or
- * deferred again, false when the exchange is no longer its own: parked in a flight of the cache,
- * which will have `work` called again. `join` (may be NULL) is tried first, without a worker: true
- * when it has parked the exchange in a flight that is under way, so that those who wait for one
- * answer don't fill the queue. */
+ * deferred again, false when the exchange is no longer its own: parked in a pending build of the
+ * cache, which will have `work` called again. `join` (may be NULL) is tried first, without a
+ * worker: true when it has parked the exchange in a pending build that is under way, so that those
+ * who wait for one answer don't fill the queue. */
 void server_exchange_defer(struct server_exchange *exchange,
                            bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
@@ -233,11 +233,11 @@ void server_exchange_defer(struct server_exchange *exchange,
 struct server_exchange *server_exchange_of(struct server_job *job);
 
 /* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that
- * nobody wants the answer any more unless others wait for `flight` (may be NULL). Calls of several
- * threads for one exchange have one monitor each. */
+ * nobody wants the answer any more unless others wait for `build` (may be NULL). Calls of
+ * several threads for one exchange have one monitor each. */
 struct server_monitor {
     struct server_exchange *exchange;
-    struct server_flight *flight;
+    struct server_pending_build *build;
     /* the call is the part [begun, begun + share] of the work; share 0: it is all of it */
     double begun, share;
 };

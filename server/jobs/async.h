@@ -3,7 +3,7 @@
  * DESIGN. It is a transport (exchange.h): it carries an exchange of its own, made from the one that
  * asked for it, through the router's dispatch, the handler and the workers, as a connection would,
  * and keeps what it is answered with. So handlers know nothing of jobs, and a job parks on the same
- * flights and loads as everybody else.
+ * pending builds and loads as everybody else.
  *
  * Ownership: counted, once for the table of jobs, once for its exchange, once for each that looks
  * at it. */

@@ -24,7 +24,7 @@ struct server_api {
     struct server_access *access; /* NULL: there are no keys */
     struct server_registry *registry;
     struct server_cache *cache;
-    struct server_loads *loads;
+    struct server_pending_loads *pending_loads;
     struct server_landmarks *landmarks; /* NULL: there are none */
     struct server_discretizations *discretizations;
     struct server_jobs *jobs;

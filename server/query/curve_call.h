@@ -1,5 +1,5 @@
-/* Curve call: one long call of the engine (call.h) about a curve of the request, which is made
- * first, with the mesh's landmarks. */
+/* Curve call: one long call of the engine (budgeted_call.h) about a curve of the request, which is
+ * made first, with the mesh's landmarks. */
 #ifndef SERVER_QUERY_CURVE_CALL_H
 #define SERVER_QUERY_CURVE_CALL_H
 

@@ -48,11 +48,11 @@ static enum gd_status call(struct server_monitor *part, struct build *wanted)
     struct server_host *host = part->exchange->host;
     struct server_team *team = server_team_call(host->workers, part->exchange->job.deadline_ns);
     wanted->executor = server_team_executor(team);
-    const struct server_call call = {.make = build,
-                                     .user = wanted,
-                                     .control = server_exchange_control(part),
-                                     .grant = server_field_build_grant(wanted->mesh)};
-    enum gd_status status = server_call_make(host->workspaces, &call);
+    const struct server_budgeted_call call = {.make = build,
+                                              .user = wanted,
+                                              .control = server_exchange_control(part),
+                                              .grant = server_field_build_grant(wanted->mesh)};
+    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
     server_team_dismiss(team);
     if (!status) server_metrics_count_windows(host->metrics, count_windows(wanted));
     return status;
@@ -64,8 +64,7 @@ enum gd_status server_field_build_request(struct server_monitor *part, const str
                                           const struct gd_field_request *request,
                                           struct gd_field **out)
 {
-    const struct server_cached *nearer =
-        part->flight ? server_cache_find_nearer(part->flight) : NULL;
+    const struct server_cached *nearer = part->build ? server_cache_find_nearer(part->build) : NULL;
     struct build wanted = {
         .mesh = mesh, .request = *request, .nearer = nearer ? nearer->field : NULL, .out = out};
     enum gd_status status = call(part, &wanted);

@@ -125,27 +125,27 @@ static enum server_query_turn answer_by_pin(struct server_field_query *query,
 /* True if the field is in the cache; it is pinned then. */
 static bool look(struct server_field_query *query)
 {
-    query->pin = server_cache_find_field(query->query.surface->shelf, &query->request);
+    query->pin = server_cache_find_field(query->query.surface->fields, &query->request);
     return query->pin != NULL;
 }
 
 static enum server_query_turn fly(struct server_field_query *query, struct proto_problem *problem)
 {
-    struct server_flight *flight = query->flight;
+    struct server_pending_build *build = query->build;
     struct server_monitor part = server_query_monitor(&query->query, 0, BUILD_SHARE);
     struct gd_field *field;
-    part.flight = flight;
-    query->flight = NULL;
+    part.build = build;
+    query->build = NULL;
     enum gd_status status =
         server_field_build_request(&part, query->query.surface->mesh, &query->request, &field);
     if (status) {
-        server_cache_fail(flight, status);
+        server_cache_fail(build, status);
         return server_query_fail(&query->query, status, WHAT, problem);
     }
-    const struct server_cached *landed = server_cache_land(flight, field);
-    if (!landed) return server_query_fail(&query->query, GD_NO_MEMORY, WHAT, problem);
-    enum server_query_turn turn = answer_by(query, landed, BUILD_SHARE, problem);
-    server_cache_unpin(landed);
+    const struct server_cached *published = server_cache_publish(build, field);
+    if (!published) return server_query_fail(&query->query, GD_NO_MEMORY, WHAT, problem);
+    enum server_query_turn turn = answer_by(query, published, BUILD_SHARE, problem);
+    server_cache_unpin(published);
     return turn;
 }
 
@@ -153,8 +153,8 @@ static enum server_query_turn fly(struct server_field_query *query, struct proto
 
 static enum server_cache_turn claim(struct server_field_query *query, enum gd_status *why)
 {
-    return server_cache_claim(query->query.surface->shelf, &query->request,
-                              &query->query.exchange->job, &query->flight, why);
+    return server_cache_claim(query->query.surface->fields, &query->request,
+                              &query->query.exchange->job, &query->build, why);
 }
 
 bool server_field_query_of_resource(struct server_field_query *query, struct proto_problem *problem)
@@ -180,8 +180,8 @@ enum server_query_turn server_field_query_glance(struct server_query *query,
     return look(own) && own->is_quick ? answer_by_pin(own, problem) : SERVER_QUERY_AGAIN;
 }
 
-/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in
- * the queue. */
+/* A pending build begins here, before its builder is queued: so those who come meanwhile take no
+ * place in the queue. */
 bool server_field_query_join(struct server_query *query)
 {
     struct server_field_query *own = (struct server_field_query *)query;
@@ -196,7 +196,7 @@ enum server_query_turn server_field_query_solve(struct server_query *query,
     enum gd_status why;
     if (!own->set && !(own->prepare ? own->prepare : resolve)(own, problem))
         return SERVER_QUERY_FAILED;
-    if (own->flight) return fly(own, problem);
+    if (own->build) return fly(own, problem);
     if (own->pin || look(own)) return answer_by_pin(own, problem);
     switch (claim(own, &why)) {
     case SERVER_CACHE_WAIT:
@@ -214,7 +214,7 @@ enum server_query_turn server_field_query_solve(struct server_query *query,
 void server_field_query_release(struct server_query *query)
 {
     struct server_field_query *own = (struct server_field_query *)query;
-    if (own->flight) server_cache_fail(own->flight, GD_CANCELLED);
+    if (own->build) server_cache_fail(own->build, GD_CANCELLED);
     server_cache_unpin(own->pin);
     server_resource_release(own->resource);
     proto_set_free(&own->pending);

@@ -34,7 +34,7 @@ struct server_field_query {
     /* the field, found before there was time to answer; or NULL */
     const struct server_cached *pin;
     /* this query is to build the field; NULL: it is not */
-    struct server_flight *flight;
+    struct server_pending_build *build;
 };
 
 /* The field of a set, which it takes over and puts on the mesh: at once if that takes no time.

@@ -31,7 +31,7 @@ struct matrix {
     double *distances;                    /* rows x columns */
     bool *is_left;                        /* per row: it found too little memory while others ran */
     bool is_alone;                        /* one row at a time */
-    /* bytes that were enough for the rows so far, see server_call */
+    /* bytes that were enough for the rows so far, see server_budgeted_call */
     atomic_size_t grant;
     atomic_int status; /* the first failure */
 };
@@ -153,14 +153,14 @@ static enum gd_status row_by_propagation(struct row *row)
     struct matrix *matrix = row->matrix;
     bool is_plain = matrix->vertices != NULL;
     const struct gd_mesh_summary *summary = gd_mesh_summary(matrix->surface->mesh);
-    const struct server_call call = {.make = is_plain ? measure_vertices : measure_points,
-                                     .user = row,
-                                     .control = control_of(row),
-                                     .grant = atomic_load(&matrix->grant),
-                                     .aside = is_plain ? summary->index_count * sizeof(double)
-                                                       : (size_t)matrix->columns->count *
-                                                             BYTES_A_COLUMN};
-    return server_call_make(row->monitor.exchange->host->workspaces, &call);
+    const struct server_budgeted_call call = {
+        .make = is_plain ? measure_vertices : measure_points,
+        .user = row,
+        .control = control_of(row),
+        .grant = atomic_load(&matrix->grant),
+        .aside = is_plain ? summary->index_count * sizeof(double)
+                          : (size_t)matrix->columns->count * BYTES_A_COLUMN};
+    return server_budgeted_call_run(row->monitor.exchange->host->workspaces, &call);
 }
 
 /* False: the cache has no field of the row's point that reaches far enough. */
@@ -169,7 +169,7 @@ static bool row_from_cache(struct row *row, enum gd_status *status)
     struct gd_seed seed;
     const struct gd_field_request request = request_of(row, &seed);
     const struct server_cached *cached =
-        server_cache_find_field(row->matrix->surface->shelf, &request);
+        server_cache_find_field(row->matrix->surface->fields, &request);
     if (!cached) return false;
     struct gd_control control = control_of(row);
     *status = measure(row, cached->field, &control);
@@ -200,7 +200,7 @@ static enum gd_status row_by_searches(const struct row *row)
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < matrix->columns->count && !status; i++) {
         const struct server_cached *cached =
-            server_cache_find(matrix->surface->shelf, &matrix->columns->points[i]);
+            server_cache_find(matrix->surface->fields, &matrix->columns->points[i]);
         if (!cached || gd_field_distance(cached->field, row->point, &row->distances[i]) != GD_OK)
             status = search(row, i);
         server_cache_unpin(cached);

@@ -36,13 +36,13 @@ enum gd_status server_pair_search(struct server_monitor *part, const struct gd_m
                                   struct gd_pair_answer *out)
 {
     struct search wanted = {mesh, from, to, wish, landmarks, out};
-    const struct server_call call = {.make = search,
-                                     .user = &wanted,
-                                     .control = server_exchange_control(part),
-                                     .grant = BYTES_A_SEARCH +
-                                              (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
+    const struct server_budgeted_call call = {
+        .make = search,
+        .user = &wanted,
+        .control = server_exchange_control(part),
+        .grant = BYTES_A_SEARCH + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
     server_metrics_count_search(part->exchange->host->metrics);
-    return server_call_make(part->exchange->host->workspaces, &call);
+    return server_budgeted_call_run(part->exchange->host->workspaces, &call);
 }
 
 /* --- routes ----------------------------------------------------------------------------------- */

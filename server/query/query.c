@@ -114,11 +114,11 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
                                  server_query_maker *make, void *user, size_t grant)
 {
     struct holding holding = {.make = make, .user = user};
-    const struct server_call call = {.make = make_and_count,
-                                     .user = &holding,
-                                     .control = server_exchange_control(part),
-                                     .grant = grant};
-    enum gd_status status = server_call_make(query->exchange->host->workspaces, &call);
+    const struct server_budgeted_call call = {.make = make_and_count,
+                                              .user = &holding,
+                                              .control = server_exchange_control(part),
+                                              .grant = grant};
+    enum gd_status status = server_budgeted_call_run(query->exchange->host->workspaces, &call);
     query->held += holding.kept;
     return status;
 }

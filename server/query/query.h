@@ -112,8 +112,8 @@ void server_query_give(struct server_query *query, size_t bytes);
 typedef enum gd_status server_query_maker(void *user, const struct gd_control *control,
                                           size_t *kept);
 
-/* One long call of the engine (call.h) on behalf of a part of the query's work. What its result
- * keeps is held. */
+/* One long call of the engine (budgeted_call.h) on behalf of a part of the query's work. What its
+ * result keeps is held. */
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query,
                                              struct server_monitor *part, server_query_maker *make,
                                              void *user, size_t grant);

@@ -153,16 +153,16 @@ static void rerun(struct server_exchange *exchange, struct server_surface *surfa
  * and the dispatcher has it looked up again, as who waited does. Only want of memory is the same
  * for all. */
 static void load(struct server_exchange *exchange, struct server_record *record,
-                 struct server_load *load)
+                 struct server_pending_load *load)
 {
     struct server_surface *surface;
     struct proto_problem problem;
     enum server_loader_outcome outcome = server_loader_load(
         exchange->host->api->server, record, exchange->job.deadline_ns, &surface, &problem);
     if (outcome == SERVER_LOADER_NO_MEMORY)
-        server_loads_fail(load, SERVER_REFUSAL_MEMORY);
+        server_pending_loads_fail(load, SERVER_REFUSAL_MEMORY);
     else
-        server_loads_end(load);
+        server_pending_loads_end(load);
     if (outcome == SERVER_LOADER_LOADED)
         rerun(exchange, surface);
     else if (outcome != SERVER_LOADER_GONE)
@@ -171,14 +171,15 @@ static void load(struct server_exchange *exchange, struct server_record *record,
 
 static bool load_or_wait(struct server_exchange *exchange, struct server_record *record)
 {
-    struct server_load *started;
-    switch (server_loads_enter(exchange->host->api->loads, record, &exchange->job, &started)) {
-    case SERVER_LOADS_WAIT:
+    struct server_pending_load *started;
+    switch (server_pending_loads_enter(exchange->host->api->pending_loads, record, &exchange->job,
+                                       &started)) {
+    case SERVER_PENDING_LOADS_WAIT:
         return false;
-    case SERVER_LOADS_LOAD:
+    case SERVER_PENDING_LOADS_LOAD:
         load(exchange, record, started);
         break;
-    case SERVER_LOADS_NO_MEMORY:
+    case SERVER_PENDING_LOADS_NO_MEMORY:
         server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
         break;
     }
@@ -207,8 +208,8 @@ static bool join(struct server_exchange *exchange)
     if (!server_request_key(exchange, name, &key) ||
         !server_registry_find(exchange->host->api->registry, &key, &listed))
         return false;
-    bool joined = !listed.surface &&
-                  server_loads_join(exchange->host->api->loads, listed.record, &exchange->job);
+    bool joined = !listed.surface && server_pending_loads_join(exchange->host->api->pending_loads,
+                                                               listed.record, &exchange->job);
     server_listed_release(&listed);
     return joined;
 }

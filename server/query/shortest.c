@@ -11,8 +11,8 @@ enum gd_status server_shortest_path(const struct server_query *query, struct ser
                                     enum gd_pair_wish wish, struct gd_pair_answer *out)
 {
     struct server_surface *surface = query->surface;
-    const struct server_cached *cached = server_cache_find(surface->shelf, from);
-    if (!cached) cached = server_cache_find(surface->shelf, to);
+    const struct server_cached *cached = server_cache_find(surface->fields, from);
+    if (!cached) cached = server_cache_find(surface->fields, to);
     if (cached) {
         enum gd_status status = gd_pair_from_field(cached->field, from, to, wish, out);
         server_cache_unpin(cached);

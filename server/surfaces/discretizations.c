@@ -137,11 +137,11 @@ static enum gd_status build(struct server *server,
 {
     struct building building = {.request = request,
                                 .max_faces = (uint32_t)server->config.max_faces};
-    const struct server_call call = {.make = build_mesh,
-                                     .user = &building,
-                                     .control = server_exchange_control(request->monitor),
-                                     .grant = grant_for(request, &server->budget)};
-    enum gd_status status = server_call_make(server->workspaces, &call);
+    const struct server_budgeted_call call = {.make = build_mesh,
+                                              .user = &building,
+                                              .control = server_exchange_control(request->monitor),
+                                              .grant = grant_for(request, &server->budget)};
+    enum gd_status status = server_budgeted_call_run(server->workspaces, &call);
     if (status) return status;
     *out = create(&server->budget, building.mesh);
     return *out ? GD_OK : GD_NO_MEMORY;

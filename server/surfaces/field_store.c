@@ -118,7 +118,7 @@ struct restoring {
     bool is_over; /* by the control */
 };
 
-/* Puts the field, whose image this was, on the shelf, if it is the whole of it. */
+/* Puts the field, whose image this was, on the mesh cache, if it is the whole of it. */
 static void keep_field(struct restoring *restoring, struct gd_field *field, size_t image_size)
 {
     struct server_budget *budget = restoring->store->budget;
@@ -128,7 +128,7 @@ static void keep_field(struct restoring *restoring, struct gd_field *field, size
         return;
     }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, image_size, gd_field_memsize(field));
-    server_cache_restore(restoring->surface->shelf, field);
+    server_cache_restore(restoring->surface->fields, field);
     restoring->restored++;
 }
 
@@ -383,14 +383,15 @@ static void save_surface(void *user, const struct server_listed *listed)
     char folder[SERVER_DISK_PATH];
     uint32_t count;
     if (!listed->surface) return;
-    const struct server_cached **fields = server_shelf_pin_points(listed->surface->shelf, &count);
+    const struct server_cached **pinned =
+        server_mesh_cache_pin_points(listed->surface->fields, &count);
     folder_path(saving->store, folder, listed->record->etag);
     if (count && !make_folder(folder)) saving->is_over = true;
     for (uint32_t i = 0; i < count; i++) {
-        save_field(saving, folder, fields[i]->field);
-        server_cache_unpin(fields[i]);
+        save_field(saving, folder, pinned[i]->field);
+        server_cache_unpin(pinned[i]);
     }
-    free(fields);
+    free(pinned);
 }
 
 static void on_saved_file(void *user, const char *path, const char *file)

@@ -23,7 +23,7 @@ struct server_field_store *server_field_store_open(const char *folder,
                                                    struct server_budget *budget);
 void server_field_store_close(struct server_field_store *store); /* NULL is harmless */
 
-/* Puts the fields that are stored for this surface on its shelf, as far as the budget has room
+/* Puts the fields that are stored for this surface on its mesh cache, as far as the budget has room
  * without letting go of anything, and until the control (may be NULL) ends it, which it looks at
  * before each file. */
 void server_field_store_restore(struct server_field_store *store, struct server_surface *surface,

@@ -159,7 +159,7 @@ static void describe(struct proto_writer *writer, const struct server_surface *s
         .sha256 = record->sha256,
         .created = record->created,
         .etag = record->etag,
-        .fields_cached = server_shelf_count(surface->shelf),
+        .fields_cached = server_mesh_cache_count(surface->fields),
         .memory_bytes = surface->bytes,
         .mesh = surface->mesh,
     };

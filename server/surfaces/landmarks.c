@@ -156,15 +156,16 @@ static struct gd_landmarks *build_landmarks(struct bringing *bringing)
     struct wanted wanted = {.mesh = bringing->surface->mesh,
                             .count = (uint32_t)server->config.landmarks};
     const struct gd_mesh_summary *summary = gd_mesh_summary(wanted.mesh);
-    const struct server_call call = {.make = build,
-                                     .user = &wanted,
-                                     .control = {.progress = on_progress, .user = bringing},
-                                     .grant =
-                                         BYTES_A_BUILD + (size_t)summary->edges * BYTES_AN_EDGE,
-                                     .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
-                                     .is_modest = true};
+    const struct server_budgeted_call call = {
+        .make = build,
+        .user = &wanted,
+        .control = {.progress = on_progress, .user = bringing},
+        .grant = BYTES_A_BUILD + (size_t)summary->edges * BYTES_AN_EDGE,
+        .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
+        .is_modest = true};
     bool is_affordable = call.grant + call.aside <= server->budget.limit / LARGEST_PART;
-    enum gd_status status = is_affordable ? server_call_make(server->workspaces, &call) : GD_BUDGET;
+    enum gd_status status =
+        is_affordable ? server_budgeted_call_run(server->workspaces, &call) : GD_BUDGET;
     bringing->is_hopeless = server_metrics_count_status(server->metrics, status) || !is_affordable;
     if (status) return NULL;
     if (server->fields)

@@ -18,7 +18,7 @@ enum server_loader_outcome {
 
 /* Fetches, verifies, builds, and gives the surface to the registry; the caller has a reference of
  * its own. On failure `problem` tells what a client is told. One load of a record at a time: see
- * loads.h. */
+ * pending_loads.h. */
 enum server_loader_outcome server_loader_load(struct server *server, struct server_record *record,
                                               uint64_t deadline_ns, struct server_surface **out,
                                               struct proto_problem *problem);

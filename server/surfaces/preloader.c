@@ -1,4 +1,4 @@
-/* See keeper.h. */
+/* See preloader.h. */
 #include "server/surfaces/preloader.h"
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 /* memory that a load takes at most while it is under way, in terms of what the mesh takes */
 #define LOAD_FACTOR 3
 
-struct server_keeper {
+struct server_preloader {
     struct server *server;
     struct server_thread *thread;
 };
@@ -25,12 +25,14 @@ static bool has_room(struct server *server, const struct server_record *record)
 static void load(struct server *server, struct server_record *record)
 {
     struct server_surface *surface;
-    struct server_load *load;
+    struct server_pending_load *load;
     struct proto_problem problem;
-    if (server_loads_enter(server->loads, record, NULL, &load) != SERVER_LOADS_LOAD) return;
+    if (server_pending_loads_enter(server->pending_loads, record, NULL, &load) !=
+        SERVER_PENDING_LOADS_LOAD)
+        return;
     if (server_loader_load(server, record, 0, &surface, &problem) == SERVER_LOADER_LOADED)
         server_surface_release(surface);
-    server_loads_end(load);
+    server_pending_loads_end(load);
 }
 
 /* Loads the most used first, until the next one would need room that others have. */
@@ -48,30 +50,30 @@ static void warm_up(struct server *server)
 
 static void keep(void *user, struct server_thread *thread)
 {
-    const struct server_keeper *keeper = user;
-    if (!server_registry_is_shared(keeper->server->registry))
+    const struct server_preloader *preloader = user;
+    if (!server_registry_is_shared(preloader->server->registry))
         warm_up(
             /* of many daemons each has meshes of its own to answer for: it will be asked for them
              */
-            keeper->server);
+            preloader->server);
     while (server_thread_pause(thread, NOTE_NS))
-        server_registry_note_uses(keeper->server->registry);
+        server_registry_note_uses(preloader->server->registry);
 }
 
-struct server_keeper *server_keeper_create(struct server *server)
+struct server_preloader *server_preloader_create(struct server *server)
 {
-    struct server_keeper *keeper = calloc(1, sizeof *keeper);
-    if (!keeper) return NULL;
-    keeper->server = server;
-    keeper->thread = server_thread_start(keep, keeper);
-    if (keeper->thread) return keeper;
-    free(keeper);
+    struct server_preloader *preloader = calloc(1, sizeof *preloader);
+    if (!preloader) return NULL;
+    preloader->server = server;
+    preloader->thread = server_thread_start(keep, preloader);
+    if (preloader->thread) return preloader;
+    free(preloader);
     return NULL;
 }
 
-void server_keeper_destroy(struct server_keeper *keeper)
+void server_preloader_destroy(struct server_preloader *preloader)
 {
-    if (!keeper) return;
-    server_thread_stop(keeper->thread);
-    free(keeper);
+    if (!preloader) return;
+    server_thread_stop(preloader->thread);
+    free(preloader);
 }

@@ -31,7 +31,7 @@ static struct server_slot *coldest(const struct server_registry *registry, bool 
     for (uint32_t i = 0; i < registry->count; i++) {
         struct server_slot *slot = registry->slots[i];
         if (!can_unload(slot->surface) || (coldest && slot->turn >= coldest->turn)) continue;
-        if (without_fields && server_shelf_count(slot->surface->shelf)) continue;
+        if (without_fields && server_mesh_cache_count(slot->surface->fields)) continue;
         coldest = slot;
     }
     return coldest;

@@ -10,9 +10,9 @@ struct server_surface *server_surface_create(struct server_record *record, void 
                                              struct server_cache *cache)
 {
     struct server_surface *surface = malloc(sizeof *surface);
-    struct server_shelf *shelf = server_shelf_open(cache);
-    if (!surface || !shelf) {
-        if (shelf) server_shelf_release(shelf);
+    struct server_mesh_cache *fields = server_mesh_cache_open(cache);
+    if (!surface || !fields) {
+        if (fields) server_mesh_cache_release(fields);
         free(surface);
         return NULL;
     }
@@ -21,7 +21,7 @@ struct server_surface *server_surface_create(struct server_record *record, void 
                                        .object = object,
                                        .bytes = bytes,
                                        .budget = budget,
-                                       .shelf = shelf};
+                                       .fields = fields};
     server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_MESHES, bytes);
     return surface;
 }
@@ -44,7 +44,7 @@ void server_surface_release(struct server_surface *surface)
 {
     if (!surface || atomic_fetch_sub(&surface->references, 1) != 1) return;
     server_surface_retire(surface);
-    server_shelf_release(surface->shelf);
+    server_mesh_cache_release(surface->fields);
     surface->record->kind->release(surface->object);
     free(surface->attachment);
     server_budget_give(surface->budget, SERVER_BUDGET_MESHES, surface->bytes);
@@ -54,6 +54,6 @@ void server_surface_release(struct server_surface *surface)
 
 void server_surface_retire(struct server_surface *surface)
 {
-    server_shelf_close(surface->shelf);
+    server_mesh_cache_close(surface->fields);
     server_landmark_slot_close(&surface->landmarks);
 }

@@ -1,8 +1,8 @@
 /* Surface: an object of some kind in memory, a mesh for instance, with its record, its attachment,
  * its fields and its landmarks.
  *
- * Immutable but for its count, its shelf and its slot. The shelf holds fields, which hold the mesh,
- * and so do landmarks: retiring the surface closes both. */
+ * Immutable but for its count, its mesh cache and its slot. The mesh cache holds fields, which hold
+ * the mesh, and so do landmarks: retiring the surface closes both. */
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
@@ -25,7 +25,7 @@ struct server_surface {
     void *attachment; /* record->attachment_size bytes, owned; NULL: there is none */
     size_t bytes;     /* of both, in SERVER_BUDGET_MESHES until the last reference goes */
     struct server_budget *budget;
-    struct server_shelf *shelf;
+    struct server_mesh_cache *fields;
     struct server_landmark_slot landmarks;
 };
 

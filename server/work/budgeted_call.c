@@ -1,4 +1,4 @@
-/* See call.h.
+/* See budgeted_call.h.
  *
  * How much memory a call takes is not known before it is made. So it is granted what most need,
  * taken from the budget in full before it begins, and made again with several times as much when
@@ -7,7 +7,8 @@
 
 #define GRANT_FACTOR 4
 
-static bool take(struct server_workspaces *workspaces, const struct server_call *call, size_t bytes)
+static bool take(struct server_workspaces *workspaces, const struct server_budgeted_call *call,
+                 size_t bytes)
 {
     return call->is_modest ? server_budget_take_spare(server_workspaces_budget(workspaces),
                                                       SERVER_BUDGET_FLIGHT, bytes)
@@ -18,7 +19,7 @@ static bool take(struct server_workspaces *workspaces, const struct server_call 
 /* The workspace's bytes are in flight beside the grant: what it holds from before and what the call
  * may take overlap, but by how much only the engine knows. */
 static enum gd_status make_within(struct server_workspaces *workspaces,
-                                  const struct server_call *call, struct server_loan *loan,
+                                  const struct server_budgeted_call *call, struct server_loan *loan,
                                   size_t grant)
 {
     struct gd_control control = call->control;
@@ -44,8 +45,8 @@ static bool can_grant(struct server_workspaces *workspaces, struct server_loan *
 }
 
 /* Each grant in turn, until one is enough or all that can be had was not. */
-static enum gd_status make(struct server_workspaces *workspaces, const struct server_call *call,
-                           struct server_loan *loan)
+static enum gd_status make(struct server_workspaces *workspaces,
+                           const struct server_budgeted_call *call, struct server_loan *loan)
 {
     for (size_t grant = call->grant; can_grant(workspaces, loan, grant); grant *= GRANT_FACTOR) {
         enum gd_status status = make_within(workspaces, call, loan, grant);
@@ -55,8 +56,8 @@ static enum gd_status make(struct server_workspaces *workspaces, const struct se
                        server_budget_available(server_workspaces_budget(workspaces)));
 }
 
-enum gd_status server_call_make(struct server_workspaces *workspaces,
-                                const struct server_call *call)
+enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
+                                        const struct server_budgeted_call *call)
 {
     struct server_loan loan = server_workspaces_borrow(workspaces);
     enum gd_status status = make(workspaces, call, &loan);

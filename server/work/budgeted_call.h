@@ -5,7 +5,7 @@
 #include "gd/control.h"
 #include "server/work/workspaces.h"
 
-struct server_call {
+struct server_budgeted_call {
     /* Makes the call under `control`; on success `*kept` are the bytes of its result that it holds.
      */
     enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
@@ -20,7 +20,7 @@ struct server_call {
 /* On success `*kept` bytes of SERVER_BUDGET_FLIGHT are held for the result, for the caller to pass
  * on or give back. Errors: those of the call; GD_BUDGET: not even all that could be had was enough.
  */
-GD_MUST_USE enum gd_status server_call_make(struct server_workspaces *workspaces,
-                                            const struct server_call *call);
+GD_MUST_USE enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
+                                                    const struct server_budgeted_call *call);
 
 #endif

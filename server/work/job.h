@@ -1,8 +1,8 @@
 /* Job: a piece of work for the second lane, and lists of jobs.
  *
  * A job has one owner at a time: its maker, the workers' queue, the thread that runs it, or a
- * flight of the cache that it was parked in; `next` belongs to that owner. It ends in one call of
- * `run` that does not park it, or of `refuse`. */
+ * pending build of the cache that it was parked in; `next` belongs to that owner. It ends in one
+ * call of `run` that does not park it, or of `refuse`. */
 #ifndef SERVER_WORK_JOB_H
 #define SERVER_WORK_JOB_H
 

@@ -157,7 +157,7 @@ class Damage(Stored):
             last = daemon.get("/v1/meshes/a").json
             daemon.ask_often("a", "v:0")
             self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:1").status, 200)
-            self.assertEqual(daemon.get("/v1/meshes/a").json["fields_cached"], 1, "the shelf was closed")
+            self.assertEqual(daemon.get("/v1/meshes/a").json["fields_cached"], 1, "the cached fields are gone")
         with self.start() as daemon:
             self.assertEqual(daemon.get("/v1/meshes/a").json["sha256"], last["sha256"])
 

@@ -243,7 +243,7 @@ static bool remove_field(struct server_exchange *exchange, const struct server_l
     struct gd_field_request request = server_resource_request(resource);
     server_resource_release(
         server_catalogue_remove(server_record_catalogue(mesh->record), resource->id));
-    if (mesh->surface) server_cache_drop(mesh->surface->shelf, &request);
+    if (mesh->surface) server_cache_drop(mesh->surface->fields, &request);
     server_resource_release(resource);
     return true;
 }

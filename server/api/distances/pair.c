@@ -31,16 +31,16 @@ struct pair {
     bool wants_path;
     /* the one in work, from that stop to the next; all are done at the last stop */
     uint32_t leg;
-    bool is_noted;                 /* its ends are counted as asked about */
-    struct gd_pair_answer answer;  /* of the legs before it */
-    struct server_flight *flight;  /* this request is to build the field; NULL: it is not */
-    const struct gd_point *source; /* of the flight: one of the leg's ends */
+    bool is_noted;                      /* its ends are counted as asked about */
+    struct gd_pair_answer answer;       /* of the legs before it */
+    struct server_pending_build *build; /* this request is to build the field; NULL: it is not */
+    const struct gd_point *source;      /* of the pending build: one of the leg's ends */
 };
 
 static void release(struct server_query *query)
 {
     struct pair *pair = (struct pair *)query;
-    if (pair->flight) server_cache_fail(pair->flight, GD_CANCELLED);
+    if (pair->build) server_cache_fail(pair->build, GD_CANCELLED);
     gd_pair_answer_free(&pair->answer);
     proto_located_points_free(&pair->stops);
 }
@@ -115,8 +115,8 @@ static enum server_query_turn look(struct pair *pair, struct proto_problem *prob
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
     while (turn == SERVER_QUERY_AGAIN) {
         const struct server_cached *cached =
-            server_cache_find(pair->query.surface->shelf, from_of(pair));
-        if (!cached) cached = server_cache_find(pair->query.surface->shelf, to_of(pair));
+            server_cache_find(pair->query.surface->fields, from_of(pair));
+        if (!cached) cached = server_cache_find(pair->query.surface->fields, to_of(pair));
         if (!cached) break;
         turn = end_leg_by(pair, cached, problem);
         server_cache_unpin(cached);
@@ -148,33 +148,33 @@ static enum server_query_turn search(struct pair *pair, struct proto_problem *pr
 /* Counts, once, that the leg's ends are asked about and have no field. */
 static void note(struct pair *pair)
 {
-    struct server_shelf *shelf = pair->query.surface->shelf;
+    struct server_mesh_cache *fields = pair->query.surface->fields;
     if (pair->is_noted) return;
-    server_cache_note(shelf, from_of(pair));
-    if (!gd_point_equal(from_of(pair), to_of(pair))) server_cache_note(shelf, to_of(pair));
+    server_cache_note(fields, from_of(pair));
+    if (!gd_point_equal(from_of(pair), to_of(pair))) server_cache_note(fields, to_of(pair));
     pair->is_noted = true;
 }
 
-/* BUILD: the request has a flight now. WAIT: it is parked, and not the caller's any more. */
+/* BUILD: the request has a pending build now. WAIT: it is parked, and not the caller's any more. */
 static enum server_cache_turn board(struct pair *pair)
 {
     struct server_job *job = &pair->query.exchange->job;
-    struct server_shelf *shelf = pair->query.surface->shelf;
+    struct server_mesh_cache *fields = pair->query.surface->fields;
     uint64_t patience = PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->stops.mesh)->edges;
     if (job->deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
     pair->source = from_of(pair);
-    enum server_cache_turn turn = server_cache_enter(shelf, pair->source, job, &pair->flight);
+    enum server_cache_turn turn = server_cache_enter(fields, pair->source, job, &pair->build);
     if (turn != SERVER_CACHE_SEARCH) return turn;
     pair->source = to_of(pair);
-    return server_cache_enter(shelf, pair->source, job, &pair->flight);
+    return server_cache_enter(fields, pair->source, job, &pair->build);
 }
 
-/* Ends a flight whose build failed. Unless it is this request that ended, its leg can still be
- * searched, as can those of the requests that wait. */
-static enum server_query_turn give_up(struct pair *pair, struct server_flight *flight,
+/* Ends a pending build whose build failed. Unless it is this request that ended, its leg can still
+ * be searched, as can those of the requests that wait. */
+static enum server_query_turn give_up(struct pair *pair, struct server_pending_build *build,
                                       enum gd_status status, struct proto_problem *problem)
 {
-    server_cache_fail(flight, status);
+    server_cache_fail(build, status);
     if (status == GD_DEADLINE || status == GD_CANCELLED)
         return server_query_fail(&pair->query, status, WHAT, problem);
     server_query_count(&pair->query, status);
@@ -184,20 +184,20 @@ static enum server_query_turn give_up(struct pair *pair, struct server_flight *f
 /* Builds the field and answers from it. */
 static enum server_query_turn fly(struct pair *pair, struct proto_problem *problem)
 {
-    struct server_flight *flight = pair->flight;
+    struct server_pending_build *build = pair->build;
     const struct gd_seed seed = {.point = *pair->source};
     const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct server_monitor monitor = monitor_of(pair);
     struct gd_field *field;
-    monitor.flight = flight;
-    pair->flight = NULL;
+    monitor.build = build;
+    pair->build = NULL;
     enum gd_status status =
         server_field_build_request(&monitor, pair->stops.mesh, &request, &field);
-    if (status) return give_up(pair, flight, status, problem);
-    const struct server_cached *landed = server_cache_land(flight, field);
+    if (status) return give_up(pair, build, status, problem);
+    const struct server_cached *published = server_cache_publish(build, field);
     enum server_query_turn turn =
-        landed ? end_leg_by(pair, landed, problem) : search(pair, problem);
-    server_cache_unpin(landed);
+        published ? end_leg_by(pair, published, problem) : search(pair, problem);
+    server_cache_unpin(published);
     return turn;
 }
 
@@ -205,7 +205,7 @@ static enum server_query_turn fly(struct pair *pair, struct proto_problem *probl
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct pair *pair = (struct pair *)query;
-    if (pair->flight) return fly(pair, problem);
+    if (pair->build) return fly(pair, problem);
     enum server_query_turn turn = look(pair, problem);
     if (turn != SERVER_QUERY_AGAIN) return turn;
     note(pair);
@@ -222,8 +222,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     return search(pair, problem);
 }
 
-/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in
- * the queue. */
+/* A pending build begins here, before its builder is queued: so those who come meanwhile take no
+ * place in the queue. */
 static bool join(struct server_query *query)
 {
     return board((struct pair *)query) == SERVER_CACHE_WAIT;

@@ -113,11 +113,11 @@ static enum server_query_turn draw(struct picture *picture, const struct gd_fiel
     wanted->mesh = query->surface->mesh;
     wanted->field = field;
     wanted->path = picture->route.path.count ? &picture->route.path : NULL;
-    const struct server_call call = {.make = render,
-                                     .user = picture,
-                                     .control = server_exchange_control(&second),
-                                     .grant = grant_of(wanted)};
-    enum gd_status status = server_call_make(query->exchange->host->workspaces, &call);
+    const struct server_budgeted_call call = {.make = render,
+                                              .user = picture,
+                                              .control = server_exchange_control(&second),
+                                              .grant = grant_of(wanted)};
+    enum gd_status status = server_budgeted_call_run(query->exchange->host->workspaces, &call);
     if (status) return server_query_fail(query, status, WHAT, problem);
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;

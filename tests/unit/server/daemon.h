@@ -55,7 +55,7 @@ static inline void daemon_start(struct server_store *store)
     server->workspaces = server_workspaces_create(&server->budget, 1);
     server->workers = server_workers_create(1, 10);
     server->cache = server_cache_create(&server->budget, server->workers);
-    server->loads = server_loads_create(server->workers);
+    server->pending_loads = server_pending_loads_create(server->workers);
     server->registry = server_registry_create(store, &server->budget);
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
     server->events = server_events_create();
@@ -75,7 +75,7 @@ static inline void daemon_stop(void)
     server_jobs_destroy(server->jobs);
     server_events_destroy(server->events);
     server_registry_destroy(server->registry);
-    server_loads_destroy(server->loads);
+    server_pending_loads_destroy(server->pending_loads);
     server_cache_destroy(server->cache);
     server_workers_destroy(server->workers);
     server_workspaces_destroy(server->workspaces);

@@ -92,9 +92,9 @@ static inline void test_job_init(struct test_job *job, sem_t *hold)
 /* --- the cache -------------------------------------------------------------------------------- */
 
 /* Asks about a source often enough for a field of its own. */
-static inline void ask_often(struct server_shelf *shelf, const struct gd_point *source)
+static inline void ask_often(struct server_mesh_cache *fields, const struct gd_point *source)
 {
-    for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) server_cache_note(shelf, source);
+    for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) server_cache_note(fields, source);
 }
 
 #endif

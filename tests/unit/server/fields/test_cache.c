@@ -1,30 +1,30 @@
-#include "tests/unit/server/shelved.h"
+#include "tests/unit/server/cached_fields.h"
 
 #include <math.h>
 
 #include "server/fields/cache_parts.h"
 
-static struct server_flight *enter(struct fixture *fixture, uint32_t vertex)
+static struct server_pending_build *enter(struct fixture *fixture, uint32_t vertex)
 {
     struct gd_point source = vertex_point(fixture->mesh, vertex);
-    struct server_flight *flight = NULL;
+    struct server_pending_build *build = NULL;
     struct test_job job;
     test_job_init(&job, NULL);
-    ask_often(fixture->shelf, &source);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    ask_often(fixture->fields, &source);
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
-    return flight;
+    return build;
 }
 
 /* Builds the field of a vertex and lands it; returns its pin. */
-static const struct server_cached *land(struct fixture *fixture, struct server_flight *flight,
+static const struct server_cached *land(struct fixture *fixture, struct server_pending_build *build,
                                         uint32_t vertex)
 {
     struct gd_point source = vertex_point(fixture->mesh, vertex);
     struct gd_field *field = new_field(fixture->mesh, &source);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
-    const struct server_cached *cached = server_cache_land(flight, field);
+    const struct server_cached *cached = server_cache_publish(build, field);
     assert_non_null(cached);
     return cached;
 }
@@ -62,7 +62,7 @@ static void finds_what_has_landed(void **state)
         assert_true(distance == 0);
         server_cache_unpin(cached);
     }
-    assert_int_equal(server_shelf_count(fixture->shelf), 40);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 40);
     assert_int_equal(server_cache_statistics(fixture->cache).hits, 40);
     assert_int_equal(server_cache_statistics(fixture->cache).misses, 40);
 }
@@ -70,12 +70,12 @@ static void finds_what_has_landed(void **state)
 static void shelves_do_not_share(void **state)
 {
     struct fixture *fixture = *state;
-    struct server_shelf *other = server_shelf_open(fixture->cache);
+    struct server_mesh_cache *other = server_mesh_cache_open(fixture->cache);
     struct gd_point source = vertex_point(fixture->mesh, 3);
     add(fixture, 3);
     assert_null(server_cache_find(other, &source));
-    server_shelf_close(other);
-    server_shelf_release(other);
+    server_mesh_cache_close(other);
+    server_mesh_cache_release(other);
     assert_true(has(fixture, 3));
 }
 
@@ -83,17 +83,17 @@ static void one_builds_and_the_others_wait(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = enter(fixture, 7), *none = NULL;
+    struct server_pending_build *build = enter(fixture, 7), *none = NULL;
     struct test_job waiting[3];
-    assert_false(server_cache_is_awaited(flight));
+    assert_false(server_cache_is_awaited(build));
     for (int i = 0; i < 3; i++) {
         test_job_init(&waiting[i], NULL);
-        assert_int_equal(server_cache_enter(fixture->shelf, &source, &waiting[i].job, &none),
+        assert_int_equal(server_cache_enter(fixture->fields, &source, &waiting[i].job, &none),
                          SERVER_CACHE_WAIT);
     }
-    assert_true(server_cache_is_awaited(flight));
+    assert_true(server_cache_is_awaited(build));
     assert_null(find(fixture, 7));
-    server_cache_unpin(land(fixture, flight, 7));
+    server_cache_unpin(land(fixture, build, 7));
     for (int i = 0; i < 3; i++) {
         sem_wait(&waiting[i].done);
         assert_int_equal(waiting[i].runs, 1);
@@ -106,22 +106,22 @@ static void few_questions_are_not_worth_a_field(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = NULL;
+    struct server_pending_build *build = NULL;
     struct test_job job;
     test_job_init(&job, NULL);
     for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) {
-        assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+        assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                          SERVER_CACHE_SEARCH);
-        server_cache_note(fixture->shelf, &source);
+        server_cache_note(fixture->fields, &source);
     }
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
-    server_cache_fail(flight, GD_CANCELLED);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    server_cache_fail(build, GD_CANCELLED);
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
-    server_cache_unpin(land(fixture, flight, 7));
+    server_cache_unpin(land(fixture, build, 7));
     reclaim(fixture, AMPLE); /* an evicted field has to be earned again */
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_SEARCH);
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
@@ -130,20 +130,20 @@ static void what_came_meanwhile_is_looked_at_again(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = NULL;
+    struct server_pending_build *build = NULL;
     struct test_job job;
     test_job_init(&job, NULL);
     add(fixture, 7);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_AGAIN);
-    assert_null(flight);
+    assert_null(build);
 }
 
 /* Enters as one who has to wait. */
 static void wait_for(struct fixture *fixture, const struct gd_point *source, struct test_job *job)
 {
-    struct server_flight *none = NULL;
-    assert_int_equal(server_cache_enter(fixture->shelf, source, &job->job, &none),
+    struct server_pending_build *none = NULL;
+    assert_int_equal(server_cache_enter(fixture->fields, source, &job->job, &none),
                      SERVER_CACHE_WAIT);
 }
 
@@ -151,30 +151,30 @@ static void who_waits_for_one_that_gave_up_looks_again(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = enter(fixture, 7);
+    struct server_pending_build *build = enter(fixture, 7);
     struct test_job job;
     test_job_init(&job, NULL);
     wait_for(fixture, &source, &job);
-    server_cache_fail(flight, GD_CANCELLED);
+    server_cache_fail(build, GD_CANCELLED);
     sem_wait(&job.done);
     assert_int_equal(job.runs, 1);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
-    server_cache_unpin(land(fixture, flight, 7));
+    server_cache_unpin(land(fixture, build, 7));
 }
 
 static void who_waits_for_one_that_failed_does_without(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = enter(fixture, 7);
+    struct server_pending_build *build = enter(fixture, 7);
     struct test_job job;
     test_job_init(&job, NULL);
     wait_for(fixture, &source, &job);
-    server_cache_fail(flight, GD_INTERNAL);
+    server_cache_fail(build, GD_INTERNAL);
     sem_wait(&job.done);
     assert_int_equal(job.runs, 1);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_SEARCH);
 }
 
@@ -182,7 +182,7 @@ static void who_waits_has_a_deadline(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = enter(fixture, 7);
+    struct server_pending_build *build = enter(fixture, 7);
     struct test_job early, late;
     test_job_init(&early, NULL);
     test_job_init(&late, NULL);
@@ -192,8 +192,8 @@ static void who_waits_has_a_deadline(void **state)
     server_cache_expire(fixture->cache, 1000);
     assert_int_equal(early.refusals, 1);
     assert_int_equal(early.why, SERVER_REFUSAL_DEADLINE);
-    assert_true(server_cache_is_awaited(flight));
-    server_cache_fail(flight, GD_CANCELLED);
+    assert_true(server_cache_is_awaited(build));
+    server_cache_fail(build, GD_CANCELLED);
     sem_wait(&late.done);
     assert_int_equal(late.runs, 1);
 }
@@ -204,13 +204,13 @@ static void closing_ends_the_fields_but_not_the_pins(void **state)
     add(fixture, 1);
     add(fixture, 2);
     const struct server_cached *pinned = find(fixture, 1);
-    struct server_flight *flight = enter(fixture, 3);
-    server_shelf_close(fixture->shelf);
+    struct server_pending_build *build = enter(fixture, 3);
+    server_mesh_cache_close(fixture->fields);
     assert_false(has(fixture, 1));
-    assert_int_equal(server_shelf_count(fixture->shelf), 0);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 0);
     assert_in_range(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(pinned->field),
                     gd_field_memsize(pinned->field) + 512);
-    server_cache_unpin(land(fixture, flight, 3)); /* lands, and is gone with its pin */
+    server_cache_unpin(land(fixture, build, 3)); /* lands, and is gone with its pin */
     assert_false(has(fixture, 3));
     server_cache_unpin(pinned);
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
@@ -248,7 +248,7 @@ static void what_was_used_long_ago_goes_too(void **state)
         server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
         fixture->budget.limit = AMPLE;
     }
-    assert_int_equal(server_shelf_count(fixture->shelf), 1);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 1);
     assert_false(has(fixture, 0));
 }
 
@@ -283,13 +283,13 @@ static void sets_are_told_apart(void **state)
     struct set *const sets[] = {&plain, &moved, &turned};
     for (size_t i = 0; i < COUNT(sets); i++) {
         assert_false(has_set(fixture, &sets[i]->request));
-        land_set(fixture, claim(fixture, &sets[i]->request), &sets[i]->request);
+        publish_set(fixture, claim(fixture, &sets[i]->request), &sets[i]->request);
         assert_true(has_set(fixture, &sets[i]->request));
     }
     assert_false(has(fixture, 3));
-    assert_int_equal(server_shelf_count(fixture->shelf), 3);
-    server_cache_drop(fixture->shelf, &moved.request);
-    server_cache_drop(fixture->shelf, &moved.request);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 3);
+    server_cache_drop(fixture->fields, &moved.request);
+    server_cache_drop(fixture->fields, &moved.request);
     assert_false(has_set(fixture, &moved.request));
     assert_true(has_set(fixture, &plain.request));
 }
@@ -300,15 +300,15 @@ static void the_field_of_one_point_is_that_of_pairs(void **state)
     struct set set;
     uint32_t count;
     make_set(fixture, &set, 0, 0)->seed_count = 1;
-    land_set(fixture, claim(fixture, &set.request), &set.request);
+    publish_set(fixture, claim(fixture, &set.request), &set.request);
     assert_true(has(fixture, 3));
     struct set near;
     make_set(fixture, &near, 0, 0.5)->seed_count = 1;
     near.seeds[0] = near.seeds[1];
-    land_set(fixture, claim(fixture, &near.request), &near.request);
+    publish_set(fixture, claim(fixture, &near.request), &near.request);
     assert_true(has_set(fixture, &near.request));
     assert_false(has(fixture, 8)); /* pairs want the whole */
-    const struct server_cached **points = server_shelf_pin_points(fixture->shelf, &count);
+    const struct server_cached **points = server_mesh_cache_pin_points(fixture->fields, &count);
     assert_int_equal(count, 1); /* without the one that is not whole */
     assert_false(isfinite(gd_field_reach(points[0]->field)));
     server_cache_unpin(points[0]);
@@ -319,20 +319,21 @@ static void who_claims_what_has_just_failed_is_told(void **state)
 {
     struct fixture *fixture = *state;
     struct set set, other;
-    struct server_flight *flight = claim(fixture, make_set(fixture, &set, 0, 0)), *none = NULL;
+    struct server_pending_build *build = claim(fixture, make_set(fixture, &set, 0, 0)),
+                                *none = NULL;
     struct test_job job;
     enum gd_status why = GD_OK;
     test_job_init(&job, NULL);
-    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, &set.request, &job.job, &none, &why),
                      SERVER_CACHE_WAIT);
-    server_cache_fail(flight, GD_BUDGET);
+    server_cache_fail(build, GD_BUDGET);
     sem_wait(&job.done);
-    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, &set.request, &job.job, &none, &why),
                      SERVER_CACHE_SEARCH);
     assert_int_equal(why, GD_BUDGET);
-    flight = claim(fixture, make_set(fixture, &other, 1, 0));
-    server_cache_fail(flight, GD_DEADLINE); /* its builder's own: the next one may do better */
-    land_set(fixture, claim(fixture, &other.request), &other.request);
+    build = claim(fixture, make_set(fixture, &other, 1, 0));
+    server_cache_fail(build, GD_DEADLINE); /* its builder's own: the next one may do better */
+    publish_set(fixture, claim(fixture, &other.request), &other.request);
 }
 
 struct reader {
@@ -348,17 +349,17 @@ static void *read_and_build(void *user)
     for (int step = 0; step < 300; step++) {
         uint32_t vertex = (reader->seed = reader->seed * 1664525 + 1013904223) >> 8 & 15;
         struct gd_point source = vertex_point(fixture->mesh, vertex);
-        const struct server_cached *cached = server_cache_find(fixture->shelf, &source);
-        struct server_flight *flight = NULL;
+        const struct server_cached *cached = server_cache_find(fixture->fields, &source);
+        struct server_pending_build *build = NULL;
         struct test_job job;
         test_job_init(&job, NULL);
-        ask_often(fixture->shelf, &source);
-        switch (server_cache_enter(fixture->shelf, &source, &job.job, &flight)) {
+        ask_often(fixture->fields, &source);
+        switch (server_cache_enter(fixture->fields, &source, &job.job, &build)) {
         case SERVER_CACHE_BUILD:
             if (step % 3 == 0)
-                server_cache_fail(flight, step % 2 ? GD_CANCELLED : GD_INTERNAL);
+                server_cache_fail(build, step % 2 ? GD_CANCELLED : GD_INTERNAL);
             else
-                server_cache_unpin(land(fixture, flight, vertex));
+                server_cache_unpin(land(fixture, build, vertex));
             break;
         case SERVER_CACHE_WAIT:
             sem_wait(&job.done);

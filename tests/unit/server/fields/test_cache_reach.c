@@ -1,6 +1,6 @@
 /* Fields of the same seeds and different reaches in the cache: which answers, which waits, which
  * takes whose place. */
-#include "tests/unit/server/shelved.h"
+#include "tests/unit/server/cached_fields.h"
 
 #include <math.h>
 
@@ -8,7 +8,7 @@ static double reach_found(struct fixture *fixture, double radius)
 {
     struct set set;
     const struct server_cached *cached =
-        server_cache_find_field(fixture->shelf, make_set(fixture, &set, 0, radius));
+        server_cache_find_field(fixture->fields, make_set(fixture, &set, 0, radius));
     double reach = cached ? gd_field_reach(cached->field) : 0;
     server_cache_unpin(cached);
     return reach;
@@ -18,7 +18,7 @@ static void land_radius(struct fixture *fixture, double radius)
 {
     struct set set;
     make_set(fixture, &set, 0, radius);
-    land_set(fixture, claim(fixture, &set.request), &set.request);
+    publish_set(fixture, claim(fixture, &set.request), &set.request);
 }
 
 static void the_farthest_answers_for_the_nearer(void **state)
@@ -31,11 +31,11 @@ static void the_farthest_answers_for_the_nearer(void **state)
     assert_true(reach_found(fixture, 0) == 0);
     land_radius(fixture, 1);
     assert_true(fabs(reach_found(fixture, 0.25) - 1) < 1e-15);
-    assert_int_equal(server_shelf_count(fixture->shelf), 1);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 1);
     land_radius(fixture, 0);
     assert_true(isinf(reach_found(fixture, 0.25)));
     assert_true(isinf(reach_found(fixture, 0)));
-    assert_int_equal(server_shelf_count(fixture->shelf), 1);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 1);
     assert_int_equal(server_cache_statistics(fixture->cache).fields, 1);
 }
 
@@ -45,7 +45,7 @@ static void a_pinned_one_outlives_its_successor(void **state)
     struct set set;
     land_radius(fixture, 0.5);
     const struct server_cached *near =
-        server_cache_find_field(fixture->shelf, make_set(fixture, &set, 0, 0.5));
+        server_cache_find_field(fixture->fields, make_set(fixture, &set, 0, 0.5));
     land_radius(fixture, 0);
     assert_true(fabs(gd_field_reach(near->field) - 0.5) < 1e-15);
     size_t held = fixture->budget.used[SERVER_BUDGET_FIELDS];
@@ -60,10 +60,10 @@ static void a_flight_finds_what_it_can_be_resumed_from(void **state)
 {
     struct fixture *fixture = *state;
     struct set set;
-    struct server_flight *first = claim(fixture, make_set(fixture, &set, 0, 0.5));
+    struct server_pending_build *first = claim(fixture, make_set(fixture, &set, 0, 0.5));
     assert_null(server_cache_find_nearer(first));
-    land_set(fixture, first, &set.request);
-    struct server_flight *farther = claim(fixture, make_set(fixture, &set, 0, 1));
+    publish_set(fixture, first, &set.request);
+    struct server_pending_build *farther = claim(fixture, make_set(fixture, &set, 0, 1));
     const struct server_cached *nearer = server_cache_find_nearer(farther);
     assert_non_null(nearer);
     struct gd_field *field;
@@ -71,7 +71,7 @@ static void a_flight_finds_what_it_can_be_resumed_from(void **state)
     server_cache_unpin(nearer);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
-    server_cache_unpin(server_cache_land(farther, field));
+    server_cache_unpin(server_cache_publish(farther, field));
     assert_true(fabs(reach_found(fixture, 0.5) - 1) < 1e-15);
     assert_int_equal(server_cache_statistics(fixture->cache).resumed, 1);
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
@@ -83,24 +83,25 @@ static void flights_of_the_same_seeds(void **state)
 {
     struct fixture *fixture = *state;
     struct set near, middle, far;
-    struct server_flight *flight = claim(fixture, make_set(fixture, &middle, 0, 0.5)), *none = NULL;
+    struct server_pending_build *build = claim(fixture, make_set(fixture, &middle, 0, 0.5)),
+                                *none = NULL;
     struct test_job same, more;
     enum gd_status why;
     test_job_init(&same, NULL);
     test_job_init(&more, NULL);
     make_set(fixture, &far, 0, 1);
-    assert_int_equal(server_cache_claim(fixture->shelf, &middle.request, &same.job, &none, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, &middle.request, &same.job, &none, &why),
                      SERVER_CACHE_WAIT);
-    assert_int_equal(server_cache_claim(fixture->shelf, &far.request, &more.job, &none, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, &far.request, &more.job, &none, &why),
                      SERVER_CACHE_WAIT);
-    struct server_flight *short_flight = claim(fixture, make_set(fixture, &near, 0, 0.25));
-    land_set(fixture, flight, &middle.request);
+    struct server_pending_build *short_flight = claim(fixture, make_set(fixture, &near, 0, 0.25));
+    publish_set(fixture, build, &middle.request);
     sem_wait(&same.done);
     sem_wait(&more.done);
-    land_set(fixture, short_flight, &near.request);
+    publish_set(fixture, short_flight, &near.request);
     assert_true(fabs(reach_found(fixture, 0.25) - 0.5) < 1e-15);
-    assert_int_equal(server_shelf_count(fixture->shelf), 1);
-    struct server_flight *resumed = claim(fixture, &far.request);
+    assert_int_equal(server_mesh_cache_count(fixture->fields), 1);
+    struct server_pending_build *resumed = claim(fixture, &far.request);
     const struct server_cached *nearer = server_cache_find_nearer(resumed);
     assert_non_null(nearer);
     server_cache_unpin(nearer);
@@ -112,19 +113,19 @@ static void failures_are_of_a_reach(void **state)
 {
     struct fixture *fixture = *state;
     struct set near, middle, far, whole;
-    struct server_flight *none = NULL;
+    struct server_pending_build *none = NULL;
     struct test_job job;
     enum gd_status why = GD_OK;
     test_job_init(&job, NULL);
     make_set(fixture, &far, 0, 1);
     make_set(fixture, &whole, 0, 0);
     server_cache_fail(claim(fixture, make_set(fixture, &middle, 0, 0.5)), GD_BUDGET);
-    assert_int_equal(server_cache_claim(fixture->shelf, &far.request, &job.job, &none, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, &far.request, &job.job, &none, &why),
                      SERVER_CACHE_SEARCH);
     assert_int_equal(why, GD_BUDGET);
-    assert_int_equal(server_cache_claim(fixture->shelf, &whole.request, &job.job, &none, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, &whole.request, &job.job, &none, &why),
                      SERVER_CACHE_SEARCH);
-    land_set(fixture, claim(fixture, make_set(fixture, &near, 0, 0.25)), &near.request);
+    publish_set(fixture, claim(fixture, make_set(fixture, &near, 0, 0.25)), &near.request);
 }
 
 static void what_is_dropped_is_what_was_asked_for(void **state)
@@ -132,9 +133,9 @@ static void what_is_dropped_is_what_was_asked_for(void **state)
     struct fixture *fixture = *state;
     struct set set;
     land_radius(fixture, 1);
-    server_cache_drop(fixture->shelf, make_set(fixture, &set, 0, 0.5));
+    server_cache_drop(fixture->fields, make_set(fixture, &set, 0, 0.5));
     assert_true(reach_found(fixture, 0.5) > 0);
-    server_cache_drop(fixture->shelf, make_set(fixture, &set, 0, 1));
+    server_cache_drop(fixture->fields, make_set(fixture, &set, 0, 1));
     assert_true(reach_found(fixture, 0.5) == 0);
 }
 
@@ -144,15 +145,15 @@ static void a_near_field_leaves_the_count_of_questions(void **state)
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 3);
     struct set set;
-    struct server_flight *flight = NULL;
+    struct server_pending_build *build = NULL;
     struct test_job job;
     test_job_init(&job, NULL);
-    ask_often(fixture->shelf, &source);
+    ask_often(fixture->fields, &source);
     make_set(fixture, &set, 0, 0.5)->seed_count = 1;
-    land_set(fixture, claim(fixture, &set.request), &set.request);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight),
+    publish_set(fixture, claim(fixture, &set.request), &set.request);
+    assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
-    server_cache_fail(flight, GD_CANCELLED);
+    server_cache_fail(build, GD_CANCELLED);
 }
 
 int main(void)

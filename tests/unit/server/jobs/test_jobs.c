@@ -26,7 +26,7 @@ static int start_server(uint64_t max_jobs, uint64_t ttl_s)
     server_budget_init(&server.budget, 8 << 20);
     server.workers = server_workers_create(1, 2);
     server.cache = server_cache_create(&server.budget, server.workers);
-    server.loads = server_loads_create(server.workers);
+    server.pending_loads = server_pending_loads_create(server.workers);
     server.registry = server_registry_create(server_store_memory_create(), &server.budget);
     server.events = server_events_create();
     server.jobs = server_jobs_create(&server);
@@ -67,7 +67,7 @@ static int tear_down(void **state)
     server_jobs_destroy(server.jobs);
     server_events_destroy(server.events);
     server_registry_destroy(server.registry);
-    server_loads_destroy(server.loads);
+    server_pending_loads_destroy(server.pending_loads);
     server_cache_destroy(server.cache);
     server_workers_destroy(server.workers);
     assert_int_equal(server.budget.total, 0);

@@ -30,14 +30,14 @@ static struct server_surface *new_surface(struct fixture *fixture)
     return surface;
 }
 
-/* Puts the field about that vertex on the surface's shelf. */
+/* Puts the field about that vertex on the surface's mesh cache. */
 static void compute(struct fixture *fixture, struct server_surface *surface, uint32_t vertex)
 {
     struct gd_point source = vertex_point(surface->mesh, vertex);
     struct gd_field *field = new_field(surface->mesh, &source);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
-    server_cache_restore(surface->shelf, field);
+    server_cache_restore(surface->fields, field);
 }
 
 /* FIELDS fields are stored, and a surface has none of them. */
@@ -111,7 +111,7 @@ static void restore(struct fixture *fixture, const struct gd_control *control)
 
 static uint32_t restored(const struct fixture *fixture)
 {
-    return server_shelf_count(fixture->surface->shelf);
+    return server_mesh_cache_count(fixture->surface->fields);
 }
 
 static void fields_come_back(void **state)
@@ -134,7 +134,8 @@ static void what_becomes_of_the_files_later_does_no_harm(void **state)
     uint32_t count;
     restore(fixture, NULL);
     each_file(fixture, cut_off);
-    const struct server_cached **fields = server_shelf_pin_points(fixture->surface->shelf, &count);
+    const struct server_cached **fields =
+        server_mesh_cache_pin_points(fixture->surface->fields, &count);
     assert_int_equal(count, FIELDS);
     for (uint32_t i = 0; i < count; i++) {
         struct gd_point target = vertex_point(fixture->surface->mesh, 50);

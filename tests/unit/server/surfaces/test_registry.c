@@ -185,19 +185,19 @@ static void replacing_ends_the_fields(void **state)
     put(fixture, "a", "1");
     struct server_surface *a = get(fixture, "a");
     struct gd_point source = vertex_point(a->mesh, 0);
-    struct server_flight *flight;
+    struct server_pending_build *build;
     struct test_job job;
     test_job_init(&job, NULL);
-    ask_often(a->shelf, &source);
-    assert_int_equal(server_cache_enter(a->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    ask_often(a->fields, &source);
+    assert_int_equal(server_cache_enter(a->fields, &source, &job.job, &build), SERVER_CACHE_BUILD);
     struct gd_field *field = new_field(a->mesh, &source);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
-    server_cache_unpin(server_cache_land(flight, field));
-    assert_int_equal(server_shelf_count(a->shelf), 1);
+    server_cache_unpin(server_cache_publish(build, field));
+    assert_int_equal(server_mesh_cache_count(a->fields), 1);
     put(fixture, "a", "2");
-    assert_int_equal(server_shelf_count(a->shelf), 0);
-    assert_null(server_cache_find(a->shelf, &source));
+    assert_int_equal(server_mesh_cache_count(a->fields), 0);
+    assert_null(server_cache_find(a->fields, &source));
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
     server_surface_release(a);
 }

@@ -53,8 +53,8 @@ static int tear_down(void **state)
 
 static enum gd_status call(struct task *task, size_t grant)
 {
-    const struct server_call call = {.make = make, .user = task, .grant = grant};
-    return server_call_make(server.workspaces, &call);
+    const struct server_budgeted_call call = {.make = make, .user = task, .grant = grant};
+    return server_budgeted_call_run(server.workspaces, &call);
 }
 
 static void one_that_makes_do_with_its_grant_looks_no_further(void **state)

@@ -1,5 +1,5 @@
-/* What the tests of the cache share: a cache with one shelf, and requests for the fields of two
- * points. */
+/* What the tests of the cache share: a cache with one mesh cache, and requests for the fields of
+ * two points. */
 #ifndef TESTS_UNIT_SERVER_SHELVED_H
 #define TESTS_UNIT_SERVER_SHELVED_H
 
@@ -12,7 +12,7 @@ struct fixture {
     struct server_workers *workers;
     struct server_cache *cache;
     struct gd_mesh *mesh;
-    struct server_shelf *shelf;
+    struct server_mesh_cache *fields;
 };
 
 static inline int set_up(void **state)
@@ -22,7 +22,7 @@ static inline int set_up(void **state)
     fixture->workers = server_workers_create(1, 100);
     fixture->cache = server_cache_create(&fixture->budget, fixture->workers);
     fixture->mesh = new_mesh();
-    fixture->shelf = server_shelf_open(fixture->cache);
+    fixture->fields = server_mesh_cache_open(fixture->cache);
     *state = fixture;
     return 0;
 }
@@ -30,8 +30,8 @@ static inline int set_up(void **state)
 static inline int tear_down(void **state)
 {
     struct fixture *fixture = *state;
-    server_shelf_close(fixture->shelf);
-    server_shelf_release(fixture->shelf);
+    server_mesh_cache_close(fixture->fields);
+    server_mesh_cache_release(fixture->fields);
     server_cache_destroy(fixture->cache);
     server_workers_destroy(fixture->workers);
     gd_mesh_release(fixture->mesh);
@@ -42,14 +42,14 @@ static inline int tear_down(void **state)
 
 static inline void reclaim(struct fixture *fixture, size_t bytes)
 {
-    const struct server_reclaimer *fields = &fixture->budget.reclaimers[SERVER_RECLAIM_FIELDS];
-    fields->reclaim(fields->user, bytes);
+    const struct server_reclaimer *reclaimer = &fixture->budget.reclaimers[SERVER_RECLAIM_FIELDS];
+    reclaimer->reclaim(reclaimer->user, bytes);
 }
 
 static inline const struct server_cached *find(struct fixture *fixture, uint32_t vertex)
 {
     struct gd_point source = vertex_point(fixture->mesh, vertex);
-    return server_cache_find(fixture->shelf, &source);
+    return server_cache_find(fixture->fields, &source);
 }
 
 static inline bool has(struct fixture *fixture, uint32_t vertex)
@@ -76,31 +76,31 @@ static inline struct gd_field_request *make_set(struct fixture *fixture, struct 
     return &set->request;
 }
 
-static inline struct server_flight *claim(struct fixture *fixture,
-                                          const struct gd_field_request *request)
+static inline struct server_pending_build *claim(struct fixture *fixture,
+                                                 const struct gd_field_request *request)
 {
-    struct server_flight *flight = NULL;
+    struct server_pending_build *build = NULL;
     struct test_job job;
     enum gd_status why;
     test_job_init(&job, NULL);
-    assert_int_equal(server_cache_claim(fixture->shelf, request, &job.job, &flight, &why),
+    assert_int_equal(server_cache_claim(fixture->fields, request, &job.job, &build, &why),
                      SERVER_CACHE_BUILD);
-    return flight;
+    return build;
 }
 
-static inline void land_set(struct fixture *fixture, struct server_flight *flight,
-                            const struct gd_field_request *request)
+static inline void publish_set(struct fixture *fixture, struct server_pending_build *build,
+                               const struct gd_field_request *request)
 {
     struct gd_field *field;
     assert_int_equal(gd_field_build(fixture->mesh, request, NULL, NULL, &field, NULL), GD_OK);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
-    server_cache_unpin(server_cache_land(flight, field));
+    server_cache_unpin(server_cache_publish(build, field));
 }
 
 static inline bool has_set(struct fixture *fixture, const struct gd_field_request *request)
 {
-    const struct server_cached *cached = server_cache_find_field(fixture->shelf, request);
+    const struct server_cached *cached = server_cache_find_field(fixture->fields, request);
     server_cache_unpin(cached);
     return cached != NULL;
 }
