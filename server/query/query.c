@@ -6,7 +6,6 @@
 
 #include "server/work/budgeted_call.h"
 #include "server/http/etag.h"
-#include "server/api/surfaces/description.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
@@ -174,7 +173,7 @@ static void reply_form(struct server_query *query)
 static void reply_answer(struct server_query *query)
 {
     unsigned status = query->kind->status ? query->kind->status(query) : 200;
-    server_description_tag(query->exchange, query->surface->record);
+    server_reply_tag(query->exchange, query->surface->record->etag);
     if (query->kind->reply) {
         query->kind->reply(query);
         return;
@@ -259,7 +258,7 @@ static bool is_known(struct server_query *query)
     if (!query->kind->reply || !exchange->has_conditions) return false;
     const struct server_precondition precondition = server_precondition_read(exchange);
     if (!server_precondition_known(&precondition, query->surface->record->etag)) return false;
-    server_description_tag(exchange, query->surface->record);
+    server_reply_tag(exchange, query->surface->record->etag);
     server_reply_empty(exchange, 304);
     return true;
 }

@@ -8,7 +8,7 @@
 
 #include "proto/cut.h"
 #include "server/query/curve_call.h"
-#include "server/api/surfaces/derived_mesh.h"
+#include "server/query/derived_mesh.h"
 #include "server/query/query.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
@@ -27,7 +27,7 @@ struct cut {
     uint32_t name_count;
 
     struct gd_cut cut;
-    struct server_making making;
+    struct server_derived_meshes meshes;
     bool is_stored;
     /* of the query, which goes on after the meshes are stored */
     bool (*work)(struct server_exchange *exchange);
@@ -69,13 +69,13 @@ static bool check_count(const struct cut *cut, struct proto_problem *problem)
         return proto_problem_refuse(problem, "/names",
                                     "the cut gives %u pieces, and there are %u names", count,
                                     cut->name_count);
-    if (count <= SERVER_MADE_MOST) return true;
+    if (count <= SERVER_DERIVED_MESHES_MOST) return true;
     proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
                       "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
                       "by \"inside\", or ask "
                       "with \"select_only\"",
-                      count, SERVER_MADE_MOST);
-    return proto_problem_limit(problem, SERVER_MADE_MOST);
+                      count, SERVER_DERIVED_MESHES_MOST);
+    return proto_problem_limit(problem, SERVER_DERIVED_MESHES_MOST);
 }
 
 /* The i-th piece's name, that which was given or the parent's with a number. False: that is too
@@ -94,11 +94,12 @@ static bool name_piece(const struct cut *cut, uint32_t i, char name[PROTO_MESH_N
 static bool make_meshes(struct cut *cut, struct proto_problem *problem)
 {
     if (!check_count(cut, problem)) return false;
-    server_making_begin(&cut->making, cut->query.exchange);
+    server_derived_meshes_begin(&cut->meshes, cut->query.exchange);
     for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
         char name[PROTO_MESH_NAME + 1];
         if (!name_piece(cut, i, name, problem) ||
-            !server_making_add(&cut->making, name, &cut->cut.pieces[i].polygons, NULL, problem))
+            !server_derived_meshes_add(&cut->meshes, name, &cut->cut.pieces[i].polygons, NULL,
+                                       problem))
             return false;
     }
     return true;
@@ -108,8 +109,8 @@ static bool make_meshes(struct cut *cut, struct proto_problem *problem)
 static const char *find_taken(const struct cut *cut)
 {
     struct server_registry *registry = cut->query.exchange->host->api->registry;
-    for (uint32_t i = 0; i < cut->making.count && !cut->names; i++) {
-        const struct server_record *record = cut->making.made[i].surface->record;
+    for (uint32_t i = 0; i < cut->meshes.count && !cut->names; i++) {
+        const struct server_record *record = cut->meshes.list[i].surface->record;
         const struct server_key key = server_record_key(record);
         struct server_listed listed;
         if (!server_registry_find(registry, &key, &listed)) continue;
@@ -132,7 +133,7 @@ static bool store(struct server_exchange *exchange)
                              taken);
         return true;
     }
-    enum server_store_outcome outcome = server_making_store(&cut->making);
+    enum server_store_outcome outcome = server_derived_meshes_store(&cut->meshes);
     if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
         server_request_fail(exchange, outcome);
         return true;
@@ -170,7 +171,7 @@ static enum server_query_turn write_answer(struct cut *cut, struct proto_problem
     enum gd_status status = GD_OK;
     proto_cut_begin(&cut->query.draft, &cut->cut, fields);
     for (uint32_t i = 0; i < cut->cut.piece_count && !status; i++) {
-        const char *name = cut->select_only ? NULL : cut->making.made[i].surface->record->name;
+        const char *name = cut->select_only ? NULL : cut->meshes.list[i].surface->record->name;
         proto_cut_piece_encode(&cut->query.draft, &cut->cut.pieces[i], name, fields);
         status = server_query_check_draft(&cut->query);
     }
@@ -193,7 +194,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static void release(struct server_query *query)
 {
     struct cut *cut = (struct cut *)query;
-    server_making_end(&cut->making);
+    server_derived_meshes_free(&cut->meshes);
     gd_cut_free(&cut->cut);
     proto_located_curve_free(&cut->curve);
     free(cut->names);

@@ -18,7 +18,6 @@
 #include "proto/accept.h"
 #include "proto/batch.h"
 #include "proto/decode.h"
-#include "server/api/surfaces/description.h"
 #include "server/query/query.h"
 #include "server/query/request.h"
 #include "server/http/relay.h"
@@ -226,7 +225,7 @@ static struct server_exchange *detach(struct batch *batch, struct server_relay *
         server_exchange_destroy(rest);
         return NULL;
     }
-    server_description_tag(exchange, batch->surface->record);
+    server_reply_tag(exchange, batch->surface->record->etag);
     server_reply_coding(exchange, is_packed);
     server_reply_stream(exchange, 200, NDJSON, stream);
     return rest;
@@ -300,7 +299,7 @@ static void reply(struct batch *batch)
         server_reply_empty(exchange, 200);
         return;
     }
-    server_description_tag(exchange, batch->surface->record);
+    server_reply_tag(exchange, batch->surface->record->etag);
     server_reply_text(exchange, 200, NDJSON, &batch->writer);
 }
 

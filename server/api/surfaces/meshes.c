@@ -6,7 +6,6 @@
 
 #include "gd/io.h"
 #include "proto/page.h"
-#include "server/api/surfaces/description.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
@@ -63,7 +62,7 @@ static bool send_content(struct server_exchange *exchange)
     }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
-    server_description_tag(exchange, content->surface->record);
+    server_reply_tag(exchange, content->surface->record->etag);
     server_reply_header(exchange, "Vary", "Accept");
     server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
                         content->surface->record->name, gd_format_name(content->format));
@@ -81,7 +80,7 @@ static bool is_known(struct server_exchange *exchange)
     if (!server_request_record(exchange, &listed)) return true;
     bool is_same = server_precondition_known(&precondition, listed.record->etag);
     if (is_same) {
-        server_description_tag(exchange, listed.record);
+        server_reply_tag(exchange, listed.record->etag);
         server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
         server_reply_empty(exchange, 304);
     }
@@ -130,7 +129,7 @@ void server_handle_list_boundaries(struct server_exchange *exchange)
     if (!surface) return;
     server_reply_writer(exchange, &writer);
     proto_boundaries_encode(&writer, surface->mesh, after, page.limit);
-    server_description_tag(exchange, surface->record);
+    server_reply_tag(exchange, surface->record->etag);
     server_reply_json(exchange, 200, &writer);
     server_surface_release(surface);
 }

@@ -20,7 +20,7 @@ struct tessellating {
     struct gd_tessellation *tessellation;
     struct server_monitor monitor;
     struct gd_detail detail;
-    struct server_making making;
+    struct server_derived_meshes making;
 };
 
 static bool decode(struct server_query *query, const json_t *document,
@@ -65,7 +65,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 {
     struct tessellating *tessellating = (struct tessellating *)query;
     if (!tessellate(tessellating, problem)) return SERVER_QUERY_FAILED;
-    server_making_begin(&tessellating->making, query->exchange);
+    server_derived_meshes_begin(&tessellating->making, query->exchange);
     if (!server_vertex_parameters_make(query, tessellating->wanted.mesh, tessellating->tessellation,
                                        &tessellating->making, problem))
         return SERVER_QUERY_FAILED;
@@ -76,7 +76,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static void release(struct server_query *query)
 {
     struct tessellating *tessellating = (struct tessellating *)query;
-    server_making_end(&tessellating->making);
+    server_derived_meshes_free(&tessellating->making);
     gd_tessellation_release(tessellating->tessellation);
 }
 

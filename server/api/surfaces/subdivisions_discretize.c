@@ -17,7 +17,7 @@ struct discretizing {
     struct proto_discretization wanted;
     struct gd_discretization fine;
     struct gd_detail detail;
-    struct server_making making;
+    struct server_derived_meshes making;
 };
 
 static bool decode(struct server_query *query, const json_t *document,
@@ -67,7 +67,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 {
     struct discretizing *discretizing = (struct discretizing *)query;
     if (!discretize(discretizing, problem)) return SERVER_QUERY_FAILED;
-    server_making_begin(&discretizing->making, query->exchange);
+    server_derived_meshes_begin(&discretizing->making, query->exchange);
     if (!server_vertex_places_make(query, discretizing->wanted.mesh, &discretizing->fine,
                                    &discretizing->making, problem))
         return SERVER_QUERY_FAILED;
@@ -78,7 +78,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static void release(struct server_query *query)
 {
     struct discretizing *discretizing = (struct discretizing *)query;
-    server_making_end(&discretizing->making);
+    server_derived_meshes_free(&discretizing->making);
     gd_discretization_free(&discretizing->fine);
 }
 

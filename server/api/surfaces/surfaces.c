@@ -2,7 +2,7 @@
 #include "server/query/handlers.h"
 
 #include "proto/page.h"
-#include "server/api/surfaces/description.h"
+#include "server/query/surface_resource.h"
 #include "server/query/request.h"
 #include "server/surfaces/kind.h"
 #include "server/http/reply.h"
@@ -17,7 +17,7 @@ static void write_page(struct proto_writer *writer, const char *plural,
     uint32_t written = 0;
     proto_page_begin(writer, plural);
     while (written < count && written < limit && writer->size < PROTO_PAGE_BYTES)
-        server_description_write(writer, &listed[written++]);
+        server_surface_resource_describe(writer, &listed[written++]);
     proto_page_end(writer, written < count ? listed[written - 1].record->name : NULL);
 }
 
@@ -71,7 +71,7 @@ void server_handle_get_surface(struct server_exchange *exchange)
     struct server_listed listed;
     if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
     if (!server_request_record(exchange, &listed)) return;
-    server_description_reply(exchange, 200, &listed);
+    server_surface_resource_reply(exchange, 200, &listed);
     server_listed_release(&listed);
 }
 

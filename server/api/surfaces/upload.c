@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/api/surfaces/description.h"
-#include "server/api/surfaces/derived_mesh.h"
+#include "server/query/surface_resource.h"
+#include "server/query/derived_mesh.h"
 #include "server/query/request.h"
 #include "server/surfaces/kind.h"
 #include "server/http/reply.h"
@@ -35,7 +35,7 @@ static void reply_description(struct server_exchange *exchange, unsigned status,
 {
     const struct server_record *record = listed->record;
     server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
-    server_description_reply(exchange, status, listed);
+    server_surface_resource_reply(exchange, status, listed);
 }
 
 /* --- steps, each replies when it fails -------------------------------------------------------- */
@@ -152,8 +152,8 @@ static bool make_surface(struct server_exchange *exchange)
     struct proto_problem problem;
     if (!identify(exchange, upload) || answer_from_registry(exchange, upload)) return true;
     if (upload->surface) return server_request_write(exchange, confirm_surface);
-    upload->surface =
-        server_making_build(exchange, upload->record, exchange->body.bytes, NULL, &problem);
+    upload->surface = server_surface_resource_build(exchange, upload->record, exchange->body.bytes,
+                                                    NULL, &problem);
     if (upload->surface) return server_request_write(exchange, store_surface);
     server_reply_problem(exchange, &problem);
     return true;

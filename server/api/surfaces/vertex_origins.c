@@ -8,7 +8,7 @@
 
 #include "proto/discretization.h"
 #include "proto/tessellation.h"
-#include "server/api/surfaces/description.h"
+#include "server/query/surface_resource.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
@@ -123,8 +123,8 @@ static enum gd_status write_places(const void *source, const struct gd_control *
                                    struct head *head)
 {
     const struct gd_discretization *fine = source;
-    return server_making_copy(items_of(&places, head), fine->places,
-                              fine->polygons.position_count * sizeof *fine->places, control);
+    return server_derived_mesh_copy(items_of(&places, head), fine->places,
+                                    fine->polygons.position_count * sizeof *fine->places, control);
 }
 
 /* A mesh to be made, and what writes its attachment's items. */
@@ -138,7 +138,7 @@ struct made {
 
 /* While it is made the attachment is there twice: the making has a copy of its own. */
 static bool make(const struct server_query *query, const char *name, const struct made *made,
-                 struct server_making *making, struct proto_problem *problem)
+                 struct server_derived_meshes *making, struct proto_problem *problem)
 {
     struct server_budget *budget = query->exchange->host->budget;
     size_t cost = cost_of(made->origin, made->polygons->position_count);
@@ -149,8 +149,9 @@ static bool make(const struct server_query *query, const char *name, const struc
     const struct gd_control control = server_exchange_control(&monitor);
     enum gd_status status = head ? made->write(made->source, &control, head) : GD_NO_MEMORY;
     const struct server_attachment attachment = {head, cost};
-    bool ok = status ? proto_problem_from_status(problem, status, NULL)
-                     : server_making_add(making, name, made->polygons, &attachment, problem);
+    bool ok = status
+                  ? proto_problem_from_status(problem, status, NULL)
+                  : server_derived_meshes_add(making, name, made->polygons, &attachment, problem);
     free(head);
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, cost);
     return ok;
@@ -158,7 +159,8 @@ static bool make(const struct server_query *query, const char *name, const struc
 
 bool server_vertex_parameters_make(const struct server_query *query, const char *name,
                                    const struct gd_tessellation *tessellation,
-                                   struct server_making *making, struct proto_problem *problem)
+                                   struct server_derived_meshes *making,
+                                   struct proto_problem *problem)
 {
     const struct made made = {&parameters, gd_tessellation_polygons(tessellation), write_parameters,
                               tessellation};
@@ -166,24 +168,25 @@ bool server_vertex_parameters_make(const struct server_query *query, const char 
 }
 
 bool server_vertex_places_make(const struct server_query *query, const char *name,
-                               const struct gd_discretization *fine, struct server_making *making,
-                               struct proto_problem *problem)
+                               const struct gd_discretization *fine,
+                               struct server_derived_meshes *making, struct proto_problem *problem)
 {
     const struct made made = {&places, &fine->polygons, write_places, fine};
     return make(query, name, &made, making, problem);
 }
 
-bool server_vertex_origins_store(struct server_exchange *exchange, struct server_making *making)
+bool server_vertex_origins_store(struct server_exchange *exchange,
+                                 struct server_derived_meshes *making)
 {
-    enum server_store_outcome outcome = server_making_store(making);
+    enum server_store_outcome outcome = server_derived_meshes_store(making);
     if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
         server_request_fail(exchange, outcome);
         return true;
     }
-    struct server_surface *mesh = making->made[0].surface;
+    struct server_surface *mesh = making->list[0].surface;
     const struct server_listed listed = {mesh->record, mesh};
     server_reply_header(exchange, "Location", "/v1/meshes/%s", mesh->record->name);
-    server_description_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
+    server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
     return true;
 }
 

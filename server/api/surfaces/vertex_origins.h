@@ -6,19 +6,21 @@
 
 #include "gd/discretization.h"
 #include "gd/tessellation.h"
-#include "server/api/surfaces/derived_mesh.h"
+#include "server/query/derived_mesh.h"
 #include "server/query/query.h"
 
 /* Adds a mesh of the query's surface to a making, whose attachment its vertices' origins become.
  * False with the problem. */
 bool server_vertex_parameters_make(const struct server_query *query, const char *name,
                                    const struct gd_tessellation *tessellation,
-                                   struct server_making *making, struct proto_problem *problem);
+                                   struct server_derived_meshes *making,
+                                   struct proto_problem *problem);
 bool server_vertex_places_make(const struct server_query *query, const char *name,
-                               const struct gd_discretization *fine, struct server_making *making,
-                               struct proto_problem *problem);
+                               const struct gd_discretization *fine,
+                               struct server_derived_meshes *making, struct proto_problem *problem);
 
 /* Stores the one mesh of a making and answers as an upload does. By the registry's writer. */
-bool server_vertex_origins_store(struct server_exchange *exchange, struct server_making *making);
+bool server_vertex_origins_store(struct server_exchange *exchange,
+                                 struct server_derived_meshes *making);
 
 #endif

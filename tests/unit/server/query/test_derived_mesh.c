@@ -3,9 +3,9 @@
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
-#include "server/api/surfaces/description.h"
+#include "server/query/surface_resource.h"
 #include "server/query/handlers.h"
-#include "server/api/surfaces/derived_mesh.h"
+#include "server/query/derived_mesh.h"
 #include "server/query/request.h"
 #include "server/store/tools.h"
 
@@ -25,11 +25,11 @@ static const unsigned char numbers[3] = {7, 0, 9};
 
 static void free_making(void *state)
 {
-    server_making_end(state);
+    server_derived_meshes_free(state);
     free(state);
 }
 
-static bool add_all(struct server_making *making, struct proto_problem *problem)
+static bool add_all(struct server_derived_meshes *making, struct proto_problem *problem)
 {
     double flat[3][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, positions[3][3];
     uint32_t corners[3] = {0, 1, 2};
@@ -38,8 +38,8 @@ static bool add_all(struct server_making *making, struct proto_problem *problem)
         .positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
     const struct server_attachment attachment = {numbers, sizeof numbers};
     for (uint32_t i = 0; i < order.count; i++) {
-        if (!server_making_add(making, order.names[i], &polygons,
-                               order.has_attachment ? &attachment : NULL, problem))
+        if (!server_derived_meshes_add(making, order.names[i], &polygons,
+                                       order.has_attachment ? &attachment : NULL, problem))
             return false;
         positions[0][2] += 1; /* the next one is another */
     }
@@ -48,9 +48,9 @@ static bool add_all(struct server_making *making, struct proto_problem *problem)
 
 static bool store(struct server_exchange *exchange)
 {
-    struct server_making *making = exchange->state;
+    struct server_derived_meshes *making = exchange->state;
     struct proto_writer writer;
-    enum server_store_outcome outcome = server_making_store(making);
+    enum server_store_outcome outcome = server_derived_meshes_store(making);
     if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
         server_request_fail(exchange, outcome);
         return true;
@@ -58,8 +58,9 @@ static bool store(struct server_exchange *exchange)
     proto_writer_init(&writer, SERVER_DESCRIPTION_MOST);
     proto_write_array_begin(&writer);
     for (uint32_t i = 0; i < making->count; i++) {
-        struct server_surface *surface = making->made[i].surface;
-        server_description_write(&writer, &(struct server_listed){surface->record, surface});
+        struct server_surface *surface = making->list[i].surface;
+        server_surface_resource_describe(&writer,
+                                         &(struct server_listed){surface->record, surface});
     }
     proto_write_array_end(&writer);
     server_reply_json(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &writer);
@@ -76,8 +77,8 @@ static bool compute(struct server_exchange *exchange)
 
 static void handle_make(struct server_exchange *exchange)
 {
-    struct server_making *making = calloc(1, sizeof *making);
-    server_making_begin(making, exchange);
+    struct server_derived_meshes *making = calloc(1, sizeof *making);
+    server_derived_meshes_begin(making, exchange);
     server_exchange_keep(exchange, making, free_making);
     server_exchange_defer(exchange, compute, NULL);
 }
