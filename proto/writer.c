@@ -9,7 +9,6 @@
 
 #include "gd/number.h"
 #include "proto/number.h"
-#include "proto/problem.h"
 #include "proto/utf8.h"
 
 #define FIRST_CAPACITY 1024
@@ -35,32 +34,6 @@ void proto_writer_free(struct proto_writer *writer)
 size_t proto_writer_counted(size_t capacity)
 {
     return capacity > PROTO_WRITER_SMALL ? capacity : 0;
-}
-
-bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem)
-{
-    switch (writer->failure) {
-    case PROTO_WRITER_FINE:
-        return true;
-    case PROTO_WRITER_NO_MEMORY:
-        return proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                                 "there is no memory for the answer; try again later");
-    case PROTO_WRITER_NO_ROOM:
-        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "other answers, which their clients have not read to the end, hold the "
-                          "memory that this one "
-                          "needs; try again in a moment");
-        problem->retry_after = 1;
-        return false;
-    case PROTO_WRITER_TOO_LARGE:
-        break;
-    }
-    proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                      "the answer is larger than the %zu bytes that one may have; ask for less of "
-                      "it, with fields, "
-                      "geometry or fewer points, or have the operator raise --max-answer",
-                      writer->maximum);
-    return proto_problem_limit(problem, writer->maximum);
 }
 
 /* Gives back what the buffer has beyond the text. */

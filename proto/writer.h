@@ -22,8 +22,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-struct proto_problem;
-
 #define PROTO_WRITER_SMALL 8192
 
 /* Counts the memory of texts. Thread-safe. */
@@ -57,10 +55,6 @@ void proto_writer_free(struct proto_writer *writer); /* a second time is harmles
 
 /* Makes room at once for about so many bytes that are to come, instead of now and then. */
 void proto_writer_expect(struct proto_writer *writer, size_t more);
-
-/* True, or false with insufficient_memory: out of memory, no room in the account (retry_after is
- * set), or over the maximum, which is the problem's limit then. */
-bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 /* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL
  * if the writer failed or is empty. Of a writer with an account the buffer is cut to the text, and

@@ -2,7 +2,6 @@
 #include <stdlib.h>
 
 #include "mesh/build.h"
-#include "mesh/bvh.h"
 
 struct step {
     enum gd_status (*run)(struct gd__construction *work);

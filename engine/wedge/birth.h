@@ -4,6 +4,9 @@
 
 #include <stdint.h>
 
+/* Distance of a vertex that is not reached yet. Lengths in the inside unit stay far below. */
+#define GD__FAR 1e300
+
 /* The leg starts at (x, -y) in the frame of `side`, the side opposite to the
  * vertex: beyond the side where it crosses it (y >= 0), in the face itself where a seed lies there
  * (y < 0). The direction back is stored by its far end, not by the crossing: where the vertex lies

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "wedge/halves.h"
-#include "wedge/wavefront.h"
 
 #define FACES_LEAST  20000 /* a smaller surface is done before the turns pay */
 #define TURN_BUCKETS 32    /* that one part may be ahead: more of them do more work twice */
@@ -15,47 +14,6 @@
 #define BUDGET_AN_EDGE 1000  /* bytes: with less there may be no room for two of all */
 
 /* --- mail ------------------------------------------------------------------------------------- */
-
-static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity, size_t size)
-{
-    if (count < *capacity) return GD_OK;
-    uint32_t larger = *capacity ? 2 * *capacity : 256;
-    void *grown = realloc(*array, larger * size);
-    if (!grown) return GD_NO_MEMORY;
-    *array = grown;
-    *capacity = larger;
-    return GD_OK;
-}
-
-enum gd_status gd__domain_send_vertex(struct gd__domain *domain,
-                                      const struct gd__vertex_letter *letter)
-{
-    struct gd__mail *mail = &domain->mail;
-    enum gd_status status = make_room((void **)&mail->vertices, mail->vertex_count,
-                                      &mail->vertex_capacity, sizeof *mail->vertices);
-    if (!status) mail->vertices[mail->vertex_count++] = *letter;
-    return status;
-}
-
-enum gd_status gd__domain_send_windows(struct gd__domain *domain, uint32_t side,
-                                       const struct gd__children *children)
-{
-    struct gd__mail *mail = &domain->mail;
-    enum gd_status status = make_room((void **)&mail->lists, mail->list_count, &mail->list_capacity,
-                                      sizeof *mail->lists);
-    if (!status) status = gd__stack_reserve(&mail->windows, mail->windows.count + children->count);
-    if (status) return status;
-    mail->lists[mail->list_count++] = (struct gd__list_letter){side, children->count};
-    gd__stack_load(&mail->windows, &children->at, 0, children->count);
-    return GD_OK;
-}
-
-static void free_mail(struct gd__mail *mail)
-{
-    free(mail->vertices);
-    free(mail->lists);
-    gd__stack_destroy(&mail->windows);
-}
 
 /* What waits of a source whose distance fell is on its way again: gd__propagate_side would drop it,
  * and so would who sent it. */
@@ -304,8 +262,8 @@ static enum gd_status propagate_pair(struct gd__wavefront *front,
     first->front.monitor = front->monitor;
     if (!status) status = take_all(&first->front, &pair.part[1].front);
     for (int i = 0; i < 2; i++) {
-        free_mail(&pair.part[i].domain.mail);
-        free_mail(&pair.part[i].inbox);
+        gd__mail_destroy(&pair.part[i].domain.mail);
+        gd__mail_destroy(&pair.part[i].inbox);
     }
     gd__workspace_clean(partner);
     first->front.domain = NULL;

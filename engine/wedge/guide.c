@@ -6,7 +6,6 @@
 #include "base/large.h"
 #include "base/tolerance.h"
 #include "wedge/asking.h"
-#include "wedge/workspace.h"
 
 /* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way
  * weighed heavier than the straight line or the landmarks say, A* finds one at a fraction of the

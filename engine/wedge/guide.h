@@ -1,15 +1,15 @@
 /* Guide: what is known of the way from anywhere to one target before windows are propagated: lower
  * bounds, which prune, and upper bounds, which shrink the bound of the search.
  *
- * Lower: the straight line in space, one from ring to ring (wedge/rings.h), and by landmarks |d(l,
+ * Lower: the straight line in space, one from ring to ring (wedge/ring.h), and by landmarks |d(l,
  * v) - d(l, t)|. Upper: shortest paths to the target in the graph of edges and of straight ways
  * across one edge, found by A*. All are rounded to the safe side. Of one thread. */
 #ifndef GD_WEDGE_GUIDE_H
 #define GD_WEDGE_GUIDE_H
 
-#include "wedge/rings.h"
+#include "wedge/birth.h"
+#include "wedge/ring.h"
 
-#define GD__FAR            1e300 /* not reached yet; inside lengths stay far below */
 #define GD__LANDMARKS_MOST 16
 
 struct gd__guide_node {
@@ -100,5 +100,27 @@ GD_MUST_USE enum gd_status gd__guide_step(struct gd__guide *guide);
 /* Forgets the target, the landmarks and the control. */
 void gd__guide_clean(struct gd__guide *guide);
 void gd__guide_destroy(struct gd__guide *guide);
+
+/* --- rings.c: the rings of a guide ---------------------------------------------------------------
+ */
+
+/* Draws rings round the guide's target out to `from`, for a search for ways that are no longer than
+ * `bound`, where the bounds that there are leave too much to do; lower bounds that the guide told
+ * already may rise. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: some 100 ns for each
+ * vertex from which the straight lines to both ends are within the bound. */
+GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from,
+                                          double bound);
+
+/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell;
+ * GD__FAR: none within the bound passes it by. O(points of a ring). */
+double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
+
+/* Forgets them. */
+void gd__rings_clean(struct gd__rings *rings);
+
+/* Bytes that they hold. */
+size_t gd__rings_held(const struct gd__rings *rings);
+
+void gd__rings_destroy(struct gd__rings *rings);
 
 #endif

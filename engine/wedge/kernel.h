@@ -11,7 +11,7 @@
 
 #include "mesh/topology.h"
 #include "wedge/children.h"
-#include "wedge/rings.h"
+#include "wedge/ring.h"
 #include "wedge/wedges.h"
 
 /* The best straight way found to the apex of a side through one of its windows, and which windows

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/large.h"
-#include "wedge/guide.h"
 
 #define SIDES_MADE_MOST 4 /* then the visits of its sides are counted for good, see gd__remind */
 

@@ -1,11 +1,10 @@
-#include "wedge/rings.h"
+#include "wedge/guide.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/tolerance.h"
 #include "wedge/asking.h"
-#include "wedge/guide.h"
 #include "wedge/kernel.h"
 
 /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */

@@ -22,8 +22,8 @@
 
 #include "gd/executor.h"
 #include "mesh/polar.h"
-#include "wedge/domain.h"
 #include "wedge/kernel.h"
+#include "wedge/mail.h"
 #include "wedge/workspace.h"
 
 /* A seed in inside terms: a point, or the open segment from `point` to `end`, whose ends are seeds
@@ -137,7 +137,7 @@ struct gd__sink {
     void *user;
 };
 
-/* The kernel: seeds the wavefront, propagates until nothing within the bound is left, hands the
+/* run.c: seeds the wavefront, propagates until nothing within the bound is left, hands the
  * result to the sink. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY and
  * the sink's. */
 GD_MUST_USE enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,

@@ -1,4 +1,4 @@
-#include "wedge/rings.h"
+#include "wedge/guide.h"
 
 #include <math.h>
 #include "base/tolerance.h"

@@ -9,15 +9,13 @@
  * stored for them bounds the ways from all points of the edges too, by a linear function between
  * two points that are s apart: the least of linear functions is concave, and a distance in space
  * lies below its chord, see ring_sag in wedge/kernel_ring.h. */
-#ifndef GD_WEDGE_RINGS_H
-#define GD_WEDGE_RINGS_H
+#ifndef GD_WEDGE_RING_H
+#define GD_WEDGE_RING_H
 
 #include "wedge/anchor.h"
 
 #define GD__RING_LANES   8
 #define GD__RING_NOWHERE 1e18f /* its square is a float */
-
-struct gd__guide;
 
 /* A place from the target, over the search's bound. */
 struct gd__place {
@@ -47,24 +45,5 @@ struct gd__rings {
     double bound; /* of the search */
     float slack;  /* of a step from ring to ring, for rounding */
 };
-
-/* Draws rings round the guide's target out to `from`, for a search for ways that are no longer than
- * `bound`, where the bounds that there are leave too much to do; lower bounds that the guide told
- * already may rise. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: some 100 ns for each
- * vertex from which the straight lines to both ends are within the bound. */
-GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from,
-                                          double bound);
-
-/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell;
- * GD__FAR: none within the bound passes it by. O(points of a ring). */
-double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
-
-/* Forgets them. */
-void gd__rings_clean(struct gd__rings *rings);
-
-/* Bytes that they hold. */
-size_t gd__rings_held(const struct gd__rings *rings);
-
-void gd__rings_destroy(struct gd__rings *rings);
 
 #endif
