@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Reads every #include and fails where a file includes what its room may not (README, "The house").
+"""Reads every #include and import, and fails on a breach of the layers or on a circle.
 
-A file of `engine` or `server` includes its own room and rooms of lower rank, never a room of equal rank. `proto`
-includes public headers of the engine. `server` includes public headers of the engine and `proto`. A library shows in
-its own room only, and the server's struct in the composition root only. No part (a source with its header) includes
-itself, however long the way. Tests may include anything.
+A file of `engine` or `server` includes its own room and rooms of lower rank. `proto` includes public
+headers of the engine. `server` includes `proto` and public headers of the engine. A library shows in
+its own room only, and the server's struct in the composition root only. Tests may include anything.
+
+A part is a C source with its header, or one module of TypeScript, JavaScript or Python. No part
+includes itself, directly or through other parts. Imports of types count.
 
 Prints breaches, circles, and the rooms with their sizes.
 """
 import collections
+import os
 import pathlib
 import re
 import sys
@@ -48,12 +51,15 @@ BOUNDARY = {
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)
+SCRIPT_IMPORT = re.compile(r"""\b(?:from|import)\s*\(?\s*["'](\.[^"']+)["']""")
+PYTHON_IMPORT = re.compile(r"^\s*from\s+\.(\w*)\s+import\s+(\([^)]*\)|.*)", re.M)
+C, SCRIPT = (".c", ".h", ".cc", ".hpp"), (".ts", ".js", ".mjs")
 
 
 def sources():
     for top in ("engine", "proto", "server", "clients"):
         for path in sorted(pathlib.Path(top).rglob("*")):
-            if path.suffix in (".c", ".h", ".cc", ".hpp") and "node_modules" not in path.parts:
+            if path.suffix in C + SCRIPT + (".py",) and "node_modules" not in path.parts:
                 yield path
 
 
@@ -65,12 +71,27 @@ def room_of(path):
     return folder if folder in RANK else "proto" if path.parts[0] == "proto" else None
 
 
-def resolve(path, include):
-    """The file of this project that an include names, or None."""
-    for base in (path.parent, pathlib.Path("."), pathlib.Path("engine"), pathlib.Path("engine/include")):
-        if (base / include).is_file():
-            return base / include
+def existing(*paths):
+    """The first of the paths that is a file of this project, or None."""
+    for path in paths:
+        if path.is_file():
+            return pathlib.Path(os.path.normpath(path))
     return None
+
+
+def imports(path, text):
+    """Pairs of what a source includes or imports, and the file of this project that it is, or None."""
+    if path.suffix in C:
+        places = (path.parent, pathlib.Path("."), pathlib.Path("engine"), pathlib.Path("engine/include"))
+        for name in INCLUDE.findall(text):
+            yield name, existing(*(place / name for place in places))
+    elif path.suffix in SCRIPT:
+        for name in SCRIPT_IMPORT.findall(text):
+            yield name, existing(path.parent / name, path.parent / f"{name}.ts")
+    else:
+        for module, names in PYTHON_IMPORT.findall(text):
+            for name in [module] if module else re.findall(r"\w+", names):
+                yield name, existing(path.parent / f"{name}.py")
 
 
 def breach(path, include, target):
@@ -91,7 +112,9 @@ def breach(path, include, target):
 
 
 def part_of(path):
-    """A source and its header are one part."""
+    """The name of a source's part."""
+    if path.suffix not in C:
+        return path.as_posix()
     return "gd/" + path.stem if path.parts[:2] == ("engine", "include") else path.with_suffix("").as_posix()
 
 
@@ -129,8 +152,7 @@ def main():
         lines[room] += text.count("\n")
         files[room] += 1
         graph[part_of(path)] |= set()
-        for include in INCLUDE.findall(text):
-            target = resolve(path, include)
+        for include, target in imports(path, text):
             why = breach(path, include, target)
             if why:
                 print(f"{path}: includes {include}: {why}")

@@ -2,7 +2,7 @@
 // faces of the mesh, and the daemon is asked for the exact distance at each.
 
 import { type Place, rounded } from "./place.ts";
-import type { Surface } from "./surface.ts";
+import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
 
 const COARSE = 3000; /* faces; more are fine enough */
@@ -40,8 +40,16 @@ function gridFaces(parts: number): number[] {
   return faces;
 }
 
+/** The part of a surface that refined reads. */
+interface Coarse {
+  readonly faceCount: number;
+  readonly positions: Float32Array;
+  readonly triangles: Triangles;
+  place(face: number, weights: Vec3): Place;
+}
+
 /** The finer mesh; null for one that is fine enough. */
-export function refined(surface: Surface): Fine | null {
+export function refined(surface: Coarse): Fine | null {
   const { faceCount, positions } = surface;
   if (faceCount > COARSE) return null;
   const parts = Math.min(MOST_PARTS, Math.floor(Math.sqrt(FACES / faceCount)));
