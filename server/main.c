@@ -14,6 +14,8 @@
 #include "server/base/log.h"
 #include "server/access/sandbox.h"
 #include "server/server.h"
+#include "server/store/local/files.h"
+#include "server/store/postgres/address.h"
 #include "server/store/tools.h"
 #include "server/base/version.h"
 
@@ -81,12 +83,39 @@ static bool check_store(const struct server_config *config)
     return server_store_check(config->data_dir, stdout);
 }
 
-/* The port is bound before the sandbox takes the right to do so. */
+/* Landlock's rules are for folders that exist: the data folder is made as the store would make it.
+ * A failure is found again, and reported, when the store opens the folder. */
+static void make_data_folder(const struct server_config *config)
+{
+    struct server_store_files files;
+    char error[512];
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        (void)server_disk_make_folder(config->data_dir);
+    else if (server_files_open(&files, config->data_dir, error, sizeof error))
+        server_files_close(&files);
+}
+
+static struct server_sandbox enter_sandbox(const struct server_config *config)
+{
+    bool has_folder = *config->data_dir && config->store != SERVER_STORE_KIND_MEMORY;
+    const struct server_sandbox_needs needs = {
+        .folder = has_folder ? config->data_dir : NULL,
+        .files = {config->keys, config->tls_cert, config->tls_key},
+        .address = &config->listen,
+        .database = config->store == SERVER_STORE_KIND_POSTGRES ? config->store_url : NULL,
+        .each_port = server_postgres_each_port,
+        .each_file = server_postgres_each_file};
+    if (config->sandbox == SERVER_SANDBOX_OFF) return server_sandbox_enter(NULL);
+    if (has_folder) make_data_folder(config);
+    return server_sandbox_enter(&needs);
+}
+
+/* The sandbox takes the right to bind a port. */
 static struct server *start(struct server_config *config, char *error, size_t error_size)
 {
     int listening = server_address_bind(&config->listen, error, error_size);
     if (listening < 0) return NULL;
-    struct server_sandbox sandbox = server_sandbox_enter(config);
+    struct server_sandbox sandbox = enter_sandbox(config);
     if (!server_log_start()) {
         snprintf(error, error_size, "no thread can be started for the log");
         return NULL;

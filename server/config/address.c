@@ -15,18 +15,19 @@
 #define LISTEN_BACKLOG 4096 /* also what Linux allows by default */
 #define UNIX_PREFIX    "unix:"
 
-static bool refuse(char *error, size_t error_size, const char *text, const char *why)
+static bool address_refuse(char *error, size_t error_size, const char *text, const char *why)
 {
     snprintf(error, error_size, "'%s' is no address to listen on: %s", text, why);
     return false;
 }
 
-static bool parse_unix(const char *text, struct server_address *out, char *error, size_t error_size)
+static bool unix_parse(const char *text, struct server_address *out, char *error, size_t error_size)
 {
     const char *path = text + strlen(UNIX_PREFIX);
     struct sockaddr_un name = {.sun_family = AF_UNIX};
     if (!*path || strlen(path) >= sizeof name.sun_path)
-        return refuse(error, error_size, text, "the path of a unix socket has 1 to 107 characters");
+        return address_refuse(error, error_size, text,
+                              "the path of a unix socket has 1 to 107 characters");
     strcpy(name.sun_path, path);
     *out = (struct server_address){.size = sizeof name};
     memcpy(&out->socket, &name, sizeof name);
@@ -62,21 +63,22 @@ bool server_address_parse(const char *text, struct server_address *out, char *er
                           size_t error_size)
 {
     if (strncmp(text, UNIX_PREFIX, strlen(UNIX_PREFIX)) == 0)
-        return parse_unix(text, out, error, error_size);
+        return unix_parse(text, out, error, error_size);
     char host[64];
     const char *port;
     if (!split_host_port(text, host, &port))
-        return refuse(error, error_size, text,
-                      "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
+        return address_refuse(error, error_size, text,
+                              "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
     if (!is_port(port))
-        return refuse(error, error_size, text, "the port is a number from 0 to 65535");
+        return address_refuse(error, error_size, text, "the port is a number from 0 to 65535");
 
     struct addrinfo hints = {.ai_family = AF_UNSPEC,
                              .ai_socktype = SOCK_STREAM,
                              .ai_flags = AI_NUMERICHOST | AI_NUMERICSERV};
     struct addrinfo *found = NULL;
     if (getaddrinfo(strcmp(host, "localhost") == 0 ? "127.0.0.1" : host, port, &hints, &found) != 0)
-        return refuse(error, error_size, text, "the address is a numeric one or 'localhost'");
+        return address_refuse(error, error_size, text,
+                              "the address is a numeric one or 'localhost'");
     *out = (struct server_address){.size = found->ai_addrlen};
     memcpy(&out->socket, found->ai_addr, found->ai_addrlen);
     freeaddrinfo(found);
@@ -110,8 +112,8 @@ void server_address_format(const struct server_address *address, char text[SERVE
     snprintf(text, SERVER_ADDRESS_TEXT, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-/* Removes a unix socket that a dead process left behind; a live one or any other kind of file stays
- * and makes bind fail. */
+/* Removes a unix socket that a dead process left. A live one, or any other file, stays and makes
+ * bind fail. */
 static void remove_stale_socket(const struct server_address *address)
 {
     const char *path = ((const struct sockaddr_un *)&address->socket)->sun_path;
@@ -125,12 +127,7 @@ static void remove_stale_socket(const struct server_address *address)
     close(probe);
 }
 
-static bool is_unix(const struct server_address *address)
-{
-    return address->socket.ss_family == AF_UNIX;
-}
-
-static bool complain(const struct server_address *address, char *error, size_t error_size)
+static bool listen_refuse(const struct server_address *address, char *error, size_t error_size)
 {
     int why = errno;
     char text[SERVER_ADDRESS_TEXT];
@@ -139,7 +136,7 @@ static bool complain(const struct server_address *address, char *error, size_t e
     return false;
 }
 
-static bool bind_tcp(int descriptor, struct server_address *address)
+static bool tcp_bind(int descriptor, struct server_address *address)
 {
     int on = 1;
     setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -153,14 +150,15 @@ int server_address_bind(struct server_address *address, char *error, size_t erro
 {
     int descriptor =
         socket(address->socket.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (descriptor >= 0 && (is_unix(address) || bind_tcp(descriptor, address))) return descriptor;
-    (void)complain(address, error, error_size);
+    if (descriptor >= 0 && (address->socket.ss_family == AF_UNIX || tcp_bind(descriptor, address)))
+        return descriptor;
+    (void)listen_refuse(address, error, error_size);
     if (descriptor >= 0) close(descriptor);
     return -1;
 }
 
-/* With the mode that a caller of the program chose, whatever umask its files have. */
-static bool bind_unix(int descriptor, const struct server_address *address)
+/* Gives the socket its mode, which the umask of the daemon's files would narrow. */
+static bool unix_bind(int descriptor, const struct server_address *address)
 {
     remove_stale_socket(address);
     if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0)
@@ -172,7 +170,7 @@ static bool bind_unix(int descriptor, const struct server_address *address)
 bool server_address_listen(int descriptor, const struct server_address *address, char *error,
                            size_t error_size)
 {
-    bool is_bound = !is_unix(address) || bind_unix(descriptor, address);
+    bool is_bound = address->socket.ss_family != AF_UNIX || unix_bind(descriptor, address);
     return (is_bound && listen(descriptor, LISTEN_BACKLOG) == 0) ||
-           complain(address, error, error_size);
+           listen_refuse(address, error, error_size);
 }

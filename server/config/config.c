@@ -3,156 +3,153 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <stdbool.h>
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "server/config/config_value.h"
 #include "server/base/disk.h"
 #include "server/base/version.h"
 
-#define NAME_LIMIT 32 /* of an option */
+#define NAME_LIMIT 32  /* of an option */
+#define TEXT_LIMIT 512 /* of a value's origin, of a list */
 
-static const char *const levels[] = {
+/* --- the table of options --------------------------------------------------------------------- */
+
+enum option_kind {
+    COUNT,
+    BYTES,
+    ADDRESS,
+    HOST,
+    ORIGIN,
+    CHOICE,
+    PATH,
+    STORE,
+    BOOLEAN,
+    CONFIG_FILE, /* read before the others */
+    SWITCH
+};
+
+struct option {
+    const char *name, *argument;
+    enum option_kind kind;
+    size_t offset;            /* of the member in struct server_config */
+    uint64_t least, most;     /* COUNT, BYTES */
+    const char *standard;     /* the default, as it is typed; NULL: none, or found at run time */
+    const char *const *words; /* CHOICE, NULL-terminated; the member is an index into them */
+    const char *help;
+};
+
+static const char *const level_words[] = {
 #define LEVEL_NAME(NAME, name) #name,
     SERVER_LOG_LEVELS(LEVEL_NAME)
 #undef LEVEL_NAME
         NULL};
 const char *const server_config_cpus[] = {"auto", "baseline", "avx2", "avx512", NULL};
-static const char *const sandboxes[] = {
+static const char *const sandbox_words[] = {
     [SERVER_SANDBOX_AUTO] = "auto", [SERVER_SANDBOX_OFF] = "off", NULL};
 
 #define MEMBER(member) offsetof(struct server_config, member)
+#define NUMBER(kind, member, least, most, standard)                                                \
+    kind, MEMBER(member), least, most, standard, NULL
+#define CHOSEN(member, standard, words) CHOICE, MEMBER(member), 0, 0, standard, words
+#define VALUE(kind, member, standard)   kind, MEMBER(member), 0, 0, standard, NULL
+#define WITHOUT_MEMBER(kind)            kind, 0, 0, 0, NULL, NULL
 
-static const struct server_setting options[] = {
-    {"listen", "ADDR:PORT|unix:PATH", "where to listen; port 0 takes a free one", KIND_ADDRESS,
-     MEMBER(listen), 0, 0, "127.0.0.1:8080", NULL},
-    {"allowed-host", "HOST", "also accept this Host header; may be repeated, or a list with commas",
-     KIND_HOST, MEMBER(allowed_hosts), 0, 0, NULL, NULL},
-    {"keys", "FILE",
-     "the keys by which users are known, which geodesicd keygen makes; read again at SIGHUP "
-     "(default: none, and then "
-     "only "
-     "this machine's own programs may speak to the daemon)",
-     KIND_PATH, MEMBER(keys), 0, 0, NULL, NULL},
-    {"cors-origin", "ORIGIN",
+static const struct option options[] = {
+    {"listen", "ADDR:PORT|unix:PATH", VALUE(ADDRESS, listen, "127.0.0.1:8080"),
+     "where to listen; port 0 takes a free one"},
+    {"allowed-host", "HOST", VALUE(HOST, allowed_hosts, NULL),
+     "also accept this Host header; may be repeated, or a list with commas"},
+    {"keys", "FILE", VALUE(PATH, keys, NULL),
+     "the users' keys, made by geodesicd keygen; read again at SIGHUP (default: none, and then "
+     "only programs of this machine may use the daemon)"},
+    {"cors-origin", "ORIGIN", VALUE(ORIGIN, cors_origins, NULL),
      "web pages of this origin (https://maps.example) may use the daemon; may be repeated, or a "
-     "list with commas",
-     KIND_ORIGIN, MEMBER(cors_origins), 0, 0, NULL, NULL},
-    {"tls-cert", "FILE",
-     "the certificate and those that it rests on, PEM: speak HTTPS only; read again at SIGHUP",
-     KIND_PATH, MEMBER(tls_cert), 0, 0, NULL, NULL},
-    {"tls-key", "FILE", "the certificate's private key, PEM", KIND_PATH, MEMBER(tls_key), 0, 0,
-     NULL, NULL},
-    {"max-connections", "N",
-     "connections that are open at once; others wait, and those that keep the daemon waiting make "
-     "room",
-     KIND_COUNT, MEMBER(max_connections), 1, SERVER_CONFIG_CONNECTIONS, "8192", NULL},
+     "list with commas"},
+    {"tls-cert", "FILE", VALUE(PATH, tls_cert, NULL),
+     "the chain of certificates, PEM: speak HTTPS only; read again at SIGHUP"},
+    {"tls-key", "FILE", VALUE(PATH, tls_key, NULL), "the certificate's private key, PEM"},
+    {"max-connections", "N", NUMBER(COUNT, max_connections, 1, SERVER_CONFIG_CONNECTIONS, "8192"),
+     "connections that are open at once; others wait, and idle ones are closed to make room"},
     {"max-address-connections", "N",
+     NUMBER(COUNT, max_address_connections, 0, SERVER_CONFIG_CONNECTIONS, "2048"),
      "connections of one address that are open at once, three quarters of all at most; others are "
-     "closed; 0: no limit",
-     KIND_COUNT, MEMBER(max_address_connections), 0, SERVER_CONFIG_CONNECTIONS, "2048", NULL},
-    {"workers", "N",
+     "closed; 0: no limit"},
+    {"workers", "N", NUMBER(COUNT, workers, 1, 1024, NULL),
      "threads that build meshes and propagate (default: the number of cores); as many spare ones "
-     "begin work only for a "
-     "tenant that has none under way, or for requests while jobs have the others",
-     KIND_COUNT, MEMBER(workers), 1, 1024, NULL, NULL},
-    {"http-threads", "N", "threads that speak HTTP (default: the number of cores)", KIND_COUNT,
-     MEMBER(http_threads), 1, 256, NULL, NULL},
-    {"queue-length", "N",
+     "work only for a tenant that has no worker, or for requests while jobs have all workers"},
+    {"http-threads", "N", NUMBER(COUNT, http_threads, 1, 256, NULL),
+     "threads that speak HTTP (default: the number of cores)"},
+    {"queue-length", "N", NUMBER(COUNT, queue_length, 1, 1000000, "256"),
      "requests that may wait for a worker before others get 503, and as many jobs; with keys no "
-     "tenant takes more "
-     "places "
-     "than it leaves free",
-     KIND_COUNT, MEMBER(queue_length), 1, 1000000, "256", NULL},
-    {"cpu", "NAME",
+     "tenant takes more places than it leaves free"},
+    {"cpu", "NAME", CHOSEN(cpu, "auto", server_config_cpus),
      "instructions of the kernels: auto (the best that the machine has), baseline, avx2 or avx512; "
-     "answers are the "
-     "same",
-     KIND_CHOICE, MEMBER(cpu), 0, 0, "auto", server_config_cpus},
-    {"memory-budget", "BYTES",
+     "answers are the same"},
+    {"memory-budget", "BYTES", NUMBER(BYTES, memory_budget, 1 << 20, UINT64_C(1) << 50, "4GiB"),
      "most memory for meshes, fields and work; a 16th of it, 256MiB at most, is set aside for the "
-     "memory of released "
-     "fields, which the next ones take",
-     KIND_BYTES, MEMBER(memory_budget), 1 << 20, UINT64_C(1) << 50, "4GiB", NULL},
-    {"max-body", "BYTES", "largest request body", KIND_BYTES, MEMBER(max_body), 1 << 10,
-     UINT64_C(1) << 40, "256MiB", NULL},
-    {"max-answer", "BYTES",
+     "memory of released fields, which the next ones take"},
+    {"max-body", "BYTES", NUMBER(BYTES, max_body, 1 << 10, UINT64_C(1) << 40, "256MiB"),
+     "largest request body"},
+    {"max-answer", "BYTES", NUMBER(BYTES, max_answer, 64 << 10, UINT64_C(1) << 40, "1GiB"),
      "largest answer, which is held in the memory budget until its client has read it; half of "
-     "--memory-budget at "
-     "most",
-     KIND_BYTES, MEMBER(max_answer), 64 << 10, UINT64_C(1) << 40, "1GiB", NULL},
-    {"max-faces", "N", "most triangles of a mesh", KIND_COUNT, MEMBER(max_faces), 1, 1 << 30,
-     "10000000", NULL},
-    {"timeout-ms", "MS",
-     "most time that a request may take; timeout_ms in a request can only shorten it", KIND_COUNT,
-     MEMBER(timeout_ms), 1, 86400000, "60000", NULL},
-    {"drain-ms", "MS", "most time that SIGTERM waits for requests under way", KIND_COUNT,
-     MEMBER(drain_ms), 0, 86400000, "10000", NULL},
-    {"drain-delay-ms", "MS",
-     "how long SIGTERM goes on serving as before while /readyz says 503, so that load balancers "
-     "turn elsewhere first",
-     KIND_COUNT, MEMBER(drain_delay_ms), 0, 86400000, "0", NULL},
-    {"job-ttl-s", "S", "how long a job and its answer are kept after its end", KIND_COUNT,
-     MEMBER(job_ttl_s), 1, 31536000, "3600", NULL},
-    {"max-jobs", "N",
-     "most jobs; the oldest that have ended, of the key that has the most, make way for new ones, "
-     "as they do when "
-     "answers "
-     "fill an eighth of the memory budget",
-     KIND_COUNT, MEMBER(max_jobs), 1, 1000000, "10000", NULL},
-    {"landmarks", "N",
-     "landmark fields that a mesh gets in idle time once it is searched, to make later searches "
-     "shorter; 0: none",
-     KIND_COUNT, MEMBER(landmarks), 0, 16, "16", NULL},
-    {"store", "KIND",
+     "--memory-budget at most"},
+    {"max-faces", "N", NUMBER(COUNT, max_faces, 1, 1 << 30, "10000000"),
+     "most triangles of a mesh"},
+    {"timeout-ms", "MS", NUMBER(COUNT, timeout_ms, 1, 86400000, "60000"),
+     "most time that a request may take; timeout_ms in a request can only shorten it"},
+    {"drain-ms", "MS", NUMBER(COUNT, drain_ms, 0, 86400000, "10000"),
+     "most time that SIGTERM waits for running requests"},
+    {"drain-delay-ms", "MS", NUMBER(COUNT, drain_delay_ms, 0, 86400000, "0"),
+     "how long SIGTERM goes on serving while /readyz says 503, so that load balancers turn "
+     "elsewhere first"},
+    {"job-ttl-s", "S", NUMBER(COUNT, job_ttl_s, 1, 31536000, "3600"),
+     "how long a job and its answer are kept after its end"},
+    {"max-jobs", "N", NUMBER(COUNT, max_jobs, 1, 1000000, "10000"),
+     "most jobs; the oldest ended jobs of the key that has the most make way for new ones, also "
+     "when answers fill an eighth of the memory budget"},
+    {"landmarks", "N", NUMBER(COUNT, landmarks, 0, 16, "16"),
+     "landmark fields that a mesh gets in idle time after its first search, to make later searches "
+     "shorter; 0: none"},
+    {"store", "KIND", VALUE(STORE, store, "local"),
      "where meshes are kept: local (in --data-dir), memory (until the daemon ends), or a database "
-     "that many daemons "
-     "share, postgresql://user@host/database; its password is better in PGPASSFILE or the "
-     "environment than here",
-     KIND_STORE, 0, 0, 0, "local", NULL},
-    {"data-dir", "DIR",
+     "that many daemons share, postgresql://user@host/database; its password is better in "
+     "PGPASSFILE or the environment than here"},
+    {"data-dir", "DIR", VALUE(PATH, data_dir, NULL),
      "folder of the local store (default: /var/lib/geodesicd for root, else "
-     "$XDG_DATA_HOME/geodesicd or "
-     "~/.local/share/geodesicd); beside a database, where landmarks and fields are kept, if "
-     "anywhere",
-     KIND_PATH, MEMBER(data_dir), 0, 0, NULL, NULL},
-    {"persist-fields", NULL, "keep cached fields in the data folder over a restart", KIND_BOOLEAN,
-     MEMBER(persist_fields), 0, 0, NULL, NULL},
-    {"check-store", NULL,
-     "check every file of the data folder, or every row of the database, print what is found, and "
-     "exit",
-     KIND_BOOLEAN, MEMBER(check_store), 0, 0, NULL, NULL},
-    {"backup", "DIR", "copy the data folder, in use or not, into a new one, and exit", KIND_PATH,
-     MEMBER(backup), 0, 0, NULL, NULL},
-    {"restore", "DIR", "make the data folder, where there is none, of the backup in DIR, and exit",
-     KIND_PATH, MEMBER(restore), 0, 0, NULL, NULL},
-    {"scrub-s", "S",
-     "seconds from one look through the data folder for damaged files to the next; 0: none but "
-     "--check-store",
-     KIND_COUNT, MEMBER(scrub_s), 0, 31536000, "86400", NULL},
-    {"scrub-rate", "BYTES", "most that such a look reads in a second", KIND_BYTES,
-     MEMBER(scrub_rate), 1 << 10, UINT64_C(1) << 40, "16MiB", NULL},
-    {"sandbox", "MODE",
+     "$XDG_DATA_HOME/geodesicd or ~/.local/share/geodesicd); beside a database, the folder of "
+     "landmarks and fields, if they are kept"},
+    {"persist-fields", NULL, VALUE(BOOLEAN, persist_fields, NULL),
+     "keep cached fields in the data folder over a restart"},
+    {"check-store", NULL, VALUE(BOOLEAN, check_store, NULL),
+     "check every file of the data folder, or every row of the database, print the findings, and "
+     "exit"},
+    {"backup", "DIR", VALUE(PATH, backup, NULL),
+     "copy the data folder, in use or not, into a new one, and exit"},
+    {"restore", "DIR", VALUE(PATH, restore, NULL),
+     "make the data folder, where there is none, of the backup in DIR, and exit"},
+    {"scrub-s", "S", NUMBER(COUNT, scrub_s, 0, 31536000, "86400"),
+     "seconds from one search of the data folder for damaged files to the next; 0: none but "
+     "--check-store"},
+    {"scrub-rate", "BYTES", NUMBER(BYTES, scrub_rate, 1 << 10, UINT64_C(1) << 40, "16MiB"),
+     "most bytes that such a search reads in a second"},
+    {"sandbox", "MODE", CHOSEN(sandbox, "auto", sandbox_words),
      "auto: give up all rights that the daemon does not need, as far as the kernel can take them "
-     "(Landlock, seccomp); "
-     "or off",
-     KIND_CHOICE, MEMBER(sandbox), 0, 0, "auto", sandboxes},
-    {"slow-ms", "MS", "log requests that take so long as slow_request, with a warning; 0: none",
-     KIND_COUNT, MEMBER(slow_ms), 0, 86400000, "0", NULL},
-    {"log-level", "LEVEL", "debug, info, warn or error", KIND_CHOICE, MEMBER(log_level), 0, 0,
-     "info", levels},
-    {"config", "FILE", "read `name = value` lines from FILE; # begins a comment", KIND_FILE, 0, 0,
-     0, NULL, NULL},
-    {"version", NULL, "print the version and exit", KIND_SWITCH, 0, 0, 0, NULL, NULL},
-    {"help", NULL, "print this and exit", KIND_SWITCH, 0, 0, 0, NULL, NULL},
+     "(Landlock, seccomp); or off"},
+    {"slow-ms", "MS", NUMBER(COUNT, slow_ms, 0, 86400000, "0"),
+     "log requests that take so long as slow_request, with a warning; 0: none"},
+    {"log-level", "LEVEL", CHOSEN(log_level, "info", level_words), "debug, info, warn or error"},
+    {"config", "FILE", WITHOUT_MEMBER(CONFIG_FILE),
+     "read `name = value` lines from FILE; # begins a comment"},
+    {"version", NULL, WITHOUT_MEMBER(SWITCH), "print the version and exit"},
+    {"help", NULL, WITHOUT_MEMBER(SWITCH), "print this and exit"},
 };
 
 #define OPTION_COUNT (sizeof options / sizeof *options)
 
-static const struct server_setting *find_option(const char *name, size_t size)
+static const struct option *option_find(const char *name, size_t size)
 {
     for (size_t i = 0; i < OPTION_COUNT; i++)
         if (strlen(options[i].name) == size && strncmp(options[i].name, name, size) == 0)
@@ -179,7 +176,7 @@ static unsigned name_distance(const char *a, size_t a_size, const char *b)
     return row[b_size];
 }
 
-static const char *nearest_name(const char *name, size_t size)
+static const char *name_nearest(const char *name, size_t size)
 {
     const char *best = options[0].name;
     for (size_t i = 1; i < OPTION_COUNT; i++)
@@ -188,21 +185,192 @@ static const char *nearest_name(const char *name, size_t size)
     return best;
 }
 
+/* --- values ----------------------------------------------------------------------------------- */
+
+/* One loading: the current value's origin, and the stream for complaints. */
+struct loader {
+    struct server_config *config;
+    FILE *error;
+    char origin[TEXT_LIMIT]; /* "--workers", "GEODESICD_WORKERS", "FILE:12" */
+};
+
+/* Prints a sentence after the value's origin. Returns false. */
+__attribute__((format(printf, 2, 3))) static bool complain(const struct loader *loader,
+                                                           const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(loader->error, "geodesicd: %s: ", loader->origin);
+    vfprintf(loader->error, format, arguments);
+    fputc('\n', loader->error);
+    va_end(arguments);
+    return false;
+}
+
+static bool count_parse(const char *text, uint64_t *out, const char **rest)
+{
+    if (!isdigit((unsigned char)*text)) return false;
+    errno = 0;
+    *out = strtoull(text, (char **)rest, 10);
+    return errno == 0;
+}
+
+/* "4096", "64k", "512MiB", "4G", "4GiB": powers of 1024. */
+static bool bytes_parse(const char *text, uint64_t *out)
+{
+    static const char units[] = "KMGT";
+    const char *rest;
+    if (!count_parse(text, out, &rest)) return false;
+    const char *unit = *rest ? strchr(units, toupper((unsigned char)*rest)) : NULL;
+    if (unit) {
+        unsigned shift = 10 * (unsigned)(unit - units + 1);
+        if (*out > UINT64_MAX >> shift || (rest[1] && rest[1] != 'i')) return false;
+        *out <<= shift;
+        rest += rest[1] ? 2 : 1;
+    }
+    return !*rest || strcmp(rest, "B") == 0;
+}
+
+static bool number_set(const struct loader *loader, const struct option *option, const char *value,
+                       uint64_t *member)
+{
+    uint64_t number;
+    const char *rest;
+    if (option->kind == BYTES && !bytes_parse(value, &number))
+        return complain(loader, "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB",
+                        value);
+    if (option->kind == COUNT && (!count_parse(value, &number, &rest) || *rest))
+        return complain(loader, "'%s' is no whole number", value);
+    if (number < option->least || number > option->most)
+        return complain(loader, "%s is outside %llu to %llu", value,
+                        (unsigned long long)option->least, (unsigned long long)option->most);
+    *member = number;
+    return true;
+}
+
+/* "https://maps.example:8443", as browsers send it. */
+static bool is_origin(const char *text)
+{
+    const char *authority = strstr(text, "://");
+    if (!authority || (strncmp(text, "http://", 7) != 0 && strncmp(text, "https://", 8) != 0))
+        return false;
+    return authority[3] && !strpbrk(authority + 3, "/*@?#\t");
+}
+
+/* Adds one name, or several with commas between them. */
+static bool names_add(const struct loader *loader, const struct option *option, const char *value,
+                      struct server_config_list *member)
+{
+    char list[TEXT_LIMIT], *rest;
+    snprintf(list, sizeof list, "%s", value);
+    for (char *name = strtok_r(list, ", ", &rest); name; name = strtok_r(NULL, ", ", &rest)) {
+        if (strlen(name) >= SERVER_CONFIG_NAME) return complain(loader, "'%s' is too long", name);
+        if (option->kind == ORIGIN && !is_origin(name))
+            return complain(loader,
+                            "'%s' is no origin; write scheme, host and port as in "
+                            "https://maps.example:8443",
+                            name);
+        if (option->kind == HOST && strpbrk(name, "/\t"))
+            return complain(loader,
+                            "'%s' is no host name; write it as in a URL, without scheme and path",
+                            name);
+        if (member->count == SERVER_CONFIG_NAMES)
+            return complain(loader, "at most %d can be listed", SERVER_CONFIG_NAMES);
+        strcpy(member->name[member->count++], name);
+    }
+    return true;
+}
+
+static bool choice_set(const struct loader *loader, const struct option *option, const char *value,
+                       unsigned *member)
+{
+    char list[TEXT_LIMIT] = "";
+    for (unsigned i = 0; option->words[i]; i++) {
+        if (strcmp(value, option->words[i]) == 0) {
+            *member = i;
+            return true;
+        }
+        const char *before = i == 0 ? "" : option->words[i + 1] ? ", " : " or ";
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", before, option->words[i]);
+    }
+    return complain(loader, "'%s' is none of the choices; write %s", value, list);
+}
+
+static bool path_set(const struct loader *loader, const char *value, char *member)
+{
+    if (!*value || strlen(value) >= SERVER_CONFIG_PATH)
+        return complain(loader, "a path has 1 to %d bytes", SERVER_CONFIG_PATH - 1);
+    strcpy(member, value);
+    for (size_t size = strlen(member); size > 1 && member[size - 1] == '/'; size--)
+        member[size - 1] = '\0';
+    return true;
+}
+
+/* A wrong value is not repeated: it may be an address with a password. */
+static bool store_set(const struct loader *loader, const char *value)
+{
+    struct server_config *config = loader->config;
+    bool is_url =
+        strncmp(value, "postgresql://", 13) == 0 || strncmp(value, "postgres://", 11) == 0;
+    if (strlen(value) >= sizeof config->store_url)
+        return complain(loader, "the address is too long");
+    if (!is_url && strcmp(value, "local") != 0 && strcmp(value, "memory") != 0)
+        return complain(loader,
+                        "write local, memory, or an address postgresql://user@host/database");
+    config->store = is_url          ? SERVER_STORE_KIND_POSTGRES
+                    : *value == 'l' ? SERVER_STORE_KIND_LOCAL
+                                    : SERVER_STORE_KIND_MEMORY;
+    strcpy(config->store_url, is_url ? value : "");
+    return true;
+}
+
+/* Sets the option's member, or adds to it. */
+static bool option_set(const struct loader *loader, const struct option *option, const char *value)
+{
+    void *member = (char *)loader->config + option->offset;
+    char sentence[TEXT_LIMIT];
+    switch (option->kind) {
+    case COUNT:
+    case BYTES:
+        return number_set(loader, option, value, member);
+    case ADDRESS:
+        return server_address_parse(value, member, sentence, sizeof sentence) ||
+               complain(loader, "%s", sentence);
+    case HOST:
+    case ORIGIN:
+        return names_add(loader, option, value, member);
+    case CHOICE:
+        return choice_set(loader, option, value, member);
+    case PATH:
+        return path_set(loader, value, member);
+    case STORE:
+        return store_set(loader, value);
+    case BOOLEAN:
+        *(bool *)member = strcmp(value, "true") == 0;
+        return *(bool *)member || strcmp(value, "false") == 0 ||
+               complain(loader, "write true or false");
+    case CONFIG_FILE:
+    case SWITCH:
+        break;
+    }
+    return true;
+}
+
 /* --- sources of values, weakest first --------------------------------------------------------- */
 
-static bool load_defaults(struct server_setting_loader *loader)
+static bool load_defaults(struct loader *loader)
 {
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
     loader->config->workers = loader->config->http_threads = cores > 0 ? (uint64_t)cores : 1;
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         snprintf(loader->origin, sizeof loader->origin, "default of --%s", options[i].name);
-        if (options[i].standard && !server_config_set(loader, &options[i], options[i].standard))
+        if (options[i].standard && !option_set(loader, &options[i], options[i].standard))
             return false;
     }
     return true;
 }
 
-static char *trim(char *text)
+static char *text_trim(char *text)
 {
     while (isspace((unsigned char)*text)) text++;
     size_t size = strlen(text);
@@ -210,99 +378,94 @@ static char *trim(char *text)
     return text;
 }
 
-static bool load_line(struct server_setting_loader *loader, const char *path, unsigned number,
-                      char *line)
+static bool load_line(struct loader *loader, char *line)
 {
     line[strcspn(line, "#")] = '\0';
-    char *name = trim(line);
+    char *name = text_trim(line);
     if (!*name) return true;
-    snprintf(loader->origin, sizeof loader->origin, "%s:%u", path, number);
     char *equals = strchr(name, '=');
-    if (!equals) return server_config_complain(loader, "write `name = value`");
+    if (!equals) return complain(loader, "write `name = value`");
     *equals = '\0';
-    char *value = trim(equals + 1);
-    name = trim(name);
-    const struct server_setting *option = find_option(name, strlen(name));
-    if (!option || option->kind == KIND_SWITCH || option->kind == KIND_FILE)
-        return server_config_complain(loader, "there is no setting '%s'; did you mean '%s'?", name,
-                                      nearest_name(name, strlen(name)));
-    return server_config_set(loader, option, value);
+    name = text_trim(name);
+    const struct option *option = option_find(name, strlen(name));
+    if (!option || option->kind == SWITCH || option->kind == CONFIG_FILE)
+        return complain(loader, "there is no setting '%s'; did you mean '%s'?", name,
+                        name_nearest(name, strlen(name)));
+    return option_set(loader, option, text_trim(equals + 1));
 }
 
-static bool load_file(struct server_setting_loader *loader, const char *path)
+static bool load_file(struct loader *loader, const char *path)
 {
     int descriptor = server_disk_open(path);
     FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
-    if (!file)
-        return server_config_complain(loader, "can't read '%s': %s", path, server_disk_why());
+    snprintf(loader->origin, sizeof loader->origin, "--config");
+    if (!file) return complain(loader, "can't read '%s': %s", path, server_disk_why());
     char line[1024];
     bool ok = true;
-    for (unsigned number = 1; ok && fgets(line, sizeof line, file); number++)
-        ok = load_line(loader, path, number, line);
+    for (unsigned number = 1; ok && fgets(line, sizeof line, file); number++) {
+        snprintf(loader->origin, sizeof loader->origin, "%s:%u", path, number);
+        ok = load_line(loader, line);
+    }
     fclose(file);
     return ok;
 }
 
-/* GEODESICD_MAX_BODY for max-body. */
-static const char *environment(const struct server_setting *option, char name[CONFIG_TEXT])
+/* The option's variable, such as GEODESICD_MAX_BODY; `name` receives its name. */
+static const char *environment_get(const struct option *option, char name[TEXT_LIMIT])
 {
-    snprintf(name, CONFIG_TEXT, "GEODESICD_%s", option->name);
+    snprintf(name, TEXT_LIMIT, "GEODESICD_%s", option->name);
     for (char *c = name; *c; c++) *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
     return getenv(name);
 }
 
-static bool load_environment(struct server_setting_loader *loader)
+static bool load_environment(struct loader *loader)
 {
     for (size_t i = 0; i < OPTION_COUNT; i++) {
-        const char *value = environment(&options[i], loader->origin);
-        if (value && !server_config_set(loader, &options[i], value)) return false;
+        const char *value = environment_get(&options[i], loader->origin);
+        if (value && !option_set(loader, &options[i], value)) return false;
     }
     return true;
 }
 
-/* One flag of the command line. */
+/* A flag of the command line. */
 struct flag {
-    const struct server_setting *option;
-    const char *value; /* NULL for switches */
+    const struct option *option;
+    const char *value; /* NULL of switches */
 };
 
-/* Reads argv[*at], and argv[*at + 1] when the value stands there; advances `*at` past both. */
-static bool next_flag(struct server_setting_loader *loader, char *const argv[], int argc, int *at,
-                      struct flag *out)
+/* Reads argv[*at], and argv[*at + 1] if that is the value. Advances `*at` past both. `argv` is
+ * NULL-terminated. */
+static bool flag_read(struct loader *loader, char *const argv[], int *at, struct flag *out)
 {
     const char *text = argv[(*at)++];
     snprintf(loader->origin, sizeof loader->origin, "%s", text);
-    if (strncmp(text, "--", 2) != 0)
-        return server_config_complain(loader, "flags begin with --; try --help");
+    if (strncmp(text, "--", 2) != 0) return complain(loader, "flags begin with --; try --help");
     size_t size = strcspn(text + 2, "=");
-    const char *inline_value = text[2 + size] ? text + 3 + size : NULL;
-    out->option = find_option(text + 2, size);
+    out->option = option_find(text + 2, size);
     if (!out->option)
-        return server_config_complain(loader, "there is no such flag; did you mean --%s?",
-                                      nearest_name(text + 2, size));
-    out->value = NULL;
-    if (out->option->kind == KIND_SWITCH)
-        return !inline_value || server_config_complain(loader, "this flag takes no value");
-    if (out->option->kind == KIND_BOOLEAN) {
-        out->value = inline_value ? inline_value : "true";
-        return true;
-    }
-    out->value = inline_value ? inline_value : *at < argc ? argv[(*at)++] : NULL;
-    return out->value ||
-           server_config_complain(loader, "a value is missing: %s", out->option->argument);
+        return complain(loader, "there is no such flag; did you mean --%s?",
+                        name_nearest(text + 2, size));
+    out->value = text[2 + size] ? text + 3 + size : NULL;
+    if (out->option->kind == SWITCH)
+        return !out->value || complain(loader, "this flag takes no value");
+    if (out->value) return true;
+    if (out->option->kind == BOOLEAN)
+        out->value = "true";
+    else if (argv[*at])
+        out->value = argv[(*at)++];
+    return out->value || complain(loader, "a value is missing: %s", out->option->argument);
 }
 
-static bool load_flags(struct server_setting_loader *loader, int argc, char *const argv[])
+static bool load_flags(struct loader *loader, int argc, char *const argv[])
 {
     struct flag flag;
     for (int at = 1; at < argc;)
-        if (!next_flag(loader, argv, argc, &at, &flag) ||
-            !server_config_set(loader, flag.option, flag.value))
+        if (!flag_read(loader, argv, &at, &flag) || !option_set(loader, flag.option, flag.value))
             return false;
     return true;
 }
 
-/* --- what is asked before any value counts ---------------------------------------------------- */
+/* --- before any value counts ------------------------------------------------------------------ */
 
 static void print_help(FILE *out)
 {
@@ -323,16 +486,16 @@ static void print_help(FILE *out)
 }
 
 /* Looks for --help and --version, which win over everything, and for the file to read. */
-static enum server_config_outcome look_ahead(struct server_setting_loader *loader, int argc,
-                                             char *const argv[], FILE *out, const char **file)
+static enum server_config_outcome look_ahead(struct loader *loader, int argc, char *const argv[],
+                                             FILE *out, const char **file)
 {
-    char name[CONFIG_TEXT];
+    char name[TEXT_LIMIT];
     struct flag flag;
-    *file = environment(find_option("config", strlen("config")), name);
+    *file = environment_get(option_find("config", strlen("config")), name);
     for (int at = 1; at < argc;) {
-        if (!next_flag(loader, argv, argc, &at, &flag)) return SERVER_CONFIG_WRONG;
-        if (flag.option->kind == KIND_FILE) *file = flag.value;
-        if (flag.option->kind != KIND_SWITCH) continue;
+        if (!flag_read(loader, argv, &at, &flag)) return SERVER_CONFIG_WRONG;
+        if (flag.option->kind == CONFIG_FILE) *file = flag.value;
+        if (flag.option->kind != SWITCH) continue;
         if (strcmp(flag.option->name, "help") == 0)
             print_help(out);
         else
@@ -342,89 +505,74 @@ static enum server_config_outcome look_ahead(struct server_setting_loader *loade
     return SERVER_CONFIG_RUN;
 }
 
-/* Where a data folder is expected: for root the system's, else the user's. */
-static bool find_data_dir(struct server_setting_loader *loader)
+/* --- the whole -------------------------------------------------------------------------------- */
+
+/* The default data folder: the system's for root, else the user's. */
+static bool find_data_dir(struct server_config *config)
 {
     const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
-    char *path = loader->config->data_dir;
     int size = 0;
-    if (*path || loader->config->store != SERVER_STORE_KIND_LOCAL) return true;
     if (geteuid() == 0)
-        size = snprintf(path, SERVER_CONFIG_PATH, "/var/lib/geodesicd");
+        size = snprintf(config->data_dir, SERVER_CONFIG_PATH, "/var/lib/geodesicd");
     else if (data_home && *data_home == '/')
-        size = snprintf(path, SERVER_CONFIG_PATH, "%s/geodesicd", data_home);
+        size = snprintf(config->data_dir, SERVER_CONFIG_PATH, "%s/geodesicd", data_home);
     else if (home && *home == '/')
-        size = snprintf(path, SERVER_CONFIG_PATH, "%s/.local/share/geodesicd", home);
-    snprintf(loader->origin, sizeof loader->origin, "--data-dir");
-    return (size > 0 && size < SERVER_CONFIG_PATH) ||
-           server_config_complain(
-               loader,
-               "there is no home folder to keep meshes in: name a folder, or use --store memory");
+        size = snprintf(config->data_dir, SERVER_CONFIG_PATH, "%s/.local/share/geodesicd", home);
+    return size > 0 && size < SERVER_CONFIG_PATH;
 }
 
-static bool validate_shared_store(struct server_setting_loader *loader)
+/* Complains under the name of a flag. */
+static bool complain_of(struct loader *loader, const char *flag, const char *sentence)
 {
-    const struct server_config *config = loader->config;
-    if (*config->backup || *config->restore)
-        return server_config_complain(
-            loader, "a database is copied by its own means (pg_dump): leave out --backup and "
-                    "--restore");
-    return !config->persist_fields || *config->data_dir ||
-           server_config_complain(
-               loader, "--persist-fields wants a folder beside the database: give --data-dir");
+    snprintf(loader->origin, sizeof loader->origin, "%s", flag);
+    return complain(loader, "%s", sentence);
 }
 
-static bool validate_store(struct server_setting_loader *loader)
+static bool validate(struct loader *loader)
 {
-    const struct server_config *config = loader->config;
-    if (config->store == SERVER_STORE_KIND_LOCAL) return true;
-    snprintf(loader->origin, sizeof loader->origin, "--store");
-    if (config->store == SERVER_STORE_KIND_POSTGRES) return validate_shared_store(loader);
-    return (!config->persist_fields && !config->check_store && !*config->backup &&
-            !*config->restore) ||
-           server_config_complain(loader,
-                                  "a store in memory keeps nothing: leave out --persist-fields, "
-                                  "--check-store, --backup and --restore");
-}
-
-static bool validate_access(struct server_setting_loader *loader)
-{
-    const struct server_config *config = loader->config;
-    snprintf(loader->origin, sizeof loader->origin, "--tls-cert");
+    struct server_config *config = loader->config;
+    bool copies = *config->backup || *config->restore;
+    if (config->store == SERVER_STORE_KIND_LOCAL && !*config->data_dir && !find_data_dir(config))
+        return complain_of(
+            loader, "--data-dir",
+            "there is no home folder to keep meshes in: name a folder, or use --store memory");
+    if (config->store == SERVER_STORE_KIND_POSTGRES && copies)
+        return complain_of(loader, "--store",
+                           "a database is copied by its own means (pg_dump): leave out --backup "
+                           "and --restore");
+    if (config->store == SERVER_STORE_KIND_POSTGRES && config->persist_fields && !*config->data_dir)
+        return complain_of(loader, "--store",
+                           "--persist-fields wants a folder beside the database: give --data-dir");
+    if (config->store == SERVER_STORE_KIND_MEMORY &&
+        (config->persist_fields || config->check_store || copies))
+        return complain_of(loader, "--store",
+                           "a store in memory keeps nothing: leave out --persist-fields, "
+                           "--check-store, --backup and --restore");
     if (!*config->tls_cert != !*config->tls_key)
-        return server_config_complain(
-            loader, "--tls-cert and --tls-key belong together: give both or none");
-    snprintf(loader->origin, sizeof loader->origin, "--listen");
-    if (*config->keys || server_address_is_local(&config->listen)) return true;
-    char address[SERVER_ADDRESS_TEXT];
-    server_address_format(&config->listen, address);
-    return server_config_complain(
-        loader,
-        "refusing to listen on %s: without keys everyone who reaches the address could read and "
-        "delete "
-        "every mesh; give --keys, or listen on a loopback address or a unix socket",
-        address);
-}
-
-static bool validate(struct server_setting_loader *loader)
-{
-    const struct server_config *config = loader->config;
-    if (!find_data_dir(loader) || !validate_store(loader)) return false;
-    if (!validate_access(loader)) return false;
-    snprintf(loader->origin, sizeof loader->origin, "--max-body");
+        return complain_of(loader, "--tls-cert",
+                           "--tls-cert and --tls-key belong together: give both or none");
+    if (!*config->keys && !server_address_is_local(&config->listen)) {
+        char address[SERVER_ADDRESS_TEXT];
+        server_address_format(&config->listen, address);
+        snprintf(loader->origin, sizeof loader->origin, "--listen");
+        return complain(loader,
+                        "refusing to listen on %s: without keys everyone who reaches the address "
+                        "could read and delete every mesh; give --keys, or listen on a loopback "
+                        "address or a unix socket",
+                        address);
+    }
     return config->max_body <= config->memory_budget ||
-           server_config_complain(loader, "it can't be larger than --memory-budget");
+           complain_of(loader, "--max-body", "it can't be larger than --memory-budget");
 }
 
 enum server_config_outcome server_config_load(struct server_config *config, int argc,
                                               char *const argv[], FILE *out, FILE *error)
 {
-    struct server_setting_loader loader = {.config = config, .error = error};
+    struct loader loader = {.config = config, .error = error};
     const char *file;
     *config = (struct server_config){0};
     enum server_config_outcome outcome = look_ahead(&loader, argc, argv, out, &file);
     if (outcome != SERVER_CONFIG_RUN) return outcome;
-    snprintf(loader.origin, sizeof loader.origin, "--config");
     bool ok = load_defaults(&loader) && (!file || load_file(&loader, file)) &&
               load_environment(&loader) && load_flags(&loader, argc, argv) && validate(&loader);
     return ok ? SERVER_CONFIG_RUN : SERVER_CONFIG_WRONG;

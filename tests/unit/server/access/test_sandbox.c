@@ -17,7 +17,11 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 
+#include "server/access/sandbox.h"
+#include "server/base/disk.h"
+#include "server/base/log.h"
 #include "server/config/config.h"
+#include "server/store/local/files.h"
 #include "server/work/thread_affinity.h"
 
 #define REFUSED(call, why) (errno = 0, (call) == -1 && errno == (why))
@@ -81,9 +85,24 @@ static void assert_fine(struct fixture *fixture, void (*in_child)(struct fixture
     assert_int_equal(WEXITSTATUS(status), FINE);
 }
 
+/* The first step, of a daemon with that configuration. */
+static struct server_sandbox enter_whatever_is_there(const struct fixture *fixture)
+{
+    const struct server_config *config = &fixture->config;
+    const struct server_sandbox_needs needs = {
+        .folder = config->data_dir,
+        .files = {config->keys, config->tls_cert, config->tls_key},
+        .address = &config->listen};
+    struct server_store_files files;
+    char error[256];
+    INSIST(server_files_open(&files, config->data_dir, error, sizeof error));
+    server_files_close(&files);
+    return server_sandbox_enter(&needs);
+}
+
 static struct server_sandbox enter(const struct fixture *fixture)
 {
-    struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
+    struct server_sandbox sandbox = enter_whatever_is_there(fixture);
     /* a sanitizer's build, or another kernel */
     if (!sandbox.is_wanted || sandbox.landlock) _exit(SKIPPED);
     return sandbox;
@@ -406,7 +425,7 @@ static void look_at_capabilities(struct fixture *fixture)
     bool was_root = geteuid() == 0,
          could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0;
     INSIST(setpriority(PRIO_PROCESS, 0, 0) == 0);
-    struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
+    struct server_sandbox sandbox = enter_whatever_is_there(fixture);
     if (!sandbox.is_wanted) _exit(SKIPPED);
     INSIST(!sandbox.capabilities);
     INSIST(syscall(SYS_capget, &header, held) == 0);
@@ -494,8 +513,8 @@ static void an_intruder_ends_the_process(void **state)
 
 static void stay_free(struct fixture *fixture)
 {
-    fixture->config.sandbox = SERVER_SANDBOX_OFF;
-    struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
+    (void)fixture;
+    struct server_sandbox sandbox = server_sandbox_enter(NULL);
     server_sandbox_seal(&sandbox);
     INSIST(!sandbox.is_wanted);
     INSIST(open("/etc/passwd", O_RDONLY) >= 0);
