@@ -10,7 +10,7 @@
 
 #include "gd/cpu.h"
 #include "server/config/config.h"
-#include "server/access/keygen.h"
+#include "server/access/credentials.h"
 #include "server/base/log.h"
 #include "server/access/sandbox.h"
 #include "server/server.h"

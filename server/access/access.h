@@ -1,5 +1,5 @@
-/* Access: who sends a request, and whether he may. Without --keys everybody may (guard.h sees to
- * who that is). */
+/* Access: identifies the key that sends a request, and checks its rights and limits. Without --keys
+ * everyone may do everything (guard.h limits from where). */
 #ifndef SERVER_ACCESS_ACCESS_H
 #define SERVER_ACCESS_ACCESS_H
 
@@ -14,55 +14,53 @@
 
 struct server_access;
 
-/* What an exchange has been granted, and holds until it ends; all zero: nothing. */
+/* What an exchange has been granted until it ends. All zero: nothing. */
 struct server_grant {
-    struct server_credentials *keys;     /* counted: the set of `key` */
+    struct server_credentials *keys;     /* a reference: the set of `key` */
     const struct server_credential *key; /* NULL: none */
-    bool is_entered;                     /* one of the key's concurrent requests */
+    bool is_entered;                     /* counts as one of the key's concurrent requests */
 };
 
 /* Reads the keys of the file. NULL with a sentence in `error`. */
 struct server_access *server_access_create(const char *path, char *error, size_t error_size);
 void server_access_destroy(struct server_access *access); /* NULL is harmless */
 
-/* Reads the file again. False with a sentence in `error`: the keys of before stay in force.
+/* Reads the file again. False with a sentence in `error`: the present keys stay in force.
  * Thread-safe. */
 bool server_access_reload(struct server_access *access, char *error, size_t error_size);
 
-/* The headers that tell. */
 struct server_access_request {
-    const char *authorization; /* NULL: none */
-    uint32_t authorization_count;
+    const char *authorization;    /* the header; NULL: none */
+    uint32_t authorization_count; /* of such headers */
     enum proto_access needed;
 };
 
-/* True with `*grant` filled in, for the caller to end; or false with unauthorized, forbidden or
- * rate_limited, and with who was refused in `*grant`, to be ended too. `access` NULL, and what is
- * public: true, and nothing granted. Thread-safe. */
+/* Fills in `*grant`, which the caller ends in any case: a refused key is in it too. False with
+ * unauthorized, forbidden or rate_limited. With `access` NULL, and for public routes: true, and
+ * nothing is granted. Thread-safe. */
 bool server_access_admit(struct server_access *access, const struct server_access_request *request,
                          struct server_grant *grant, struct proto_problem *problem);
 
 /* The name of the key, for the log; NULL: none. */
 const char *server_grant_name(const struct server_grant *grant);
 
-/* Whose names the request is about (key.h), as long as the grant is held; "": nobody's. */
+/* The tenant of the request (key.h), valid as long as the grant; "": none. */
 const char *server_grant_tenant(const struct server_grant *grant);
 
-/* May the grant change what that key of its tenant has made? A key of the role write may change
- * whatever its tenant has, another one what it has made itself. False with forbidden. */
+/* Whether the grant may change what that key of its tenant has made. The role write may change all
+ * of its tenant, other roles only what they made themselves. False with forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
-/* May it see what is of all tenants? Without keys everybody may. */
+/* Whether the grant may see all tenants. Without keys everyone may. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
-/* Another exchange goes on with the request, and is one of the concurrent ones in the other's
- * stead. */
+/* Hands the request over to another exchange, which then is the concurrent one. Both are ended. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
-/* Requests and refusals by key, for Prometheus: of the keys of a tenant (NULL: of all). `access`
- * NULL is harmless. */
+/* Appends requests and refusals by key, for Prometheus, of the keys of a tenant (NULL: of all).
+ * `access` NULL is harmless. */
 void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer);
 

@@ -3,8 +3,6 @@
 
 #include <errno.h>
 #include <stdarg.h>
-#include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -15,12 +13,6 @@
 #define LINE_MOST  512
 #define BLANKS     " \t\r\n"
 #define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
-
-struct server_credentials {
-    atomic_uint references;
-    uint32_t count, capacity;
-    struct server_credential *keys;
-};
 
 /* --- the form of values ----------------------------------------------------------------------- */
 
@@ -45,7 +37,7 @@ bool server_credentials_parse_time(const char *text, int64_t *out)
     return false;
 }
 
-static bool parse_digest(const char *text, char out[SERVER_SHA256_HEX])
+static bool digest_parse(const char *text, char out[SERVER_SHA256_HEX])
 {
     static const char prefix[] = "sha256:";
     if (strncmp(text, prefix, strlen(prefix)) != 0) return false;
@@ -57,7 +49,7 @@ static bool parse_digest(const char *text, char out[SERVER_SHA256_HEX])
     return true;
 }
 
-static bool parse_count(const char *text, uint32_t most, uint32_t *out)
+static bool count_parse(const char *text, uint32_t most, uint32_t *out)
 {
     size_t digits = strspn(text, "0123456789");
     if (digits == 0 || digits > 9 || text[digits]) return false;
@@ -80,17 +72,9 @@ bool server_credentials_parse_role(const char *text, enum server_role *out)
     return false;
 }
 
-/* Nothing: the names of a daemon without keys. */
-static bool parse_tenant(const char *text, struct server_credential *key)
-{
-    if (*text && !server_credentials_is_name(text)) return false;
-    strcpy(key->tenant, text);
-    return true;
-}
-
 /* --- the file --------------------------------------------------------------------------------- */
 
-/* One reading of a file: where sentences go, and the line at hand. */
+/* One reading of a file: the line, and the buffer for a complaint. */
 struct reader {
     const char *path;
     unsigned line;
@@ -111,7 +95,7 @@ __attribute__((format(printf, 2, 3))) static bool complain(const struct reader *
 }
 
 /* "role=write" */
-static bool read_setting(const struct reader *reader, char *word, struct server_credential *key)
+static bool setting_read(const struct reader *reader, char *word, struct server_credential *key)
 {
     char *value = strchr(word, '=');
     if (!value)
@@ -122,25 +106,29 @@ static bool read_setting(const struct reader *reader, char *word, struct server_
     if (strcmp(word, "role") == 0)
         return server_credentials_parse_role(value, &key->role) ||
                complain(reader, "a role is read, write or operator");
-    if (strcmp(word, "tenant") == 0)
-        return parse_tenant(value, key) || complain(reader, "a tenant has the form of a name");
+    if (strcmp(word, "tenant") == 0) {
+        if (*value && !server_credentials_is_name(value))
+            return complain(reader, "a tenant has the form of a name");
+        strcpy(key->tenant, value);
+        return true;
+    }
     if (strcmp(word, "expires") == 0)
         return server_credentials_parse_time(value, &key->expires) ||
                complain(reader, "'%s' is no time; write 2027-01-31 or 2027-01-31T12:00:00Z", value);
     if (strcmp(word, "rate") == 0)
-        return parse_count(value, SERVER_LIMITS_RATE_MOST, &key->limits.rate) ||
+        return count_parse(value, SERVER_LIMITS_RATE_MOST, &key->limits.rate) ||
                complain(reader, "rate is a number of requests a second, 1 to %u",
                         SERVER_LIMITS_RATE_MOST);
     if (strcmp(word, "concurrent") == 0)
-        return parse_count(value, SERVER_LIMITS_CONCURRENT_MOST, &key->limits.concurrent) ||
+        return count_parse(value, SERVER_LIMITS_CONCURRENT_MOST, &key->limits.concurrent) ||
                complain(reader, "concurrent is a number of requests at once, 1 to %u",
                         SERVER_LIMITS_CONCURRENT_MOST);
     return complain(
         reader, "there is no setting '%s'; write role, tenant, expires, rate or concurrent", word);
 }
 
-/* Never shows a word of the line that might be a key itself. */
-static bool read_key(const struct reader *reader, char *line, struct server_credential *out)
+/* A complaint never repeats a word that might be a key. */
+static bool key_read(const struct reader *reader, char *line, struct server_credential *out)
 {
     char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
     if (!server_credentials_is_name(name))
@@ -149,37 +137,17 @@ static bool read_key(const struct reader *reader, char *line, struct server_cred
                         SERVER_CREDENTIAL_NAME - 1);
     strcpy(out->name, name);
     strcpy(out->tenant, name);
-    if (!digest || !parse_digest(digest, out->sha256))
+    if (!digest || !digest_parse(digest, out->sha256))
         return complain(
             reader,
             "after the name stands sha256: with 64 hexadecimal digits, as geodesicd keygen prints");
     for (char *word; (word = strtok_r(NULL, BLANKS, &rest));)
-        if (!read_setting(reader, word, out)) return false;
+        if (!setting_read(reader, word, out)) return false;
     return true;
 }
 
-static const struct server_credential *find_name(const struct server_credentials *keys,
-                                                 const char *name)
-{
-    for (uint32_t i = 0; keys && i < keys->count; i++)
-        if (strcmp(keys->keys[i].name, name) == 0) return &keys->keys[i];
-    return NULL;
-}
-
-static bool is_new(const struct reader *reader, const struct server_credentials *keys,
-                   const struct server_credential *key)
-{
-    for (uint32_t i = 0; i < keys->count; i++) {
-        if (strcmp(keys->keys[i].name, key->name) == 0)
-            return complain(reader, "the name '%s' stands twice", key->name);
-        if (strcmp(keys->keys[i].sha256, key->sha256) == 0)
-            return complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name,
-                            key->name);
-    }
-    return true;
-}
-
-static bool grow(struct server_credentials *keys)
+/* Makes room for one more key. */
+static bool keys_reserve(struct server_credentials *keys)
 {
     if (keys->count < keys->capacity) return true;
     uint32_t capacity = keys->capacity ? 2 * keys->capacity : 16;
@@ -190,15 +158,24 @@ static bool grow(struct server_credentials *keys)
     return true;
 }
 
-static bool add(const struct reader *reader, struct server_credentials *keys,
-                const struct server_credential *key, const struct server_credentials *before)
+static bool key_add(const struct reader *reader, struct server_credentials *keys,
+                    const struct server_credential *key, const struct server_credentials *before)
 {
-    const struct server_credential *known = find_name(before, key->name);
-    if (!is_new(reader, keys, key)) return false;
+    struct server_quota *quota = NULL;
+    for (uint32_t i = 0; i < keys->count; i++) {
+        if (strcmp(keys->keys[i].name, key->name) == 0)
+            return complain(reader, "the name '%s' stands twice", key->name);
+        if (strcmp(keys->keys[i].sha256, key->sha256) == 0)
+            return complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name,
+                            key->name);
+    }
     if (keys->count == SERVER_CREDENTIALS_MOST)
         return complain(reader, "there are more than %d keys", SERVER_CREDENTIALS_MOST);
-    struct server_quota *quota = known ? server_quota_retain(known->quota) : server_quota_create();
-    if (!quota || !grow(keys)) {
+    for (uint32_t i = 0; before && !quota && i < before->count; i++)
+        if (strcmp(before->keys[i].name, key->name) == 0)
+            quota = server_quota_retain(before->keys[i].quota);
+    if (!quota) quota = server_quota_create();
+    if (!quota || !keys_reserve(keys)) {
         server_quota_release(quota);
         return complain(reader, "the system is out of memory");
     }
@@ -207,8 +184,8 @@ static bool add(const struct reader *reader, struct server_credentials *keys,
     return true;
 }
 
-static bool read_lines(struct reader *reader, FILE *file, struct server_credentials *keys,
-                       const struct server_credentials *before)
+static bool keys_read(struct reader *reader, FILE *file, struct server_credentials *keys,
+                      const struct server_credentials *before)
 {
     char line[LINE_MOST];
     while (fgets(line, sizeof line, file)) {
@@ -217,7 +194,7 @@ static bool read_lines(struct reader *reader, FILE *file, struct server_credenti
         if (!strchr(line, '\n') && !feof(file)) return complain(reader, "the line is too long");
         line[strcspn(line, "#")] = '\0';
         if (!line[strspn(line, BLANKS)]) continue;
-        if (!read_key(reader, line, &key) || !add(reader, keys, &key, before)) return false;
+        if (!key_read(reader, line, &key) || !key_add(reader, keys, &key, before)) return false;
     }
     if (ferror(file)) return complain(reader, "it can't be read: %s", strerror(errno));
     return keys->count > 0 || complain(reader, "the file holds no key; geodesicd keygen makes one");
@@ -238,7 +215,7 @@ struct server_credentials *server_credentials_load(const char *path,
         return NULL;
     }
     atomic_init(&keys->references, 1);
-    bool ok = read_lines(&reader, file, keys, before);
+    bool ok = keys_read(&reader, file, keys, before);
     fclose(file);
     if (ok) return keys;
     server_credentials_release(keys);
@@ -261,19 +238,8 @@ void server_credentials_release(struct server_credentials *keys)
     free(keys);
 }
 
-uint32_t server_credentials_count(const struct server_credentials *keys)
-{
-    return keys->count;
-}
-
-const struct server_credential *server_credentials_at(const struct server_credentials *keys,
-                                                      uint32_t index)
-{
-    return &keys->keys[index];
-}
-
-/* No byte is looked at for what another was. */
-static bool is_same_digest(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
+/* Compares all bytes, whatever the first difference. */
+static bool digests_match(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
 {
     volatile unsigned char difference = 0;
     for (int i = 0; i < SERVER_SHA256_HEX; i++) difference |= (unsigned char)(a[i] ^ b[i]);
@@ -287,6 +253,6 @@ const struct server_credential *server_credentials_find(const struct server_cred
     const struct server_credential *found = NULL;
     server_sha256(text, size, sha256);
     for (uint32_t i = 0; i < keys->count; i++)
-        if (is_same_digest(keys->keys[i].sha256, sha256)) found = &keys->keys[i];
+        if (digests_match(keys->keys[i].sha256, sha256)) found = &keys->keys[i];
     return found;
 }

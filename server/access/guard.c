@@ -8,7 +8,7 @@
 
 /* Copies the host of "host", "host:port", "[v6]" or "[v6]:port" without brackets and port. False
  * when it is none of these. */
-static bool read_host(const char *text, char host[SERVER_CONFIG_NAME])
+static bool host_read(const char *text, char host[SERVER_CONFIG_NAME])
 {
     const char *start = text, *end, *rest;
     if (*text == '[') {
@@ -27,7 +27,7 @@ static bool read_host(const char *text, char host[SERVER_CONFIG_NAME])
     return true;
 }
 
-static bool is_loopback(const char *host)
+static bool host_is_loopback(const char *host)
 {
     struct in_addr v4;
     struct in6_addr v6;
@@ -36,36 +36,24 @@ static bool is_loopback(const char *host)
     return inet_pton(AF_INET6, host, &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
 }
 
-static bool has_keys(const struct server_config *config)
-{
-    return *config->keys;
-}
-
-static bool is_listed(const struct server_config_list *list, const char *text)
+static bool list_has(const struct server_config_list *list, const char *text)
 {
     for (uint32_t i = 0; i < list->count; i++)
         if (strcasecmp(text, list->name[i]) == 0) return true;
     return false;
 }
 
-static bool is_allowed(const struct server_config *config, const char *text)
+static bool host_is_allowed(const struct server_config *config, const char *text)
 {
     char host[SERVER_CONFIG_NAME];
-    if (!read_host(text, host)) return false;
-    if (is_loopback(host) || (has_keys(config) && !config->allowed_hosts.count)) return true;
-    return is_listed(&config->allowed_hosts, host);
+    if (!host_read(text, host)) return false;
+    if (host_is_loopback(host) || (*config->keys && !config->allowed_hosts.count)) return true;
+    return list_has(&config->allowed_hosts, host);
 }
 
 bool server_guard_lists(const struct server_guard *guard, const char *origin)
 {
-    return origin && is_listed(&guard->config->cors_origins, origin);
-}
-
-/* A page of ours has an origin whose host and port are those that the request was sent to. */
-static bool is_own_origin(const char *origin, const char *host)
-{
-    const char *authority = strstr(origin, "://");
-    return authority && host && strcasecmp(authority + 3, host) == 0;
+    return origin && list_has(&guard->config->cors_origins, origin);
 }
 
 bool server_guard_admit(const struct server_guard *guard,
@@ -73,16 +61,19 @@ bool server_guard_admit(const struct server_guard *guard,
 {
     if (!request->host && !request->is_http10)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "send a Host header");
-    if (request->host && !is_allowed(guard->config, request->host))
+    if (request->host && !host_is_allowed(guard->config, request->host))
         return proto_problem_set(
             problem, PROTO_PROBLEM_FORBIDDEN,
             "the Host header names neither this machine nor a host that --allowed-host lists");
     if (server_guard_lists(guard, request->origin)) return true;
-    if (request->origin && !is_own_origin(request->origin, request->host))
+    /* the origin of an own page names the host and port that the request is sent to */
+    const char *authority = request->origin ? strstr(request->origin, "://") : NULL;
+    if (request->origin &&
+        (!authority || !request->host || strcasecmp(authority + 3, request->host) != 0))
         return proto_problem_set(
             problem, PROTO_PROBLEM_FORBIDDEN,
             "pages of another origin can't use this service unless --cors-origin lists it");
-    if (!has_keys(guard->config) && request->fetch_site &&
+    if (!*guard->config->keys && request->fetch_site &&
         strcasecmp(request->fetch_site, "cross-site") == 0)
         return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
                                  "pages of another site can't use this service");

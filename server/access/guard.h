@@ -1,9 +1,8 @@
-/* Guard: from where one may speak to the daemon. A web page that its user visits can make the
- * browser send requests to loopback, also under a name of the page's own that it points there (DNS
- * rebinding): so, without keys, the name must be one of ours and the page must not be foreign. With
- * keys, which no browser sends by itself, the daemon may have any name unless some are listed.
- * Pages of the origins that --cors-origin lists may use it either way (CORS, Fetch standard, 3.2).
- */
+/* Guard: from where a request may come. A web page can make its reader's browser send requests to
+ * loopback, also under a name of its own that it points there (DNS rebinding). So without keys the
+ * Host must be this machine's, and the page must be its own. Browsers don't send keys by
+ * themselves: with keys any Host is accepted unless some are listed. Pages of the origins in
+ * --cors-origin may use the daemon either way (CORS, Fetch standard, 3.2). */
 #ifndef SERVER_ACCESS_GUARD_H
 #define SERVER_ACCESS_GUARD_H
 
@@ -16,16 +15,16 @@ struct server_guard {
     const struct server_config *config; /* borrowed */
 };
 
-/* The headers that tell, NULL where absent. */
+/* Headers; NULL where absent. */
 struct server_guard_request {
     const char *host, *origin, *fetch_site;
-    bool is_http10; /* may come without a Host */
+    bool is_http10; /* needs no Host */
 };
 
-/* Is it a page of a listed origin? NULL is none. Thread-safe. */
+/* Whether --cors-origin lists the origin. NULL: false. Thread-safe. */
 bool server_guard_lists(const struct server_guard *guard, const char *origin);
 
-/* True, or false with forbidden (invalid_request when HTTP/1.1 names no host). Thread-safe. */
+/* False with forbidden, or with invalid_request when HTTP/1.1 names no host. Thread-safe. */
 bool server_guard_admit(const struct server_guard *guard,
                         const struct server_guard_request *request, struct proto_problem *problem);
 

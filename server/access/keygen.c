@@ -1,13 +1,10 @@
-/* See keygen.h. */
-#include "server/access/keygen.h"
+/* geodesicd keygen: see credentials.h. */
+#include "server/access/credentials.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 #include <time.h>
-
-#include "server/access/credentials.h"
 
 #define RANDOM_BYTES 32
 #define TEXT_BYTES   44 /* of RANDOM_BYTES in base64url without padding, and the NUL */
@@ -30,7 +27,7 @@ static bool complain(FILE *error, const char *sentence)
 }
 
 /* "90d", or a time. */
-static bool read_expiry(const char *text, char out[64])
+static bool expiry_read(const char *text, char out[64])
 {
     int64_t when;
     char *end;
@@ -42,13 +39,7 @@ static bool read_expiry(const char *text, char out[64])
     return gmtime_r(&then, &utc) && strftime(out, 64, "%Y-%m-%dT%H:%M:%SZ", &utc) > 0;
 }
 
-static bool is_count(const char *text)
-{
-    size_t digits = strspn(text, "0123456789");
-    return digits > 0 && digits < 7 && !text[digits] && atoi(text) > 0;
-}
-
-static bool read_flag(const char *flag, const char *value, struct order *order, FILE *error)
+static bool flag_read(const char *flag, const char *value, struct order *order, FILE *error)
 {
     if (!value) return complain(error, "the last flag has no value");
     if (strcmp(flag, "--role") == 0) {
@@ -64,16 +55,18 @@ static bool read_flag(const char *flag, const char *value, struct order *order, 
                complain(error, "a tenant has the form of a name");
     }
     if (strcmp(flag, "--expires") == 0)
-        return read_expiry(value, order->expires) ||
+        return expiry_read(value, order->expires) ||
                complain(error, "--expires takes a time, as 2027-01-31 or 2027-01-31T12:00:00Z, or "
                                "days, as 90d");
     if (strcmp(flag, "--rate") != 0 && strcmp(flag, "--concurrent") != 0)
         return complain(error, "flags are --role, --tenant, --expires, --rate and --concurrent");
     *(strcmp(flag, "--rate") == 0 ? &order->rate : &order->concurrent) = value;
-    return is_count(value) || complain(error, "--rate and --concurrent take a number, 1 to 999999");
+    size_t digits = strspn(value, "0123456789");
+    return (digits > 0 && digits < 7 && !value[digits] && atoi(value) > 0) ||
+           complain(error, "--rate and --concurrent take a number, 1 to 999999");
 }
 
-static bool read_order(int argc, char *const argv[], struct order *order, FILE *error)
+static bool order_read(int argc, char *const argv[], struct order *order, FILE *error)
 {
     *order = (struct order){.role = "read"};
     if (argc < 1 || !server_credentials_is_name(argv[0]))
@@ -82,12 +75,12 @@ static bool read_order(int argc, char *const argv[], struct order *order, FILE *
             "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
     order->name = argv[0];
     for (int at = 1; at < argc; at += 2)
-        if (!read_flag(argv[at], at + 1 < argc ? argv[at + 1] : NULL, order, error)) return false;
+        if (!flag_read(argv[at], at + 1 < argc ? argv[at + 1] : NULL, order, error)) return false;
     return true;
 }
 
 /* RFC 4648, 5, without padding. */
-static void encode(const unsigned char bytes[RANDOM_BYTES], char text[TEXT_BYTES])
+static void key_encode(const unsigned char bytes[RANDOM_BYTES], char text[TEXT_BYTES])
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
     for (int i = 0; i < TEXT_BYTES - 1; i++) {
@@ -99,31 +92,25 @@ static void encode(const unsigned char bytes[RANDOM_BYTES], char text[TEXT_BYTES
     text[TEXT_BYTES - 1] = '\0';
 }
 
-static void print_line(FILE *out, const struct order *order, const char *key)
-{
-    char sha256[SERVER_SHA256_HEX];
-    server_sha256(key, strlen(key), sha256);
-    fprintf(out, "%s sha256:%s role=%s", order->name, sha256, order->role);
-    if (order->tenant) fprintf(out, " tenant=%s", order->tenant);
-    if (*order->expires) fprintf(out, " expires=%s", order->expires);
-    if (order->rate) fprintf(out, " rate=%s", order->rate);
-    if (order->concurrent) fprintf(out, " concurrent=%s", order->concurrent);
-    fputc('\n', out);
-}
-
 bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error)
 {
     struct order order;
     unsigned char bytes[RANDOM_BYTES];
-    char key[sizeof SERVER_CREDENTIAL_PREFIX + TEXT_BYTES] = SERVER_CREDENTIAL_PREFIX;
+    char sha256[SERVER_SHA256_HEX],
+        key[sizeof SERVER_CREDENTIAL_PREFIX + TEXT_BYTES] = SERVER_CREDENTIAL_PREFIX;
     if (argc == 1 && strcmp(argv[0], "--help") == 0) return fputs(usage, out) >= 0;
-    if (!read_order(argc, argv, &order, error)) return false;
+    if (!order_read(argc, argv, &order, error)) return false;
     if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes)
         return complain(error, "the system gives no random numbers");
-    encode(bytes, key + strlen(SERVER_CREDENTIAL_PREFIX));
+    key_encode(bytes, key + strlen(SERVER_CREDENTIAL_PREFIX));
     fputs("The key, which is shown only now, and the line for the file that --keys names:\n",
           error);
-    fprintf(out, "%s\n", key);
-    print_line(out, &order, key);
+    server_sha256(key, strlen(key), sha256);
+    fprintf(out, "%s\n%s sha256:%s role=%s", key, order.name, sha256, order.role);
+    if (order.tenant) fprintf(out, " tenant=%s", order.tenant);
+    if (*order.expires) fprintf(out, " expires=%s", order.expires);
+    if (order.rate) fprintf(out, " rate=%s", order.rate);
+    if (order.concurrent) fprintf(out, " concurrent=%s", order.concurrent);
+    fputc('\n', out);
     return fflush(out) == 0;
 }

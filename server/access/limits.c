@@ -24,17 +24,17 @@ void server_quota_release(struct server_quota *quota)
     if (quota && atomic_fetch_sub(&quota->references, 1) == 1) free(quota);
 }
 
-static bool take_place(struct server_quota *quota, uint32_t most)
+static bool place_take(struct server_quota *quota, uint32_t most)
 {
-    unsigned entered = atomic_load(&quota->entered);
+    uint_least64_t entered = atomic_load(&quota->entered);
     do {
         if (most && entered >= most) return false;
     } while (!atomic_compare_exchange_weak(&quota->entered, &entered, entered + 1));
     return true;
 }
 
-/* Takes a token, which the bucket has again an interval later. */
-static bool take_token(struct server_quota *quota, uint32_t rate, uint64_t now_ns,
+/* The bucket has the token again an interval later. */
+static bool token_take(struct server_quota *quota, uint32_t rate, uint64_t now_ns,
                        uint64_t *wait_ns)
 {
     const uint64_t interval = SECOND_NS / rate, depth = interval * rate;
@@ -49,24 +49,22 @@ static bool take_token(struct server_quota *quota, uint32_t rate, uint64_t now_n
     return true;
 }
 
-static enum server_quota_outcome refuse(struct server_quota *quota, enum server_quota_outcome why)
-{
-    atomic_fetch_add_explicit(&quota->refusals[why], 1, memory_order_relaxed);
-    return why;
-}
-
-/* The place first: a request that finds none uses no token. */
 enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              const struct server_limits *limits, uint64_t now_ns,
                                              uint64_t *wait_ns)
 {
+    enum server_quota_outcome outcome = SERVER_QUOTA_ENTERED;
     *wait_ns = 0;
     atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
-    if (!take_place(quota, limits->concurrent)) return refuse(quota, SERVER_QUOTA_CONCURRENT);
-    if (!limits->rate || take_token(quota, limits->rate, now_ns, wait_ns))
-        return SERVER_QUOTA_ENTERED;
-    server_quota_leave(quota);
-    return refuse(quota, SERVER_QUOTA_RATE);
+    if (!place_take(quota, limits->concurrent)) { /* first, so that it uses no token */
+        outcome = SERVER_QUOTA_CONCURRENT;
+    } else if (limits->rate && !token_take(quota, limits->rate, now_ns, wait_ns)) {
+        outcome = SERVER_QUOTA_RATE;
+        server_quota_leave(quota);
+    }
+    if (outcome != SERVER_QUOTA_ENTERED)
+        atomic_fetch_add_explicit(&quota->refusals[outcome], 1, memory_order_relaxed);
+    return outcome;
 }
 
 void server_quota_leave(struct server_quota *quota)
