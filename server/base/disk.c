@@ -16,23 +16,15 @@
 #define FILE_MODE   0600
 #define WRITE_MOST  ((size_t)1 << 30)
 
-/* What an errno means of an operation that changed nothing. */
-static enum server_disk_result refusal(void)
+/* The result of a failed operation that changed nothing. */
+static enum server_disk_result errno_result(void)
 {
-    switch (errno) {
-    case ENOENT:
-        return SERVER_DISK_ABSENT;
-    case ENOSPC:
-    case EDQUOT:
-        return SERVER_DISK_FULL;
-    case ENOMEM:
-        return SERVER_DISK_NO_MEMORY;
-    default:
-        return SERVER_DISK_REFUSED;
-    }
+    if (errno == ENOENT) return SERVER_DISK_ABSENT;
+    if (errno == ENOSPC || errno == EDQUOT) return SERVER_DISK_FULL;
+    return errno == ENOMEM ? SERVER_DISK_NO_MEMORY : SERVER_DISK_REFUSED;
 }
 
-/* Closes without forgetting what went wrong before. */
+/* These two keep errno. */
 static void close_quietly(int file)
 {
     int kept = errno;
@@ -47,15 +39,14 @@ static void unlink_quietly(const char *path)
     errno = kept;
 }
 
-/* A folder in which something is about to change: opened before, so that nothing has changed when
- * there is no descriptor left to sync it by. */
-static int open_folder(const char *folder)
+/* Opens a folder before something in it changes: without a descriptor nothing has changed. */
+static int folder_open(const char *folder)
 {
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Makes durable what has changed in a folder or a file, and closes it. */
-static enum server_disk_result settle(int file)
+/* Makes the changes of a folder or a file durable, and closes it. */
+static enum server_disk_result sync_and_close(int file)
 {
     int failed = fsync(file);
     close_quietly(file);
@@ -70,15 +61,16 @@ bool server_disk_exists(const char *path)
 
 enum server_disk_result server_disk_sync_folder(const char *folder)
 {
-    int file = open_folder(folder);
-    if (file < 0) return refusal() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
-    return settle(file);
+    int file = folder_open(folder);
+    if (file < 0)
+        return errno_result() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
+    return sync_and_close(file);
 }
 
 enum server_disk_result server_disk_sync_file(const char *path)
 {
     int file = server_disk_open(path);
-    return file < 0 ? refusal() : settle(file);
+    return file < 0 ? errno_result() : sync_and_close(file);
 }
 
 enum server_disk_result server_disk_make_folder(const char *path)
@@ -86,33 +78,34 @@ enum server_disk_result server_disk_make_folder(const char *path)
     char text[SERVER_DISK_PATH];
     if (server_disk_exists(path)) return SERVER_DISK_DONE;
     snprintf(text, sizeof text, "%s", path);
-    int parent = open_folder(dirname(text));
-    if (parent < 0) return refusal();
-    if (mkdir(path, FOLDER_MODE) == 0) return settle(parent);
-    enum server_disk_result result = errno == EEXIST ? SERVER_DISK_DONE : refusal();
+    int parent = folder_open(dirname(text));
+    if (parent < 0) return errno_result();
+    if (mkdir(path, FOLDER_MODE) == 0) return sync_and_close(parent);
+    enum server_disk_result result = errno == EEXIST ? SERVER_DISK_DONE : errno_result();
     close_quietly(parent);
     return result;
 }
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static enum server_disk_result write_all(int file, const char *bytes, size_t size)
+static enum server_disk_result file_write(int file, const char *bytes, size_t size)
 {
     while (size) {
         ssize_t written = write(file, bytes, size < WRITE_MOST ? size : WRITE_MOST);
         if (written < 0 && errno == EINTR) continue;
-        if (written < 0) return refusal() == SERVER_DISK_FULL ? SERVER_DISK_FULL : SERVER_DISK_LOST;
+        if (written < 0)
+            return errno_result() == SERVER_DISK_FULL ? SERVER_DISK_FULL : SERVER_DISK_LOST;
         bytes += written;
         size -= (size_t)written;
     }
     return fsync(file) ? SERVER_DISK_LOST : SERVER_DISK_DONE;
 }
 
-static enum server_disk_result write_new(const char *path, const void *bytes, size_t size)
+static enum server_disk_result file_create(const char *path, const void *bytes, size_t size)
 {
     int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, FILE_MODE);
-    if (file < 0) return refusal();
-    enum server_disk_result result = write_all(file, bytes, size);
+    if (file < 0) return errno_result();
+    enum server_disk_result result = file_write(file, bytes, size);
     close_quietly(file);
     if (result) unlink_quietly(path);
     return result;
@@ -121,21 +114,21 @@ static enum server_disk_result write_new(const char *path, const void *bytes, si
 enum server_disk_result server_disk_write(const char *folder, const char *path,
                                           const char *temporary, const void *bytes, size_t size)
 {
-    int parent = open_folder(folder);
-    if (parent < 0) return refusal();
-    enum server_disk_result result = write_new(temporary, bytes, size);
+    int parent = folder_open(folder);
+    if (parent < 0) return errno_result();
+    enum server_disk_result result = file_create(temporary, bytes, size);
     if (!result && rename(temporary, path) != 0) {
         unlink_quietly(temporary);
-        result = refusal();
+        result = errno_result();
     }
-    if (!result) return settle(parent);
+    if (!result) return sync_and_close(parent);
     close_quietly(parent);
     return result;
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-#define IRREGULAR ENOTSUP /* in errno, of a file that is not a regular one */
+#define IRREGULAR ENOTSUP /* errno of a file that is not regular */
 
 int server_disk_open(const char *path)
 {
@@ -153,64 +146,44 @@ const char *server_disk_why(void)
     return errno == IRREGULAR ? "it is no regular file" : strerror(errno);
 }
 
-static enum server_disk_result read_all(int file, char *bytes, size_t size)
-{
-    for (size_t at = 0; at < size;) {
-        ssize_t got = read(file, bytes + at, size - at);
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) return SERVER_DISK_REFUSED;
-        at += (size_t)got;
-    }
-    bytes[size] = '\0';
-    return SERVER_DISK_DONE;
-}
-
-static enum server_disk_result read_file(int file, void **bytes, size_t *size)
+static enum server_disk_result file_read(int file, void **bytes, size_t *size)
 {
     struct stat facts;
-    if (fstat(file, &facts) != 0) return refusal();
-    char *buffer = malloc((size_t)facts.st_size + 1);
+    if (fstat(file, &facts) != 0) return errno_result();
+    const size_t total = (size_t)facts.st_size;
+    char *buffer = malloc(total + 1);
     if (!buffer) return SERVER_DISK_NO_MEMORY;
-    enum server_disk_result result = read_all(file, buffer, (size_t)facts.st_size);
-    if (result) {
-        free(buffer);
-        return result;
+    for (size_t at = 0; at < total;) {
+        ssize_t got = read(file, buffer + at, total - at);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) {
+            free(buffer);
+            return SERVER_DISK_REFUSED;
+        }
+        at += (size_t)got;
     }
+    buffer[total] = '\0';
     *bytes = buffer;
-    *size = (size_t)facts.st_size;
+    *size = total;
     return SERVER_DISK_DONE;
 }
 
 enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size)
 {
     int file = server_disk_open(path);
-    if (file < 0) return refusal();
-    enum server_disk_result result = read_file(file, bytes, size);
+    if (file < 0) return errno_result();
+    enum server_disk_result result = file_read(file, bytes, size);
     close_quietly(file);
     return result;
 }
 
 #define PIECE ((size_t)256 << 10)
 
-/* What is in the page cache hides what has become of the disk; and what is only looked over has no
- * place there. The file's first bytes; 0: all of them. */
-static void forget_pages(int file, off_t bytes)
+/* Drops the file's first bytes (0: all) from the page cache, which hides the disk's state, and
+ * where a file that is only checked has no place. */
+static void pages_drop(int file, off_t bytes)
 {
     (void)posix_fadvise(file, 0, bytes, POSIX_FADV_DONTNEED);
-}
-
-static enum server_disk_result scan_file(int file, char *piece,
-                                         bool (*visit)(void *user, const void *bytes, size_t size),
-                                         void *user)
-{
-    for (off_t at = 0;;) {
-        ssize_t got = read(file, piece, PIECE);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return SERVER_DISK_REFUSED;
-        if (got == 0 || !visit(user, piece, (size_t)got)) return SERVER_DISK_DONE;
-        at += got;
-        forget_pages(file, at);
-    }
 }
 
 enum server_disk_result server_disk_scan(const char *path,
@@ -218,11 +191,18 @@ enum server_disk_result server_disk_scan(const char *path,
                                          void *user)
 {
     int file = server_disk_open(path);
-    if (file < 0) return refusal();
-    forget_pages(file, 0);
+    if (file < 0) return errno_result();
     char *piece = malloc(PIECE);
-    enum server_disk_result result =
-        piece ? scan_file(file, piece, visit, user) : SERVER_DISK_NO_MEMORY;
+    enum server_disk_result result = piece ? SERVER_DISK_DONE : SERVER_DISK_NO_MEMORY;
+    pages_drop(file, 0);
+    for (off_t at = 0; piece;) {
+        ssize_t got = read(file, piece, PIECE);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) result = SERVER_DISK_REFUSED;
+        if (got <= 0 || !visit(user, piece, (size_t)got)) break;
+        at += got;
+        pages_drop(file, at);
+    }
     free(piece);
     close_quietly(file);
     return result;
@@ -231,7 +211,7 @@ enum server_disk_result server_disk_scan(const char *path,
 enum server_disk_result server_disk_size(const char *path, size_t *size)
 {
     struct stat facts;
-    if (stat(path, &facts) != 0) return refusal();
+    if (stat(path, &facts) != 0) return errno_result();
     *size = (size_t)facts.st_size;
     return SERVER_DISK_DONE;
 }
@@ -243,9 +223,8 @@ bool server_disk_each(const char *folder,
     DIR *directory = opendir(folder);
     if (!directory) return false;
     for (struct dirent *entry; (entry = readdir(directory));) {
-        int size = entry->d_name[0] == '.'
-                       ? 0
-                       : snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (entry->d_name[0] == '.') continue;
+        int size = snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
         if (size > 0 && size < (int)sizeof path) visit(user, path, entry->d_name);
     }
     closedir(directory);
@@ -256,10 +235,10 @@ bool server_disk_each(const char *folder,
 
 enum server_disk_result server_disk_remove(const char *folder, const char *path)
 {
-    int parent = folder ? open_folder(folder) : -1;
-    if (folder && parent < 0) return refusal();
-    enum server_disk_result result = unlink(path) != 0 ? refusal() : SERVER_DISK_DONE;
-    if (!result && folder) return settle(parent);
+    int parent = folder ? folder_open(folder) : -1;
+    if (folder && parent < 0) return errno_result();
+    enum server_disk_result result = unlink(path) != 0 ? errno_result() : SERVER_DISK_DONE;
+    if (!result && folder) return sync_and_close(parent);
     if (folder) close_quietly(parent);
     return result;
 }
@@ -270,7 +249,7 @@ enum server_disk_result server_disk_copy(const char *path, const char *copy)
     size_t size;
     enum server_disk_result result = server_disk_read(path, &bytes, &size);
     if (result) return result;
-    result = write_new(copy, bytes, size);
+    result = file_create(copy, bytes, size);
     free(bytes);
     return result;
 }
@@ -279,7 +258,7 @@ enum server_disk_result server_disk_link(const char *path, const char *second)
 {
     if (link(path, second) == 0) return SERVER_DISK_DONE;
     if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP)
-        return refusal();
+        return errno_result();
     return server_disk_copy(path, second);
 }
 
@@ -287,18 +266,18 @@ enum server_disk_result server_disk_link(const char *path, const char *second)
 
 const char *const server_disk_database_parts[] = {"", "-wal", "-shm", NULL};
 
-static bool join(char path[SERVER_DISK_PATH], const char *file, const char *part,
-                 const char *suffix)
+static bool path_join(char path[SERVER_DISK_PATH], const char *file, const char *part,
+                      const char *suffix)
 {
     int size = snprintf(path, SERVER_DISK_PATH, "%s%s%s", file, part, suffix);
     return size > 0 && size < SERVER_DISK_PATH;
 }
 
-static bool is_suffix_taken(const char *path, const char *const *parts, const char *suffix)
+static bool suffix_is_taken(const char *path, const char *const *parts, const char *suffix)
 {
     char aside[SERVER_DISK_PATH];
     for (; *parts; parts++)
-        if (join(aside, path, *parts, suffix) && server_disk_exists(aside)) return true;
+        if (path_join(aside, path, *parts, suffix) && server_disk_exists(aside)) return true;
     return false;
 }
 
@@ -310,9 +289,9 @@ void server_disk_set_aside(const char *path, const char *const *parts,
     do
         snprintf(suffix, SERVER_DISK_ASIDE_SUFFIX, SERVER_DISK_ASIDE "-%lld-%u",
                  (long long)time(NULL), number++);
-    while (is_suffix_taken(path, parts, suffix));
+    while (suffix_is_taken(path, parts, suffix));
     for (; *parts; parts++)
-        if (join(from, path, *parts, "") && join(aside, path, *parts, suffix))
+        if (path_join(from, path, *parts, "") && path_join(aside, path, *parts, suffix))
             (void)rename(from, aside);
     snprintf(aside, sizeof aside, "%s", path);
     (void)server_disk_sync_folder(dirname(aside));

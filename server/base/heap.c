@@ -3,24 +3,24 @@
 
 #include <stdlib.h>
 
-static void place(struct server_heap *heap, size_t index, struct server_heap_node *node)
+static void node_place(struct server_heap *heap, size_t index, struct server_heap_node *node)
 {
     heap->nodes[index] = node;
     node->index = index;
 }
 
-static void rise(struct server_heap *heap, struct server_heap_node *node)
+static void node_rise(struct server_heap *heap, struct server_heap_node *node)
 {
     size_t index = node->index;
     for (; index > 0; index = (index - 1) / 2) {
         struct server_heap_node *parent = heap->nodes[(index - 1) / 2];
         if (parent->key <= node->key) break;
-        place(heap, index, parent);
+        node_place(heap, index, parent);
     }
-    place(heap, index, node);
+    node_place(heap, index, node);
 }
 
-static void sink(struct server_heap *heap, struct server_heap_node *node)
+static void node_sink(struct server_heap *heap, struct server_heap_node *node)
 {
     size_t index = node->index;
     for (;;) {
@@ -29,10 +29,10 @@ static void sink(struct server_heap *heap, struct server_heap_node *node)
         if (child + 1 < heap->size && heap->nodes[child + 1]->key < heap->nodes[child]->key)
             child++;
         if (heap->nodes[child]->key >= node->key) break;
-        place(heap, index, heap->nodes[child]);
+        node_place(heap, index, heap->nodes[child]);
         index = child;
     }
-    place(heap, index, node);
+    node_place(heap, index, node);
 }
 
 bool server_heap_reserve(struct server_heap *heap)
@@ -48,23 +48,23 @@ bool server_heap_reserve(struct server_heap *heap)
 
 void server_heap_insert(struct server_heap *heap, struct server_heap_node *node)
 {
-    place(heap, heap->size++, node);
-    rise(heap, node);
+    node_place(heap, heap->size++, node);
+    node_rise(heap, node);
 }
 
 void server_heap_remove(struct server_heap *heap, struct server_heap_node *node)
 {
     struct server_heap_node *last = heap->nodes[--heap->size];
     if (last == node) return;
-    place(heap, node->index, last);
-    rise(heap, last);
-    sink(heap, last);
+    node_place(heap, node->index, last);
+    node_rise(heap, last);
+    node_sink(heap, last);
 }
 
 void server_heap_raise(struct server_heap *heap, struct server_heap_node *node, double key)
 {
     node->key = key;
-    sink(heap, node);
+    node_sink(heap, node);
 }
 
 void server_heap_free(struct server_heap *heap)

@@ -1,5 +1,5 @@
-/* Heap: nodes by key, the lowest first. A node stands inside what it orders; the heap holds
- * pointers only. Not thread-safe. */
+/* Heap: nodes by key, the lowest first. Nodes stand inside the objects that they order; the heap
+ * holds pointers. Not thread-safe. */
 #ifndef SERVER_BASE_HEAP_H
 #define SERVER_BASE_HEAP_H
 
@@ -11,23 +11,21 @@ struct server_heap_node {
     size_t index; /* the heap's own */
 };
 
-struct server_heap {
-    struct server_heap_node **nodes; /* the lowest is nodes[0]; all zero is an empty heap */
+struct server_heap {                 /* all zero: empty */
+    struct server_heap_node **nodes; /* the lowest is nodes[0] */
     size_t size, capacity;
 };
 
 /* Makes room for one more node; false without memory. */
 bool server_heap_reserve(struct server_heap *heap);
 
-/* Room was reserved. O(log n). */
+/* Needs room. Inserting, removing and raising take O(log n). */
 void server_heap_insert(struct server_heap *heap, struct server_heap_node *node);
-
-/* The node is in the heap. O(log n). */
 void server_heap_remove(struct server_heap *heap, struct server_heap_node *node);
 
-/* Gives a node of the heap a key that is no lower than before. O(log n). */
+/* Gives a node of the heap a key that is no lower than its present one. */
 void server_heap_raise(struct server_heap *heap, struct server_heap_node *node, double key);
 
-void server_heap_free(struct server_heap *heap); /* the pointers; the nodes are their owners' */
+void server_heap_free(struct server_heap *heap); /* the pointers, not the nodes */
 
 #endif

@@ -1,5 +1,4 @@
-/* See log.h. A text is cut at TEXT_LIMIT inside its quotes, and a key whose value does not fit any
- * more is left out: so that every line is valid JSON whatever a client put into it. */
+/* See log.h. */
 #include "server/base/log.h"
 
 #include <errno.h>
@@ -15,26 +14,19 @@
 #include <unistd.h>
 
 #include "proto/number.h"
-#include "server/base/printable.h"
+#include "server/base/thread.h"
 
-#define LINE_RESERVE 2 /* brace, newline */
-#define TEXT_LIMIT   512
+#define LINE_ROOM     (SERVER_LOG_LINE - 2) /* a brace and a newline end the line */
+#define TEXT_LIMIT    512                   /* of a text member */
+#define GATHER_NS     10000000              /* a line waits so long for others */
+#define GATHERED_MOST (1 << 20)             /* bytes of waiting lines; as many are being written */
+#define GATHERED_DUE  (32 << 10)            /* bytes that are written at once: they fit a cache */
+#define NOTE_ROOM     256                   /* for the line `log_dropped` */
+#define DIRECT_MS     100                   /* that a caller waits without the thread */
+#define LAST_LINES_NS UINT64_C(1000000000)
+#define CRASH_MS      200
 
-#define SECOND_NS     1000000000
-#define GATHER_NS     10000000  /* a line waits so long for others */
-#define GATHERED_MOST (1 << 20) /* bytes of lines that wait; as many are being written */
-/* bytes that are written at once: they are in a processor's cache */
-#define ENOUGH       (32 << 10)
-#define NOTE_SIZE    256 /* of the line that tells of dropped ones */
-#define DIRECT_MS    100 /* without the writer's thread: how long a line waits for room */
-#define LAST_LINES_S 1   /* at the stop: how long the writer may take for what is left */
-#define CRASH_MS     200
-
-const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT] = {
-#define SERVER_LOG_NAME(NAME, name) #name,
-    SERVER_LOG_LEVELS(SERVER_LOG_NAME)
-#undef SERVER_LOG_NAME
-};
+/* --- lines ------------------------------------------------------------------------------------ */
 
 static enum server_log_level threshold = SERVER_LOG_INFO;
 
@@ -44,69 +36,50 @@ void server_log_set_level(enum server_log_level level)
 }
 
 /* Appends all of the text or nothing. */
-static bool append(struct server_log_line *line, const char *text, size_t size)
+static bool line_append(struct server_log_line *line, const char *text, size_t size)
 {
-    if (line->size + size > sizeof line->text - LINE_RESERVE) return false;
+    if (size > LINE_ROOM - line->size) return false;
     memcpy(line->text + line->size, text, size);
     line->size += size;
     return true;
 }
 
-static bool append_text(struct server_log_line *line, const char *text)
+static bool line_append_string(struct server_log_line *line, const char *text)
 {
-    return append(line, text, strlen(text));
+    return line_append(line, text, strlen(text));
 }
 
 /* Appends ,"KEY": */
-static bool append_key(struct server_log_line *line, const char *key)
+static bool line_append_key(struct server_log_line *line, const char *key)
 {
-    size_t size = strlen(key);
-    if (line->size + size + 4 > sizeof line->text - LINE_RESERVE) return false;
-    char *at = line->text + line->size;
-    memcpy(at, ",\"", 2);
-    memcpy(at + 2, key, size);
-    memcpy(at + 2 + size, "\":", 2);
-    line->size += size + 4;
-    return true;
+    return line_append(line, ",\"", 2) && line_append_string(line, key) &&
+           line_append(line, "\":", 2);
 }
 
-static const bool is_plain[256] = {
-    /* neither quote nor backslash */
-    [' ' ... '!'] = true,
-    ['#' ... '['] = true,
-    [']' ... '~'] = true};
-
-/* Bytes from the start of the text, at most `most`, that can be written as they are. */
-static size_t plain_run(const char *text, size_t most)
+static bool is_plain(char character)
 {
-    size_t run = 0, size = strnlen(text, most);
-    while (size - run >= 8 && server_eight_are_visible(text + run, '"', '\\')) run += 8;
-    while (run < size && is_plain[(unsigned char)text[run]]) run++;
-    return run;
+    return character >= ' ' && character <= '~' && character != '"' && character != '\\';
 }
 
-static bool append_escape(struct server_log_line *line, unsigned char character)
-{
-    char escape[8];
-    bool is_short = character == '"' || character == '\\';
-    int size = snprintf(escape, sizeof escape, is_short ? "\\%c" : "\\u%04x", character);
-    return append(line, escape, (size_t)size);
-}
-
-static bool append_escaped(struct server_log_line *line, const char *value)
+static bool line_append_escaped(struct server_log_line *line, const char *value)
 {
     size_t end = line->size + TEXT_LIMIT;
     while (*value && line->size < end) {
-        size_t run = plain_run(value, end - line->size);
-        if (run ? !append(line, value, run) : !append_escape(line, (unsigned char)*value))
-            return false;
+        char escape[8];
+        size_t run = 0;
+        while (run < end - line->size && is_plain(value[run])) run++;
+        if (run == 0) {
+            bool is_short = *value == '"' || *value == '\\';
+            snprintf(escape, sizeof escape, is_short ? "\\%c" : "\\u%04x", (unsigned char)*value);
+        }
+        if (run ? !line_append(line, value, run) : !line_append_string(line, escape)) return false;
         value += run ? run : 1;
     }
     return true;
 }
 
-/* "2026-01-31T12:34:56" of that second; a thread takes a second apart once. */
-static const char *time_text(time_t second)
+/* "2026-01-31T12:34:56"; each thread formats a second once. */
+static const char *second_text(time_t second)
 {
     static _Thread_local time_t known = -1;
     static _Thread_local char text[64];
@@ -118,7 +91,7 @@ static const char *time_text(time_t second)
 }
 
 /* Writes a point and three digits. */
-static void print_thousandths(unsigned thousandths, char out[4])
+static void thousandths_print(unsigned thousandths, char out[4])
 {
     *out++ = '.';
     for (unsigned unit = 100; unit; unit /= 10) *out++ = (char)('0' + thousandths / unit % 10);
@@ -126,55 +99,41 @@ static void print_thousandths(unsigned thousandths, char out[4])
 
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event)
 {
+    static const char *const levels[] = {
+#define LEVEL_NAME(NAME, name) #name,
+        SERVER_LOG_LEVELS(LEVEL_NAME)
+#undef LEVEL_NAME
+    };
     if (level < threshold) return false;
     char thousandths[4];
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
     line->size = 0;
-    append_text(line, "{\"time\":\"");
-    append_text(line, time_text(now.tv_sec));
-    print_thousandths((unsigned)(now.tv_nsec / 1000000), thousandths);
-    append(line, thousandths, sizeof thousandths);
-    append_text(line, "Z\",\"level\":\"");
-    append_text(line, server_log_level_names[level]);
-    append_text(line, "\",\"event\":\"");
-    append_text(line, event);
-    append_text(line, "\"");
-    return true;
-}
-
-/* Appends ,"KEY":"VALUE" where all of the value can be written as it is, and has room; else
- * nothing. */
-static bool append_plain(struct server_log_line *line, const char *key, const char *value)
-{
-    size_t key_size = strlen(key), size = plain_run(value, TEXT_LIMIT);
-    if (value[size] || line->size + key_size + size + 6 > sizeof line->text - LINE_RESERVE)
-        return false;
-    char *at = line->text + line->size;
-    memcpy(at, ",\"", 2);
-    memcpy(at + 2, key, key_size);
-    memcpy(at + 2 + key_size, "\":\"", 3);
-    memcpy(at + 5 + key_size, value, size);
-    at[5 + key_size + size] = '"';
-    line->size += key_size + size + 6;
+    line_append_string(line, "{\"time\":\"");
+    line_append_string(line, second_text(now.tv_sec));
+    thousandths_print((unsigned)(now.tv_nsec / 1000000), thousandths);
+    line_append(line, thousandths, sizeof thousandths);
+    line_append_string(line, "Z\",\"level\":\"");
+    line_append_string(line, levels[level]);
+    line_append_string(line, "\",\"event\":\"");
+    line_append_string(line, event);
+    line_append_string(line, "\"");
     return true;
 }
 
 void server_log_text(struct server_log_line *line, const char *key, const char *value)
 {
     size_t start = line->size;
-    if (!value || append_plain(line, key, value)) return;
-    if (!append_key(line, key) || !append(line, "\"", 1) || !append_escaped(line, value) ||
-        !append(line, "\"", 1))
+    if (value && !(line_append_key(line, key) && line_append(line, "\"", 1) &&
+                   line_append_escaped(line, value) && line_append(line, "\"", 1)))
         line->size = start;
 }
 
-/* A key and its number's text. */
-static void append_number(struct server_log_line *line, const char *key, const char *text,
-                          size_t size)
+static void line_append_number(struct server_log_line *line, const char *key, const char *text,
+                               size_t size)
 {
     size_t start = line->size;
-    if (!append_key(line, key) || !append(line, text, size)) line->size = start;
+    if (!line_append_key(line, key) || !line_append(line, text, size)) line->size = start;
 }
 
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value)
@@ -183,7 +142,7 @@ void server_log_integer(struct server_log_line *line, const char *key, int64_t v
     bool negative = value < 0;
     size_t size =
         proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
-    append_number(line, key, text, size + negative);
+    line_append_number(line, key, text, size + negative);
 }
 
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds)
@@ -191,17 +150,13 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
     char text[PROTO_INTEGER_SIZE + 4];
     uint64_t microseconds = (nanoseconds + 500) / 1000;
     size_t size = proto_integer_print(microseconds / 1000, text);
-    print_thousandths((unsigned)(microseconds % 1000), text + size);
-    append_number(line, key, text, size + 4);
+    thousandths_print((unsigned)(microseconds % 1000), text + size);
+    line_append_number(line, key, text, size + 4);
 }
 
-/* --- to standard error
- * --------------------------------------------------------------------------------------------
- *
- * Lines gather in one text while the writer's thread writes the other one. Only that thread ever
- * waits for the reader of standard error: it may be a pipe that nobody reads. Without the thread
- * (the tools, the first lines, the last ones) a line is written by its caller, who waits DIRECT_MS
- * at most. */
+/* --- output ----------------------------------------------------------------------------------- */
+/* Lines gather in one text while the thread writes the other one. Only the thread ever waits for
+ * the reader of standard error, which may be a pipe that nobody reads. */
 
 struct text {
     size_t size;
@@ -210,16 +165,14 @@ struct text {
 
 static struct {
     pthread_mutex_t lock;
-    pthread_cond_t change;
-    pthread_t writer;
-    bool has_writer, is_stopping, has_ended; /* has_ended: the writer has nothing left to do */
-    bool is_urgent;                          /* the text is to be written at once */
-    /* the text takes no more lines: those that follow are dropped, so that one note tells of all */
-    bool is_full;
+    struct server_thread *thread; /* NULL: not started, or stopping */
+    bool is_gathering;            /* lines are for the thread, or for its last run */
+    bool is_urgent;               /* `gathering` is to be written at once */
+    bool is_full;                 /* `gathering` takes no line any more: one note counts them */
     struct text *gathering, *other;
+    uint64_t noted;        /* lines of `dropped` that notes have counted */
     atomic_bool is_behind; /* a line is not written yet */
     atomic_uint_least64_t dropped;
-    uint64_t noted; /* lines of `dropped` that a note has told of */
     struct text texts[2];
 } output = {
     .lock = PTHREAD_MUTEX_INITIALIZER, .gathering = &output.texts[0], .other = &output.texts[1]};
@@ -229,240 +182,128 @@ uint64_t server_log_dropped(void)
     return atomic_load_explicit(&output.dropped, memory_order_relaxed);
 }
 
-static uint64_t count_lines(const char *bytes, size_t size)
-{
-    uint64_t lines = 0;
-    for (const char *end; (end = memchr(bytes, '\n', size)); bytes = end + 1, lines++)
-        size -= (size_t)(end + 1 - bytes);
-    return lines;
-}
-
-/* Waits until standard error takes bytes; false: it does not, for so long (negative: for ever). */
-static bool wait_for_room(int milliseconds)
+/* Waits until standard error takes bytes. False: it took none for so long (negative: forever). */
+static bool stderr_wait(int milliseconds)
 {
     struct pollfd state = {.fd = STDERR_FILENO, .events = POLLOUT};
     int found = poll(&state, 1, milliseconds);
     return found > 0 || (found < 0 && errno == EINTR);
 }
 
-/* Returns how many bytes were written, of which no more than `most` at once. Stops at an error,
- * and after `patience_ms` without room (negative: never). */
-static size_t write_bytes(const char *bytes, size_t size, size_t most, int patience_ms)
+/* Writes `most` bytes at a time. Stops at an error, and after `patience_ms` without room (negative:
+ * never). Counts the lines that it leaves: there is nowhere to report them. */
+static void stderr_write(const char *bytes, size_t size, size_t most, int patience_ms)
 {
-    size_t at = 0;
-    while (at < size) {
-        if (patience_ms >= 0 && !wait_for_room(patience_ms)) break;
-        ssize_t written = write(STDERR_FILENO, bytes + at, size - at < most ? size - at : most);
-        if (written > 0)
-            at += (size_t)written;
-        else if (errno == EAGAIN && !wait_for_room(patience_ms)) /* somebody made it non-blocking */
-            break;
-        else if (errno != EINTR && errno != EAGAIN)
-            break;
+    while (size) {
+        if (patience_ms >= 0 && !stderr_wait(patience_ms)) break;
+        ssize_t written = write(STDERR_FILENO, bytes, size < most ? size : most);
+        if (written > 0) {
+            bytes += written;
+            size -= (size_t)written;
+        } else if (errno != EINTR && (errno != EAGAIN || !stderr_wait(patience_ms))) {
+            break; /* EAGAIN: another process made it non-blocking */
+        }
     }
-    return at;
+    for (const char *end; (end = memchr(bytes, '\n', size)); bytes = end + 1) {
+        size -= (size_t)(end + 1 - bytes);
+        atomic_fetch_add(&output.dropped, 1);
+    }
 }
 
-/* Writes a text that is the caller's. Lines that can't be written are counted: there is nowhere
- * to report them. */
-static void write_text(struct text *text, size_t most, int patience_ms)
+static bool text_add(struct text *text, const struct server_log_line *line, size_t most)
 {
-    size_t written = write_bytes(text->bytes, text->size, most, patience_ms);
-    atomic_fetch_add(&output.dropped, count_lines(text->bytes + written, text->size - written));
-    text->size = 0;
-}
-
-static bool add_bytes(struct text *text, const char *bytes, size_t size, size_t most)
-{
-    if (size > most - text->size) return false;
-    memcpy(text->bytes + text->size, bytes, size);
-    text->size += size;
+    if (line->size > most - text->size) return false;
+    memcpy(text->bytes + text->size, line->text, line->size);
+    text->size += line->size;
     return true;
 }
 
-static void close_line(struct server_log_line *line)
+static void line_close(struct server_log_line *line)
 {
     memcpy(line->text + line->size, "}\n", 2);
     line->size += 2;
 }
 
-/* Under the lock: ends a text behind which lines were dropped with a line that says so. */
-static void note_dropped(struct text *text)
-{
-    struct server_log_line line;
-    uint64_t dropped = server_log_dropped();
-    if (dropped == output.noted || !server_log_begin(&line, SERVER_LOG_WARN, "log_dropped")) return;
-    server_log_integer(&line, "lines", (int64_t)(dropped - output.noted));
-    server_log_text(&line, "message", "standard error was not read fast enough");
-    close_line(&line);
-    output.noted = dropped;
-    (void)add_bytes(text, line.text, line.size, GATHERED_MOST); /* NOTE_SIZE is kept free for it */
-}
-
-/* Under the lock: the text with what has gathered, for the caller to write; lines gather in the
- * other one. */
-static struct text *swap_texts(void)
+/* Under the lock: returns the gathered text, for the caller to write, and starts the other one. A
+ * note follows the text where lines were dropped. */
+static struct text *texts_swap(void)
 {
     struct text *full = output.gathering;
-    note_dropped(full);
+    struct server_log_line note;
+    uint64_t dropped = server_log_dropped();
+    if (dropped > output.noted && server_log_begin(&note, SERVER_LOG_WARN, "log_dropped")) {
+        server_log_integer(&note, "lines", (int64_t)(dropped - output.noted));
+        server_log_text(&note, "message", "standard error was not read fast enough");
+        line_close(&note);
+        output.noted = dropped;
+        (void)text_add(full, &note, GATHERED_MOST); /* NOTE_ROOM was kept for it */
+    }
     output.gathering = output.other;
     output.other = full;
     output.is_full = output.is_urgent = false;
     return full;
 }
 
-/* Under the lock, which is given up meanwhile: until the text is to be written at once, or its
- * lines have had GATHER_NS to gather. */
-static void wait_for_lines(void)
+static void write_gathered(void)
 {
-    struct timespec until;
-    while (!output.gathering->size && !output.is_stopping)
-        pthread_cond_wait(&output.change, &output.lock);
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_nsec += GATHER_NS;
-    until.tv_sec += until.tv_nsec / SECOND_NS;
-    until.tv_nsec %= SECOND_NS;
-    while (!output.is_urgent && !output.is_stopping &&
-           pthread_cond_timedwait(&output.change, &output.lock, &until) != ETIMEDOUT)
-        continue;
+    pthread_mutex_lock(&output.lock);
+    struct text *text = texts_swap();
+    pthread_mutex_unlock(&output.lock);
+    stderr_write(text->bytes, text->size, SIZE_MAX, -1);
+    text->size = 0;
+    pthread_mutex_lock(&output.lock);
+    atomic_store(&output.is_behind, output.gathering->size > 0);
+    pthread_mutex_unlock(&output.lock);
 }
 
-static void *write_lines(void *user)
+static void write_lines(void *user, struct server_thread *thread)
 {
     (void)user;
-    pthread_mutex_lock(&output.lock);
-    while (!output.is_stopping || output.gathering->size) {
-        wait_for_lines();
-        struct text *text = swap_texts();
-        pthread_mutex_unlock(&output.lock);
-        write_text(text, SIZE_MAX, -1);
+    for (bool goes_on = true; goes_on;) {
+        goes_on = server_thread_pause(thread, SERVER_THREAD_FOREVER);
         pthread_mutex_lock(&output.lock);
-        atomic_store(&output.is_behind, output.gathering->size > 0);
+        bool is_urgent = output.is_urgent;
+        pthread_mutex_unlock(&output.lock);
+        if (goes_on && !is_urgent) goes_on = server_thread_pause(thread, GATHER_NS);
+        write_gathered();
     }
-    output.has_ended = true;
-    pthread_cond_signal(&output.change);
-    pthread_mutex_unlock(&output.lock);
-    return NULL;
 }
 
-/* Under the lock: the first line of a text, an urgent one, and the one by which it has ENOUGH
- * bytes, wake the writer. */
-static void gather(const struct server_log_line *line, bool is_urgent)
+/* Under the lock. The first line of a text, and a line that makes it due, wake the thread. */
+static void line_gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;
-    size_t before = text->size;
-    output.is_full =
-        output.is_full || !add_bytes(text, line->text, line->size, GATHERED_MOST - NOTE_SIZE);
+    bool is_first = text->size == 0;
+    output.is_full = output.is_full || !text_add(text, line, GATHERED_MOST - NOTE_ROOM);
     if (output.is_full) {
         atomic_fetch_add_explicit(&output.dropped, 1, memory_order_relaxed);
         return;
     }
-    bool is_due = is_urgent || text->size >= ENOUGH;
-    bool wakes = !before || (is_due && !output.is_urgent);
-    output.is_urgent = output.is_urgent || is_due;
+    bool becomes_urgent = !output.is_urgent && (is_urgent || text->size >= GATHERED_DUE);
+    output.is_urgent = output.is_urgent || becomes_urgent;
     atomic_store_explicit(&output.is_behind, true, memory_order_relaxed);
-    if (wakes) pthread_cond_signal(&output.change);
+    if ((is_first || becomes_urgent) && output.thread) server_thread_wake(output.thread);
 }
 
-static void end_line(struct server_log_line *line, bool is_urgent)
+static void line_end(struct server_log_line *line, bool is_urgent)
 {
-    close_line(line);
+    line_close(line);
     pthread_mutex_lock(&output.lock);
-    if (output.has_writer)
-        gather(line, is_urgent);
-    else if (write_bytes(line->text, line->size, PIPE_BUF, DIRECT_MS) < line->size)
-        atomic_fetch_add(&output.dropped, 1);
+    if (output.is_gathering)
+        line_gather(line, is_urgent);
+    else
+        stderr_write(line->text, line->size, PIPE_BUF, DIRECT_MS);
     pthread_mutex_unlock(&output.lock);
 }
 
 void server_log_end(struct server_log_line *line)
 {
-    end_line(line, true);
+    line_end(line, true);
 }
 
 void server_log_end_soon(struct server_log_line *line)
 {
-    end_line(line, false);
-}
-
-/* --- the writer's life ------------------------------------------------------------------------ */
-
-bool server_log_start(void)
-{
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&output.change, &attributes);
-    pthread_condattr_destroy(&attributes);
-    pthread_mutex_lock(&output.lock);
-    output.is_stopping = output.has_ended = false;
-    output.has_writer = pthread_create(&output.writer, NULL, write_lines, NULL) == 0;
-    pthread_mutex_unlock(&output.lock);
-    return output.has_writer;
-}
-
-/* Under the lock, which is given up meanwhile: false, LAST_LINES_S have passed. */
-static bool wait_for_writer(void)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += LAST_LINES_S;
-    while (!output.has_ended &&
-           pthread_cond_timedwait(&output.change, &output.lock, &until) != ETIMEDOUT)
-        continue;
-    return output.has_ended;
-}
-
-/* Under the lock, which is given up meanwhile: ends the writer; false: it still waits for the
- * reader of standard error. */
-static bool end_writer(void)
-{
-    output.is_stopping = true;
-    pthread_cond_signal(&output.change);
-    bool has_ended = wait_for_writer();
-    output.has_writer = !has_ended;
-    /* that came meanwhile */
-    if (has_ended && output.gathering->size) write_text(swap_texts(), PIPE_BUF, DIRECT_MS);
-    return has_ended;
-}
-
-/* A thread that still waits is left behind. */
-void server_log_stop(void)
-{
-    pthread_mutex_lock(&output.lock);
-    bool had_writer = output.has_writer, has_ended = had_writer && end_writer();
-    pthread_mutex_unlock(&output.lock);
-    if (has_ended)
-        pthread_join(output.writer, NULL);
-    else if (had_writer)
-        pthread_detach(output.writer);
-}
-
-/* --- crashes ---------------------------------------------------------------------------------- */
-
-static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-static struct sigaction before_us[sizeof crashes / sizeof *crashes];
-
-/* The writer goes on while a crashing thread is here, for a moment; then what would have become
- * of the signal does. Calls only what a handler may call. */
-static void on_crash(int number, siginfo_t *info, void *context)
-{
-    int saved = errno;
-    (void)context;
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
-        if (crashes[i] == number) sigaction(number, &before_us[i], NULL);
-    for (int i = 0; i < CRASH_MS && atomic_load(&output.is_behind); i++) poll(NULL, 0, 1);
-    errno = saved;
-    /* sent: else the instruction is run again, and fails again */
-    if (info->si_code <= 0) raise(number);
-}
-
-void server_log_flush_at_crash(void)
-{
-    struct sigaction action = {.sa_sigaction = on_crash, .sa_flags = SA_SIGINFO};
-    sigemptyset(&action.sa_mask);
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
-        sigaction(crashes[i], &action, &before_us[i]);
+    line_end(line, false);
 }
 
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)
@@ -476,4 +317,59 @@ void server_log_message(enum server_log_level level, const char *event, const ch
     va_end(arguments);
     server_log_text(&line, "message", sentence);
     server_log_end(&line);
+}
+
+/* --- the thread's life ------------------------------------------------------------------------ */
+
+bool server_log_start(void)
+{
+    struct server_thread *thread = server_thread_start(write_lines, NULL);
+    pthread_mutex_lock(&output.lock);
+    output.thread = thread;
+    output.is_gathering = thread != NULL;
+    pthread_mutex_unlock(&output.lock);
+    return thread != NULL;
+}
+
+void server_log_stop(void)
+{
+    pthread_mutex_lock(&output.lock);
+    struct server_thread *thread = output.thread;
+    output.thread = NULL;
+    pthread_mutex_unlock(&output.lock);
+    /* else it waits for a reader still: it is left behind, and lines gather for nobody */
+    if (!thread || !server_thread_stop_within(thread, LAST_LINES_NS)) return;
+    pthread_mutex_lock(&output.lock);
+    struct text *text = texts_swap(); /* lines that came meanwhile */
+    stderr_write(text->bytes, text->size, PIPE_BUF, DIRECT_MS);
+    text->size = 0;
+    output.is_gathering = false;
+    pthread_mutex_unlock(&output.lock);
+}
+
+/* --- crashes ---------------------------------------------------------------------------------- */
+
+static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+static struct sigaction earlier[sizeof crashes / sizeof *crashes];
+
+/* Lets the thread write for a moment, then lets the earlier action take place. Async-signal-safe.
+ */
+static void on_crash(int number, siginfo_t *info, void *context)
+{
+    int saved = errno;
+    (void)context;
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        if (crashes[i] == number) sigaction(number, &earlier[i], NULL);
+    for (int i = 0; i < CRASH_MS && atomic_load(&output.is_behind); i++) poll(NULL, 0, 1);
+    errno = saved;
+    /* a signal that was sent; otherwise the instruction runs, and fails, again */
+    if (info->si_code <= 0) raise(number);
+}
+
+void server_log_flush_at_crash(void)
+{
+    struct sigaction action = {.sa_sigaction = on_crash, .sa_flags = SA_SIGINFO};
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        sigaction(crashes[i], &action, &earlier[i]);
 }

@@ -6,14 +6,13 @@
  *         server_log_end(&line);
  *     }
  *
- * A line is built in the caller's frame and written whole, so lines of different threads don't mix.
- * Text is escaped and cut to what fits.
+ * A line is built in the caller's frame and written whole: lines of different threads don't mix.
+ * Text is escaped and cut, so that each line is valid JSON. Thread-safe.
  *
- * DESIGN. Once started, a log never waits and never fails a request: lines are copied into a
- * bounded buffer, in order, and a thread of its own writes them. If standard error is not read,
- * or too slowly, lines are dropped and counted, and where they are missing stands a line
- * `log_dropped` with their number. Standard error stays as it was inherited: it is blocking for
- * those that share it. */
+ * DESIGN. Once started, the log never blocks and never fails a caller. Lines are copied, in order,
+ * into a bounded buffer, and a thread writes them. If standard error is read too slowly, lines are
+ * dropped, and a line `log_dropped` with their number takes their place. Standard error stays
+ * blocking, because other processes share it. */
 #ifndef SERVER_BASE_LOG_H
 #define SERVER_BASE_LOG_H
 
@@ -21,14 +20,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* X(NAME, name), most talkative first */
+/* X(NAME, name), in the order of importance */
 #define SERVER_LOG_LEVELS(X) X(DEBUG, debug) X(INFO, info) X(WARN, warn) X(ERROR, error)
 
 enum server_log_level {
 #define SERVER_LOG_ENUM(NAME, name) SERVER_LOG_##NAME,
     SERVER_LOG_LEVELS(SERVER_LOG_ENUM)
 #undef SERVER_LOG_ENUM
-        SERVER_LOG_LEVEL_COUNT
 };
 
 #define SERVER_LOG_LINE 2048
@@ -38,38 +36,36 @@ struct server_log_line {
     char text[SERVER_LOG_LINE];
 };
 
-extern const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT];
-
-/* Lines below `level` are dropped. Set once, before any thread starts. */
+/* Lines below `level` are not logged. Call it before any thread starts. */
 void server_log_set_level(enum server_log_level level);
 
-/* Begins a line with time, level and event; false when the level is not logged, and then nothing
- * else is to be called. */
+/* Begins a line with time, level and event. False: it is not logged, and must not be continued. */
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event);
-void server_log_text(struct server_log_line *line, const char *key,
-                     const char *value); /* value NULL: the key is left out */
+
+/* Append a member, or nothing where the line is full or `value` is NULL. */
+void server_log_text(struct server_log_line *line, const char *key, const char *value);
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value);
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds);
-/* has it written at once, after all those before it */
+
+/* End the line: it is written at once, or within hundredths of a second. */
 void server_log_end(struct server_log_line *line);
-/* has it written within hundredths of a second */
 void server_log_end_soon(struct server_log_line *line);
 
-/* Starts the writer's thread; false: there is none. Before the start and after the stop a caller
- * writes its lines itself, and waits a tenth of a second at most. The stop waits a second at
- * most for the last lines to be written. */
+/* Writes a whole line of an event and one sentence. */
+void server_log_message(enum server_log_level level, const char *event, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Start and stop the writer's thread. False: it can't be started. Without it a caller writes its
+ * own lines, and waits a tenth of a second at most. The stop waits a second at most for the last
+ * lines. */
 bool server_log_start(void);
 void server_log_stop(void);
 
-/* Has a crash wait a moment for the lines before it to be written. Once, before any thread
- * starts. */
+/* Makes a crash wait a moment until the lines before it are written. Call it once, before any
+ * thread starts. */
 void server_log_flush_at_crash(void);
 
-/* Lines that were dropped since the start. Thread-safe, takes no lock. */
+/* Lines that were dropped since the start. Takes no lock. */
 uint64_t server_log_dropped(void);
-
-/* A whole line of an event and one sentence. */
-void server_log_message(enum server_log_level level, const char *event, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
 
 #endif

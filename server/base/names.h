@@ -1,26 +1,18 @@
-/* Names: a set of short names, of files or folders: first all are added, then it is sorted, then it
- * is asked. Not thread-safe. */
+/* Names: a set of strings. Not thread-safe. */
 #ifndef SERVER_BASE_NAMES_H
 #define SERVER_BASE_NAMES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#define SERVER_NAME_MOST 95 /* most bytes of a name, without the NUL */
-
-struct server_names { /* all zero is an empty set */
-    char (*names)[SERVER_NAME_MOST + 1];
-    size_t count, capacity;
-    /* there was no memory for one, or it was too long: what the set lacks may be in it */
-    bool is_incomplete;
+struct server_names { /* all zero: an empty set */
+    void *root;       /* of tsearch(3) */
+    size_t count;
+    bool is_incomplete; /* there was no memory for a name: it may be missing */
 };
 
-void server_names_add(struct server_names *names, const char *name);
-void server_names_sort(struct server_names *names);
-
-/* Is the name in the set, which is sorted? O(log n). */
+void server_names_add(struct server_names *names, const char *name); /* copies it */
 bool server_names_has(const struct server_names *names, const char *name);
-
 void server_names_free(struct server_names *names);
 
 #endif

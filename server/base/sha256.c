@@ -5,11 +5,14 @@
 #include <stdlib.h>
 
 #define DIGEST      32
-#define PIECE_BYTES ((size_t)1 << 20) /* between two looks at the control: some milliseconds */
+#define PIECE_BYTES ((size_t)1 << 20) /* between two checks of the control: some milliseconds */
 
-static void print(const unsigned char digest[DIGEST], char hex[SERVER_SHA256_HEX])
+/* Only a library without SHA-256 fails. */
+static void digest_print(int failed, const unsigned char digest[DIGEST],
+                         char hex[SERVER_SHA256_HEX])
 {
     static const char digits[] = "0123456789abcdef";
+    if (failed) abort();
     for (int i = 0; i < DIGEST; i++) {
         hex[2 * i] = digits[digest[i] >> 4];
         hex[2 * i + 1] = digits[digest[i] & 15];
@@ -17,25 +20,13 @@ static void print(const unsigned char digest[DIGEST], char hex[SERVER_SHA256_HEX
     hex[2 * DIGEST] = '\0';
 }
 
-/* Only a library without SHA-256 fails. */
-static void insist(int code)
-{
-    if (code != 0) abort();
-}
-
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX])
 {
     unsigned char digest[DIGEST];
-    insist(gnutls_hash_fast(GNUTLS_DIG_SHA256, bytes, size, digest));
-    print(digest, hex);
+    digest_print(gnutls_hash_fast(GNUTLS_DIG_SHA256, bytes, size, digest), digest, hex);
 }
 
-/* The library's own state, by another name. */
-static gnutls_hash_hd_t state_of(struct server_sha256 *sum)
-{
-    return (gnutls_hash_hd_t)sum;
-}
-
+/* struct server_sha256 is the library's state under another name. */
 struct server_sha256 *server_sha256_begin(void)
 {
     gnutls_hash_hd_t state;
@@ -44,30 +35,25 @@ struct server_sha256 *server_sha256_begin(void)
 
 void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size)
 {
-    insist(gnutls_hash(state_of(sum), bytes, size));
+    if (gnutls_hash((gnutls_hash_hd_t)sum, bytes, size)) abort();
 }
 
 void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX])
 {
     unsigned char digest[DIGEST];
-    gnutls_hash_deinit(state_of(sum), digest);
-    print(digest, hex);
+    gnutls_hash_deinit((gnutls_hash_hd_t)sum, digest);
+    digest_print(0, digest, hex);
 }
 
 enum gd_status server_sha256_within(const void *bytes, size_t size,
                                     const struct gd_control *control, char hex[SERVER_SHA256_HEX])
 {
-    if (size <= PIECE_BYTES) { /* takes no memory */
-        server_sha256(bytes, size, hex);
-        return GD_OK;
-    }
     struct server_sha256 *sum = server_sha256_begin();
     enum gd_status status = sum ? GD_OK : GD_NO_MEMORY;
     for (size_t at = 0; !status && at < size; at += PIECE_BYTES) {
-        status = gd_control_check(control, 0);
-        if (!status)
-            server_sha256_add(sum, (const char *)bytes + at,
-                              size - at < PIECE_BYTES ? size - at : PIECE_BYTES);
+        server_sha256_add(sum, (const char *)bytes + at,
+                          size - at < PIECE_BYTES ? size - at : PIECE_BYTES);
+        if (size - at > PIECE_BYTES) status = gd_control_check(control, 0);
     }
     if (sum) server_sha256_end(sum, hex);
     return status;

@@ -1,4 +1,4 @@
-/* SHA-256, of a buffer or of what comes piece by piece. */
+/* SHA-256, of a buffer or of pieces, as lower-case hexadecimal. */
 #ifndef SERVER_BASE_SHA256_H
 #define SERVER_BASE_SHA256_H
 
@@ -8,7 +8,6 @@
 
 #define SERVER_SHA256_HEX 65 /* with the NUL */
 
-/* Lower-case hexadecimal. */
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
 
 /* The same, until a deadline or a cancel. GD_NO_MEMORY. */

@@ -13,24 +13,38 @@
 struct server_thread {
     pthread_mutex_t lock;
     pthread_cond_t change;
-    bool is_woken, is_stopping; /* under the lock */
+    bool is_woken, is_stopping, has_ended, is_abandoned; /* under the lock */
     void (*run)(void *user, struct server_thread *thread);
     void *user;
     pthread_t thread;
 };
 
-static void *begin(void *user)
+static void thread_set(struct server_thread *thread, bool *flag)
 {
-    struct server_thread *thread = user;
-    thread->run(thread->user, thread);
-    return NULL;
+    pthread_mutex_lock(&thread->lock);
+    *flag = true;
+    pthread_cond_broadcast(&thread->change);
+    pthread_mutex_unlock(&thread->lock);
 }
 
-static void destroy(struct server_thread *thread)
+static void thread_free(struct server_thread *thread)
 {
     pthread_cond_destroy(&thread->change);
     pthread_mutex_destroy(&thread->lock);
     free(thread);
+}
+
+static void *thread_run(void *user)
+{
+    struct server_thread *thread = user;
+    thread->run(thread->user, thread);
+    pthread_mutex_lock(&thread->lock);
+    bool is_abandoned = thread->is_abandoned;
+    thread->has_ended = true;
+    pthread_cond_broadcast(&thread->change);
+    pthread_mutex_unlock(&thread->lock);
+    if (is_abandoned) thread_free(thread);
+    return NULL;
 }
 
 struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
@@ -46,13 +60,14 @@ struct server_thread *server_thread_start(void (*run)(void *user, struct server_
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC); /* that of gd_now_ns */
     pthread_cond_init(&thread->change, &attributes);
     pthread_condattr_destroy(&attributes);
-    if (pthread_create(&thread->thread, NULL, begin, thread) == 0) return thread;
-    destroy(thread);
+    if (pthread_create(&thread->thread, NULL, thread_run, thread) == 0) return thread;
+    thread_free(thread);
     return NULL;
 }
 
-/* Under the lock, which is given up meanwhile: until a change, or that time; false: it has come. */
-static bool wait_until(struct server_thread *thread, uint64_t until_ns)
+/* Under the lock, which it releases meanwhile: waits for a change until a time on the clock of
+ * gd_now_ns. False: the time has come. */
+static bool thread_wait(struct server_thread *thread, uint64_t until_ns)
 {
     const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
                                    .tv_nsec = (long)(until_ns % SECOND_NS)};
@@ -61,15 +76,19 @@ static bool wait_until(struct server_thread *thread, uint64_t until_ns)
     return pthread_cond_timedwait(&thread->change, &thread->lock, &until) != ETIMEDOUT;
 }
 
-/* False: it is to end. */
-static bool rest(struct server_thread *thread, uint64_t ns, bool ends_by_wake)
+static uint64_t time_after(uint64_t ns)
 {
-    uint64_t now = gd_now_ns(),
-             until_ns = ns < SERVER_THREAD_FOREVER - now ? now + ns : SERVER_THREAD_FOREVER;
+    uint64_t now = gd_now_ns();
+    return ns < SERVER_THREAD_FOREVER - now ? now + ns : SERVER_THREAD_FOREVER;
+}
+
+static bool thread_rest(struct server_thread *thread, uint64_t ns, bool ends_by_wake)
+{
+    uint64_t until_ns = time_after(ns);
     bool has_time = true;
     pthread_mutex_lock(&thread->lock);
     while (has_time && !thread->is_stopping && !(ends_by_wake && thread->is_woken))
-        has_time = wait_until(thread, until_ns);
+        has_time = thread_wait(thread, until_ns);
     if (ends_by_wake) thread->is_woken = false;
     bool goes_on = !thread->is_stopping;
     pthread_mutex_unlock(&thread->lock);
@@ -78,31 +97,36 @@ static bool rest(struct server_thread *thread, uint64_t ns, bool ends_by_wake)
 
 bool server_thread_pause(struct server_thread *thread, uint64_t ns)
 {
-    return rest(thread, ns, true);
+    return thread_rest(thread, ns, true);
 }
 
 bool server_thread_sleep(struct server_thread *thread, uint64_t ns)
 {
-    return rest(thread, ns, false);
-}
-
-static void set(struct server_thread *thread, bool *what)
-{
-    pthread_mutex_lock(&thread->lock);
-    *what = true;
-    pthread_cond_signal(&thread->change);
-    pthread_mutex_unlock(&thread->lock);
+    return thread_rest(thread, ns, false);
 }
 
 void server_thread_wake(struct server_thread *thread)
 {
-    set(thread, &thread->is_woken);
+    thread_set(thread, &thread->is_woken);
+}
+
+bool server_thread_stop_within(struct server_thread *thread, uint64_t ns)
+{
+    uint64_t until_ns = time_after(ns);
+    thread_set(thread, &thread->is_stopping);
+    pthread_mutex_lock(&thread->lock);
+    while (!thread->has_ended && thread_wait(thread, until_ns)) continue;
+    bool has_ended = thread->has_ended;
+    if (!has_ended) pthread_detach(thread->thread);
+    thread->is_abandoned = !has_ended;
+    pthread_mutex_unlock(&thread->lock);
+    if (!has_ended) return false;
+    pthread_join(thread->thread, NULL);
+    thread_free(thread);
+    return true;
 }
 
 void server_thread_stop(struct server_thread *thread)
 {
-    if (!thread) return;
-    set(thread, &thread->is_stopping);
-    pthread_join(thread->thread, NULL);
-    destroy(thread);
+    if (thread) (void)server_thread_stop_within(thread, SERVER_THREAD_FOREVER);
 }

@@ -1,11 +1,11 @@
-/* Thread: one that does something now and then, until it is stopped.
+/* Thread: a background thread that works now and then until it is stopped.
  *
  *     static void run(void *user, struct server_thread *thread)
  *     {
  *         while (server_thread_pause(thread, SECOND_NS)) look_after(user);
  *     }
  *
- * A wake is never lost: one that comes while the thread is at work ends its next pause. */
+ * A wake is never lost: one that comes while the thread works ends its next pause. */
 #ifndef SERVER_BASE_THREAD_H
 #define SERVER_BASE_THREAD_H
 
@@ -20,17 +20,21 @@ struct server_thread;
 struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
                                           void *user);
 
-/* For `run`: waits until the thread is woken, or so many nanoseconds have passed on the monotonic
- * clock. False, at once, when `run` is to return. */
+/* For `run`: waits until the thread is woken or `ns` nanoseconds have passed (monotonic clock).
+ * Returns false, at once, when `run` must return. */
 bool server_thread_pause(struct server_thread *thread, uint64_t ns);
 
-/* The same, but a wake doesn't end it: it ends the next pause. */
+/* The same, but a wake ends the next pause instead. */
 bool server_thread_sleep(struct server_thread *thread, uint64_t ns);
 
-/* By any thread. */
+/* Thread-safe. */
 void server_thread_wake(struct server_thread *thread);
 
 /* Ends the pauses, waits for `run` to return, and frees. NULL is harmless. */
 void server_thread_stop(struct server_thread *thread);
+
+/* The same, but waits `ns` nanoseconds at most. False: `run` has not returned; the thread is left
+ * behind, and frees itself if `run` returns later. */
+bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
 
 #endif

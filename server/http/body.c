@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "gd/control.h"
-#include "server/base/inflate.h"
+#include "server/base/gzip.h"
 
 #define FIRST_CAPACITY 4096
 

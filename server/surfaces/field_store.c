@@ -224,7 +224,6 @@ void server_field_store_follow(struct server_field_store *store, struct server_r
 {
     struct server_names wanted = {0};
     each_surface(registry, on_wanted_surface, &wanted);
-    server_names_sort(&wanted);
     if (!wanted.is_incomplete) (void)server_disk_each(store->folder, on_folder, &wanted);
     server_names_free(&wanted);
     server_registry_watch(registry, on_gone, store);
@@ -416,7 +415,6 @@ void server_field_store_save(struct server_field_store *store, struct server_reg
 {
     struct saving saving = {.store = store, .until_ns = until_ns};
     each_surface(registry, save_surface, &saving);
-    server_names_sort(&saving.kept);
     if (!saving.kept.is_incomplete && !saving.is_over)
         each_surface(registry, sweep_surface, &saving);
     server_log_message(saving.is_over ? SERVER_LOG_WARN : SERVER_LOG_INFO, "fields_saved",

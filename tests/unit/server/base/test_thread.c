@@ -105,6 +105,24 @@ static void a_stop_ends_whatever_it_is(void **state)
     server_thread_stop(NULL);
 }
 
+static void a_stop_may_leave_a_thread_that_does_not_return(void **state)
+{
+    struct fixture *fixture = *state;
+    uint64_t begun = gd_now_ns();
+    struct server_thread *thread = start(fixture, server_thread_pause, SERVER_THREAD_FOREVER);
+    sem_wait(&fixture->done);
+    server_thread_wake(thread);
+    while (sem_trywait(&fixture->go) == 0) continue; /* it waits in a step now */
+    assert_false(server_thread_stop_within(thread, 20 * MS));
+    assert_true(gd_now_ns() - begun >= 20 * MS);
+    sem_post(&fixture->go);
+    sem_wait(&fixture->done);
+    thread = start(fixture, server_thread_pause, SERVER_THREAD_FOREVER);
+    sem_post(&fixture->go);
+    sem_wait(&fixture->done);
+    assert_true(server_thread_stop_within(thread, SERVER_THREAD_FOREVER));
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -113,6 +131,7 @@ int main(void)
         TEST(a_pause_ends_by_itself),
         TEST(a_wake_does_not_end_a_sleep),
         TEST(a_stop_ends_whatever_it_is),
+        TEST(a_stop_may_leave_a_thread_that_does_not_return),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

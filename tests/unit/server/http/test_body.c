@@ -3,7 +3,7 @@
 #include <zlib.h>
 
 #include "server/http/body.h"
-#include "server/base/inflate.h"
+#include "server/base/gzip.h"
 
 #define LIMIT 10000
 
