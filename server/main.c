@@ -16,7 +16,7 @@
 #include "server/server.h"
 #include "server/store/local/files.h"
 #include "server/store/postgres/address.h"
-#include "server/store/tools.h"
+#include "server/store/store.h"
 #include "server/base/version.h"
 
 #define EXIT_USAGE 2

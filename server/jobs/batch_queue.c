@@ -47,21 +47,22 @@ enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
                                              server_sql_text(order->etag),
                                              items,
                                              server_sql_integer(order->batch->created)};
-    enum server_store_outcome outcome =
-        sql->run(sql,
-                 "WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT "
-                 "number + 1 FROM numbers"
-                 " WHERE number + 1 < $2)"
-                 " INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true ON "
-                 "CONFLICT (batch, item) "
-                 "DO NOTHING",
-                 those, COUNT(those), NULL, NULL);
+    enum server_store_outcome outcome = sql->run(
+        sql,
+        SERVER_SQL("WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT "
+                   "number + 1 FROM numbers"
+                   " WHERE number + 1 < $2)"
+                   " INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true ON "
+                   "CONFLICT (batch, item) "
+                   "DO NOTHING",
+                   those, COUNT(those)));
     if (outcome) return outcome;
-    return sql->run(sql,
-                    "INSERT INTO batches (id, tenant, document, etag, items, created) VALUES ($1, "
-                    "$2, $3, $4, $5, $6)"
-                    " ON CONFLICT (id) DO NOTHING",
-                    batch, COUNT(batch), NULL, NULL);
+    return sql->run(
+        sql,
+        SERVER_SQL("INSERT INTO batches (id, tenant, document, etag, items, created) VALUES ($1, "
+                   "$2, $3, $4, $5, $6)"
+                   " ON CONFLICT (id) DO NOTHING",
+                   batch, COUNT(batch)));
 }
 
 static bool on_count(void *user, const struct server_sql_value *row)
@@ -75,8 +76,8 @@ enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql,
 {
     const struct server_sql_value whose = server_sql_text(tenant);
     *count = 0;
-    return sql->run(sql, "SELECT count(*) FROM batches WHERE tenant = $1", &whose, 1, on_count,
-                    count);
+    return sql->run(sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1", &whose, 1,
+                                    on_count, count));
 }
 
 struct listing {
@@ -107,8 +108,9 @@ enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, 
 {
     const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(id)};
     struct listing listing = {out, 0, 1};
-    enum server_store_outcome outcome = sql->run(sql, SHOWN "WHERE tenant = $1 AND id = $2", values,
-                                                 COUNT(values), on_batch, &listing);
+    enum server_store_outcome outcome =
+        sql->run(sql, SERVER_SQL(SHOWN "WHERE tenant = $1 AND id = $2", values, COUNT(values),
+                                 on_batch, &listing));
     return !outcome && !listing.count ? SERVER_STORE_ABSENT : outcome;
 }
 
@@ -120,8 +122,8 @@ enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, 
                                               server_sql_integer(most)};
     struct listing listing = {out, 0, most};
     enum server_store_outcome outcome =
-        sql->run(sql, SHOWN "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3", values,
-                 COUNT(values), on_batch, &listing);
+        sql->run(sql, SERVER_SQL(SHOWN "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3", values,
+                                 COUNT(values), on_batch, &listing));
     *count = listing.count;
     return outcome;
 }
@@ -148,7 +150,8 @@ enum server_store_outcome server_batch_queue_document(struct server_store_sql *s
     const struct server_sql_value which = server_sql_text(id);
     struct document found = {0};
     enum server_store_outcome outcome =
-        sql->run(sql, "SELECT document FROM batches WHERE id = $1", &which, 1, on_document, &found);
+        sql->run(sql, SERVER_SQL("SELECT document FROM batches WHERE id = $1", &which, 1,
+                                 on_document, &found));
     if (outcome) return outcome;
     if (!found.is_there) return SERVER_STORE_ABSENT;
     if (!found.bytes) return SERVER_STORE_NO_MEMORY;
@@ -165,24 +168,25 @@ enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sq
                                               server_sql_integer(most)};
     return sql->run(
         sql,
-        "SELECT item, status, answer FROM items WHERE batch = $1 AND item > $2 AND status > 0"
-        " ORDER BY item LIMIT $3",
-        values, COUNT(values), visit, user);
+        SERVER_SQL(
+            "SELECT item, status, answer FROM items WHERE batch = $1 AND item > $2 AND status > 0"
+            " ORDER BY item LIMIT $3",
+            values, COUNT(values), visit, user));
 }
 
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
 {
     const struct server_sql_value which = server_sql_text(id);
-    return sql->run(sql, "UPDATE batches SET cancelled = 1 WHERE id = $1", &which, 1, NULL, NULL);
+    return sql->run(sql, SERVER_SQL("UPDATE batches SET cancelled = 1 WHERE id = $1", &which, 1));
 }
 
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
     const struct server_sql_value which = server_sql_text(id);
     enum server_store_outcome outcome =
-        sql->run(sql, "DELETE FROM batches WHERE id = $1", &which, 1, NULL, NULL);
+        sql->run(sql, SERVER_SQL("DELETE FROM batches WHERE id = $1", &which, 1));
     return outcome ? outcome
-                   : sql->run(sql, "DELETE FROM items WHERE batch = $1", &which, 1, NULL, NULL);
+                   : sql->run(sql, SERVER_SQL("DELETE FROM items WHERE batch = $1", &which, 1));
 }
 
 /* --- items ------------------------------------------------------------------------------------ */
@@ -224,7 +228,7 @@ static enum server_store_outcome claim_of(struct server_store_sql *sql, const ch
              " UPDATE items SET lease = $2, node = $3, attempts = attempts + 1 WHERE status = 0"
              " AND (batch, item) IN (SELECT batch, item FROM next) RETURNING batch, item, attempts",
              tenants, sql->skip_locked);
-    return sql->run(sql, text, values, COUNT(values), on_claim, out);
+    return sql->run(sql, SERVER_SQL(text, values, COUNT(values), on_claim, out));
 }
 
 enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
@@ -237,8 +241,8 @@ enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql,
     if (outcome) return outcome;
     if (!claim.id[0]) return SERVER_STORE_ABSENT;
     const struct server_sql_value which = server_sql_text(claim.id);
-    outcome = sql->run(sql, "SELECT tenant, etag FROM batches WHERE id = $1", &which, 1, on_owner,
-                       &claim);
+    outcome = sql->run(sql, SERVER_SQL("SELECT tenant, etag FROM batches WHERE id = $1", &which, 1,
+                                       on_owner, &claim));
     if (!outcome) *out = claim;
     return outcome;
 }
@@ -252,9 +256,11 @@ enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
     int64_t renewed = -1;
     enum server_store_outcome outcome = sql->run(
         sql,
-        "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0"
-        " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0) RETURNING item",
-        values, COUNT(values), on_count, &renewed);
+        SERVER_SQL(
+            "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3 AND status = "
+            "0"
+            " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0) RETURNING item",
+            values, COUNT(values), on_count, &renewed));
     return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
 }
 
@@ -269,15 +275,15 @@ enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql
         server_sql_integer(was_tried ? claim->attempts : claim->attempts - 1)};
     return sql->run(
         sql,
-        "UPDATE items SET lease = $4, node = '', attempts = $5 WHERE batch = $1 AND item = $2"
-        " AND node = $3 AND status = 0",
-        values, COUNT(values), NULL, NULL);
+        SERVER_SQL(
+            "UPDATE items SET lease = $4, node = '', attempts = $5 WHERE batch = $1 AND item = $2"
+            " AND node = $3 AND status = 0",
+            values, COUNT(values)));
 }
 
 enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql)
 {
-    return sql->run(sql, "UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0", NULL, 0, NULL,
-                    NULL);
+    return sql->run(sql, SERVER_SQL("UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0"));
 }
 
 enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id,
@@ -287,8 +293,8 @@ enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql
     const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item),
                                               server_sql_integer(status),
                                               server_sql_bytes(answer, size)};
-    return sql->run(sql,
-                    "UPDATE items SET status = $3, answer = $4, lease = 0 WHERE batch = $1 AND "
-                    "item = $2 AND status = 0",
-                    values, COUNT(values), NULL, NULL);
+    return sql->run(
+        sql, SERVER_SQL("UPDATE items SET status = $3, answer = $4, lease = 0 WHERE batch = $1 AND "
+                        "item = $2 AND status = 0",
+                        values, COUNT(values)));
 }

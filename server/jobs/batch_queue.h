@@ -11,22 +11,20 @@
  * they differ by more an item is worked on twice. An item whose daemon has died over it too often
  * is given up.
  *
- * Thread-safe. Outcomes as store_sql.h. */
+ * Thread-safe. Outcomes as sql.h. */
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
 #define SERVER_JOBS_BATCH_QUEUE_H
 
 #include "server/http/etag.h"
 #include "server/store/key.h"
-#include "server/store/store_sql.h"
+#include "server/store/sql.h"
 
 #define SERVER_BATCH_ID    25    /* with the NUL */
 #define SERVER_BATCH_LEASE 15000 /* ms */
 #define SERVER_BATCH_TRIES 5
 
-#define SERVER_BATCH_QUEUE_FILE "batches.db" /* where a data folder has it */
-
 /* The statements that make the tables in SQLite, NULL-terminated (PostgreSQL's:
- * store_postgres_schema.c). */
+ * store/postgres/schema.c). */
 extern const char *const server_batch_queue_tables[];
 
 struct server_batch {

@@ -45,7 +45,7 @@ static bool local_path(const struct server_config *config, char path[SERVER_DISK
     if (config->store == SERVER_STORE_KIND_MEMORY)
         strcpy(path, ":memory:");
     else
-        snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_BATCH_QUEUE_FILE, config->data_dir);
+        snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_SQL_BATCHES, config->data_dir);
     return config->store == SERVER_STORE_KIND_LOCAL;
 }
 

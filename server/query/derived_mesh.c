@@ -7,7 +7,7 @@
 
 #include "gd/io.h"
 #include "server/query/api.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 
 #define FILE_OPTIONS "format=ply&triangulate=true" /* as the kind of meshes writes them */
 #define COPY_BYTES   ((size_t)4 << 20)             /* between two checks of the control */

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/surfaces/loader.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"

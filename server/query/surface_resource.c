@@ -7,7 +7,7 @@
 #include "server/http/reply.h"
 #include "server/query/api.h"
 #include "server/surfaces/build.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 
 /* Only a new record lacks a description; a record of the registry is immutable. */
 static bool record_describe(struct server_surface *surface)

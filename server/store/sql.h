@@ -1,37 +1,45 @@
-/* SQL: values that go into a statement, and come out of its rows, whatever database runs it.
+/* SQL: statements and their values, for SQLite and PostgreSQL alike.
  *
  *     const struct server_sql_value values[] = {server_sql_text(key), server_sql_integer(version)};
- *     server_postgres_run(connection, "UPDATE … WHERE key = $1 AND version = $2", values, 2, NULL,
- * NULL);
- */
+ *     sql->run(sql, SERVER_SQL("UPDATE … WHERE key = $1 AND version = $2", values, 2)); */
 #ifndef SERVER_STORE_SQL_H
 #define SERVER_STORE_SQL_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
+
+#include "server/store/store.h"
 
 enum server_sql_type { SERVER_SQL_NULL, SERVER_SQL_INTEGER, SERVER_SQL_TEXT, SERVER_SQL_BYTES };
 
-#define SERVER_SQL_VALUES 12 /* most of a statement, and of a row */
+#define SERVER_SQL_VALUES 12 /* at most in a statement, and in a row */
 
-struct server_sql_value { /* borrowed; a row's, for the time of a visit */
+struct server_sql_value { /* borrowed; of a row: for the time of a visit */
     enum server_sql_type type;
     int64_t integer;
-    const char *bytes; /* of TEXT with a NUL behind them */
+    const char *bytes; /* TEXT ends with a NUL */
     size_t size;
 };
 
-/* Is told of a row; false ends the visit. */
+/* Visits a row; false ends the visit. */
 typedef bool server_sql_visit(void *user, const struct server_sql_value *row);
+
+struct server_sql_statement {
+    const char *text; /* contains each parameter, $1, $2, … */
+    const struct server_sql_value *values;
+    int count;
+    server_sql_visit *visit; /* NULL: ignore the rows */
+    void *user;
+};
+
+/* Pointer to a statement; the last members may be left out. */
+#define SERVER_SQL(...) (&(const struct server_sql_statement){.text = __VA_ARGS__})
 
 static inline struct server_sql_value server_sql_integer(int64_t integer)
 {
     return (struct server_sql_value){.type = SERVER_SQL_INTEGER, .integer = integer};
 }
 
-/* NULL: no value. */
+/* NULL: the SQL value NULL. */
 static inline struct server_sql_value server_sql_text(const char *text)
 {
     if (!text) return (struct server_sql_value){.type = SERVER_SQL_NULL};
@@ -42,5 +50,47 @@ static inline struct server_sql_value server_sql_bytes(const void *bytes, size_t
 {
     return (struct server_sql_value){.type = SERVER_SQL_BYTES, .bytes = bytes, .size = size};
 }
+
+/* The first two integers of the last row. */
+struct server_sql_integers {
+    unsigned rows;
+    int64_t at[2];
+};
+
+/* A visit for which `user` is a struct server_sql_integers. */
+static inline bool server_sql_on_integers(void *user, const struct server_sql_value *row)
+{
+    struct server_sql_integers *integers = user;
+    integers->rows++;
+    integers->at[0] = row[0].integer;
+    integers->at[1] = row[1].integer;
+    return true;
+}
+
+/* --- a database of the daemon's own, or a shared one ------------------------------------------ */
+
+#define SERVER_SQL_BATCHES "batches.db" /* the file of batches in a data folder */
+
+/* Thread-safe; its callers may block for disk or network. Each statement is a transaction. It must
+ * be harmless to repeat, since it runs again after a lost connection. */
+struct server_store_sql {
+    /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
+    enum server_store_outcome (*run)(struct server_store_sql *sql,
+                                     const struct server_sql_statement *statement);
+    bool is_shared; /* by several daemons */
+    /* The end of a statement that locks rows which other daemons may have locked: "" or
+     * " FOR UPDATE … SKIP LOCKED". */
+    const char *skip_locked;
+    void (*close)(struct server_store_sql *sql); /* frees it */
+};
+
+/* Opens a SQLite file and creates it if need be; ":memory:": no file. `steps`: NULL-terminated
+ * statements that make the tables, harmless to repeat; static. A damaged file is renamed, now or
+ * later, and an empty one replaces it. NULL with a sentence in `error`. */
+struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
+                                                     char *error, size_t error_size);
+
+/* Opens the database of a PostgreSQL store, which has made the tables. NULL without memory. */
+struct server_store_sql *server_store_sql_postgres_open(const char *url);
 
 #endif

@@ -1,151 +1,160 @@
-/* Store: where surfaces outlive the process. What a back-end must do; the registry keeps the names,
- * the order, the conditions and what is in memory.
+/* Store: keeps surfaces beyond the life of the process. This is the interface of a back-end:
+ * memory.c stores nothing, local/ uses SQLite and files in a folder, postgres/ a PostgreSQL
+ * database that many daemons share. The registry does the rest: order, conditional requests, and
+ * loaded surfaces.
  *
- * store_memory.c keeps nothing, store_local.c SQLite and files in a folder, store_postgres.c a
- * PostgreSQL database that many daemons share.
+ * A shared store gives each change of a surface a version; versions grow in the order of the
+ * changes. The registry passes the version that it knows. If the surface has another one, the
+ * change is STALE: the registry calls follow and decides anew.
  *
- * A store that is shared has a version for each change of a surface: they grow in the order of the
- * changes. The registry tells which version it knows a key to have, and a change that rests on
- * another is STALE: then the registry learns what others changed (follow), and decides anew.
- *
- * Threads: stage, put, keep, remove, tidy and note_uses are called by one thread at a time (the
- * registry's writer lock), each and follow too (its follower's lock), await by one thread; fetch,
- * verify, damaged and health by any. each is called before the others, and of a shared store again
- * when follow asks for it. */
+ * Threads. One thread at a time calls stage, put, keep, remove, tidy and note_uses (under the
+ * registry's writer lock), one at a time each and follow (under its follower's lock), and one
+ * thread await. Any thread calls fetch, verify, damaged and health. each comes before all others.
+ */
 #ifndef SERVER_STORE_STORE_H
 #define SERVER_STORE_STORE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "server/store/record.h"
 
 enum server_store_outcome {
     SERVER_STORE_DONE,
-    SERVER_STORE_CREATED, /* of the registry: done, the name is new */
-    /* of the registry: done, the name had another surface, or the same */
-    SERVER_STORE_REPLACED,
+    SERVER_STORE_CREATED,      /* of the registry: done, the name is new */
+    SERVER_STORE_REPLACED,     /* of the registry: done, the name had a surface */
     SERVER_STORE_ABSENT,       /* there is no such surface */
-    SERVER_STORE_PRECONDITION, /* of the registry: it does not hold; nothing changed */
+    SERVER_STORE_PRECONDITION, /* of the registry: it fails; nothing changed */
     SERVER_STORE_NO_MEMORY,    /* nothing changed */
-    SERVER_STORE_FULL,         /* no room on the disk; nothing changed */
-    /* the system refused to open or rename, or a folder is gone; nothing changed */
-    SERVER_STORE_REFUSED,
-    /* an earlier write, or this one, could not be made durable: no more are tried */
-    SERVER_STORE_READ_ONLY,
-    SERVER_STORE_DAMAGED, /* what is stored is not what was put */
-    SERVER_STORE_STALE,   /* another daemon has changed what this rests on; nothing changed */
-    /* the store can't be reached for now; a change may still turn out to be done */
-    SERVER_STORE_UNAVAILABLE
+    SERVER_STORE_FULL,         /* the disk is full; nothing changed */
+    SERVER_STORE_REFUSED,      /* the system refuses a file, or a folder is gone; nothing changed */
+    SERVER_STORE_READ_ONLY,    /* this write or an earlier one is not durable: writing has ended */
+    SERVER_STORE_DAMAGED,      /* the stored bytes are not those that were put */
+    SERVER_STORE_STALE,        /* another daemon has changed the surface; nothing changed */
+    SERVER_STORE_UNAVAILABLE   /* out of reach for now; a change may turn out to be done */
 };
 
-/* What a look at the stored bytes showed. */
+/* Result of verifying stored bytes. */
 enum server_store_verdict {
     SERVER_VERDICT_SOUND,
-    /* they are not what was put; they are in quarantine: fetch refuses them without reading */
-    SERVER_VERDICT_DAMAGED,
-    SERVER_VERDICT_MISSING,    /* there is no such file */
+    SERVER_VERDICT_DAMAGED, /* now in quarantine: fetch refuses the object without reading it */
+    SERVER_VERDICT_MISSING,
     SERVER_VERDICT_UNREADABLE, /* the system can't read the file */
-    /* the look was ended, or the bytes were written meanwhile, or there was no memory */
-    SERVER_VERDICT_NONE
+    SERVER_VERDICT_NONE        /* ended early, rewritten meanwhile, or no memory */
 };
 
-/* What a surface is made from, by its parts, as many bytes as the record says; borrowed. */
+/* Bytes of a surface's objects, of the sizes in its record; borrowed. */
 struct server_content {
     const void *parts[SERVER_PARTS]; /* NULL: the surface has no such part */
 };
 
-/* How often a surface was used since it was created, and when last. It decides what is loaded first
- * after a start. */
+/* Uses of a surface since it was created. They decide what is loaded first after a start. */
 struct server_store_uses {
     uint64_t count;
     int64_t last; /* seconds since 1970 */
 };
 
-/* A surface as it is stored. */
 struct server_stored {
-    struct server_record *record; /* the visitor retains what it keeps */
+    struct server_record *record; /* the visitor retains it to keep it */
     struct server_store_uses uses;
     uint64_t version; /* 0: the store is not shared */
 };
 
-/* A change that another daemon made, or this one. */
+/* A change, by another daemon or this one. */
 struct server_store_change {
     const char *key;
-    struct server_record *record; /* NULL: the key has no surface any more */
+    struct server_record *record; /* NULL: the surface was removed */
     uint64_t version;
 };
 
+/* Visitors; they return false to end the visit. */
+typedef bool server_stored_visit(void *user, const struct server_stored *stored);
+typedef bool server_change_visit(void *user, const struct server_store_change *change);
+typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
+
 struct server_store {
-    /* Visits what is stored, in any order; false ends the visit. DONE, UNAVAILABLE, NO_MEMORY. */
-    enum server_store_outcome (*each)(struct server_store *store,
-                                      bool (*visit)(void *user, const struct server_stored *stored),
+    /* Visits all surfaces, in any order. DONE, UNAVAILABLE, NO_MEMORY. Of a shared store it is
+     * called again when follow returns STALE. */
+    enum server_store_outcome (*each)(struct server_store *store, server_stored_visit *visit,
                                       void *user);
-    /* Brings what a surface is made from to the store, and sees to it that it is whole, which may
-     * take its time; to be followed by put or keep. NULL: they do so themselves. */
+    /* Writes the objects and verifies those that exist; may be slow. put or keep comes next. NULL:
+     * put and keep do it. */
     enum server_store_outcome (*stage)(struct server_store *store,
                                        const struct server_record *record,
                                        const struct server_content *content);
-    /* Stores a surface under its key, in the place of the one that was there, with what it is made
-     * from. Durable when it returns DONE. `*version`: what the key was known to have, 0: none; and
-     * then what it has now. */
+    /* Stores a surface, or replaces it; durable when it returns DONE. `*version`: in, the known
+     * version of the key, 0 for none; out, the new one. */
     enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record,
                                      const struct server_content *content, uint64_t *version);
-    /* Makes sure that what a stored surface is made from is there, and whole. */
+    /* Verifies the objects of a stored surface and rewrites damaged ones. */
     enum server_store_outcome (*keep)(struct server_store *store,
                                       const struct server_record *record,
                                       const struct server_content *content);
-    /* Durable when it returns DONE. `*version` as for a put. */
+    /* Durable when it returns DONE. `*version` as for put. */
     enum server_store_outcome (*remove)(struct server_store *store,
                                         const struct server_record *record, uint64_t *version);
-    /* Does what a put or a remove that was DONE has left to be done, once nobody can find what it
-     * took away: only now may bytes go that no surface has any more. */
+    /* Deletes objects that the last put or remove left unused, after the registry has unlisted the
+     * surface. */
     void (*tidy)(struct server_store *store);
-    /* The bytes of a part that the surface has, as many as its record says, verified, malloc'ed.
-     * DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL: this store keeps no bytes, and what is loaded must
-     * stay in memory. */
+    /* Reads and verifies a part, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL: the store
+     * keeps no bytes, so that surfaces can't be unloaded. */
     enum server_store_outcome (*fetch)(struct server_store *store,
                                        const struct server_record *record, enum server_part part,
                                        void **bytes);
-    /* Reads a part that the surface has, and compares it with its checksum, in little memory;
-     * `pace` is told of each piece of so many bytes, and returns false to end it. NULL: this store
-     * keeps no bytes. */
+    /* Verifies a part in little memory. NULL: the store keeps no bytes. */
     enum server_store_verdict (*verify)(struct server_store *store,
                                         const struct server_record *record, enum server_part part,
-                                        bool (*pace)(void *user, size_t bytes), void *user);
-    /* How many objects are in quarantine. NULL: this store keeps no bytes. */
+                                        server_pace *pace, void *user);
+    /* The number of objects in quarantine. NULL: the store has none. */
     uint32_t (*damaged)(struct server_store *store);
-    /* Shows what was changed since the last time, in the order of versions; false ends it. STALE:
-     * too much was; each is to be called, and what it does not visit is gone. UNAVAILABLE,
-     * NO_MEMORY. NULL: the store is not shared. */
-    enum server_store_outcome (*follow)(struct server_store *store,
-                                        bool (*visit)(void *user,
-                                                      const struct server_store_change *change),
+    /* Visits the changes since the last call, in the order of versions. STALE: too many; call each,
+     * and drop what it does not visit. UNAVAILABLE, NO_MEMORY. NULL: the store is not shared. */
+    enum server_store_outcome (*follow)(struct server_store *store, server_change_visit *visit,
                                         void *user);
-    /* Waits until something was changed, as far as that is told at once, or so long. NULL as
-     * follow. */
+    /* Blocks for `ns`, or less if there is a change. NULL: the store is not shared. */
     void (*await)(struct server_store *store, uint64_t ns);
-    /* Remembers the uses of some surfaces, if it can. */
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);
-    /* Why nothing can be written, or the store not be reached, as a sentence that lives as long as
-     * it; NULL: all is well. */
+    /* Why the store can't write or be reached, a sentence of the store's; NULL: all is well. */
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
 };
 
+/* Functions that do nothing; close frees. For back-ends that need nothing else. */
+extern const struct server_store server_store_nothing;
+
 /* A store that forgets everything when it is closed. NULL without memory. */
 struct server_store *server_store_memory_create(void);
 
-/* The store in a folder, which is created if need be and belongs to one process at a time. NULL
- * with a sentence in `error`: another process has it, the folder can't be used, or a later version
- * wrote it. Damage never keeps it from opening: it is mended as far as possible, and logged. */
+/* Opens the store in a folder, creates it if need be, and locks it. Repairs and logs damage. NULL
+ * with a sentence in `error`: another process has it, it can't be used, or a later version wrote
+ * it. */
 struct server_store *server_store_local_open(const char *folder, char *error, size_t error_size);
 
-/* The store in a PostgreSQL database ("postgresql://…"), whose tables are made or brought up to
- * date if need be. NULL with a sentence in `error`: it does not answer within ten seconds, refuses,
- * or has the tables of a later version. */
+/* Opens the store in a PostgreSQL database ("postgresql://…") and makes or updates its tables. NULL
+ * with a sentence in `error`: no answer within ten seconds, a refusal, or tables of a later
+ * version. */
 struct server_store *server_store_postgres_open(const char *url, char *error, size_t error_size);
+
+/* --- tools of the operator -------------------------------------------------------------------- */
+
+/* Reads every row, manifest, object, stored field and batch of a data folder that no daemon uses.
+ * Prints to `out` one line for each fault, one for each kind of file that the next start tidies up,
+ * and the sums. Changes nothing but SQLite's -shm of a killed daemon. False: there are faults, or
+ * it can't be checked. */
+bool server_store_check(const char *folder, FILE *out);
+
+/* Likewise for a PostgreSQL store, in use or not: every row and every object that a row names. */
+bool server_store_check_postgres(const char *url, FILE *out);
+
+/* Copies the data folder `folder`, as it is at one moment, in use or not, to the new folder `copy`.
+ * Objects become hard links where possible; each is verified. False with a sentence on `out`. */
+bool server_store_backup(const char *folder, const char *copy, FILE *out);
+
+/* Makes the new data folder `folder` from a backup and verifies every file. Copies objects, so that
+ * a bad block of one folder does not damage the other. False with a sentence on `out`. */
+bool server_store_restore(const char *folder, const char *backup, FILE *out);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 
 #define NOUN 64
 

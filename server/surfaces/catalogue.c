@@ -12,7 +12,11 @@
 #define FIRST_CAPACITY     8
 #define VERSION_CHARACTERS 8 /* of an id that are the ETag's */
 
+#define MEMSIZE                                                                                    \
+    ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) + sizeof(struct server_catalogue))
+
 struct server_catalogue {
+    struct server_attached attached; /* first; to a record */
     pthread_mutex_t lock;
     struct server_resource **resources; /* sorted by id */
     uint32_t count, capacity;
@@ -199,10 +203,16 @@ static void grow(struct server_catalogue *catalogue)
 
 /* --- in and out ------------------------------------------------------------------------------- */
 
+static void catalogue_detach(struct server_attached *attached)
+{
+    server_catalogue_destroy((struct server_catalogue *)attached);
+}
+
 struct server_catalogue *server_catalogue_create(void)
 {
     struct server_catalogue *catalogue = calloc(1, sizeof *catalogue);
     if (!catalogue) return NULL;
+    catalogue->attached = (struct server_attached){.bytes = MEMSIZE, .destroy = catalogue_detach};
     catalogue->capacity = FIRST_CAPACITY;
     catalogue->resources = malloc(FIRST_CAPACITY * sizeof(struct server_resource *));
     pthread_mutex_init(&catalogue->lock, NULL);
@@ -219,6 +229,14 @@ void server_catalogue_destroy(struct server_catalogue *catalogue)
     pthread_mutex_destroy(&catalogue->lock);
     free(catalogue->resources);
     free(catalogue);
+}
+
+struct server_catalogue *server_record_catalogue(struct server_record *record)
+{
+    struct server_attached *attached = atomic_load(&record->attached);
+    struct server_catalogue *made = attached ? NULL : server_catalogue_create();
+    if (made) attached = server_record_attach(record, &made->attached);
+    return (struct server_catalogue *)attached;
 }
 
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,

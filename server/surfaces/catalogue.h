@@ -14,14 +14,11 @@
 #include "proto/field.h"
 #include "server/work/budget.h"
 #include "server/access/credentials.h"
+#include "server/store/record.h"
 
 #define SERVER_CATALOGUE_RESOURCES 1024 /* of a key */
 #define SERVER_CATALOGUE_BYTES     ((size_t)16 << 20)
 #define SERVER_CATALOGUE_FORGOTTEN 256
-#define SERVER_CATALOGUE_MEMSIZE                                                                   \
-    ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) +                                           \
-     SERVER_CATALOGUE_FORGOTTEN * (PROTO_FIELD_ID + 1) + 128)
-
 struct server_resource {
     atomic_uint references;
     char id[PROTO_FIELD_ID + 1];
@@ -50,9 +47,12 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
 
 struct server_catalogue;
 
-/* An empty one, or NULL without memory. */
+/* An empty catalogue, which is attached to no record; NULL without memory. */
 struct server_catalogue *server_catalogue_create(void);
 void server_catalogue_destroy(struct server_catalogue *catalogue); /* NULL is harmless */
+
+/* The catalogue of a record, created on the first call; the record's. NULL without memory. */
+struct server_catalogue *server_record_catalogue(struct server_record *record);
 
 enum server_catalogue_finding {
     SERVER_CATALOGUE_FOUND,

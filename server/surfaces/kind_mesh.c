@@ -4,7 +4,7 @@
 
 #include "gd/io.h"
 #include "server/surfaces/build.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 
 /* --- options ---------------------------------------------------------------------------------- */
 

@@ -5,7 +5,7 @@
 
 #include "proto/decode.h"
 #include "server/surfaces/build.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/surfaces/nurbs_surface.h"
 
 const struct server_nurbs *server_nurbs_of(const struct server_surface *surface)

@@ -6,7 +6,7 @@
 #include "proto/subdivision.h"
 #include "proto/decode.h"
 #include "server/surfaces/build.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/surfaces/subdivision_surface.h"
 
 struct server_subdivision *server_subdivision_of(const struct server_surface *surface)

@@ -5,7 +5,7 @@
 
 #include "server/surfaces/build.h"
 #include "server/surfaces/field_store.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/base/log.h"
 
 static bool on_progress(void *user, double fraction)

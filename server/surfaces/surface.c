@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,

@@ -12,7 +12,7 @@
 #include "proto/page.h"
 #include "server/jobs/batches.h"
 #include "server/query/request.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/base/log.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"

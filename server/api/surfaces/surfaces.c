@@ -4,7 +4,7 @@
 #include "proto/page.h"
 #include "server/query/surface_resource.h"
 #include "server/query/request.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
 

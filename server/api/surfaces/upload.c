@@ -10,7 +10,7 @@
 #include "server/query/surface_resource.h"
 #include "server/query/derived_mesh.h"
 #include "server/query/request.h"
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
 

@@ -1,12 +1,11 @@
-/* See store_tools.h: --check-store. Files that are named by their checksum are read first, each
- * once; then the manifests and the rows, which say which of them there must be. */
+/* See store.h: --check-store of a data folder. Reads the files that are named by their checksum,
+ * each once; then manifests and rows, which name the files that there must be. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/jobs/batch_queue.h"
 #include "server/store/local/database.h"
 #include "server/store/local/files.h"
-#include "server/store/tools.h"
+#include "server/store/sql.h"
 
 #define HEX_DIGITS "0123456789abcdef"
 #define HASH       (SERVER_SHA256_HEX - 1)
@@ -33,24 +32,23 @@ static void fault(struct check *check, const char *what, const char *name)
     check->faults++;
 }
 
-static void each_file(struct check *check, const char *folder,
-                      void (*visit)(void *user, const char *path, const char *file))
+static void fault_foreign(struct check *check, const char *path)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(&check->files, path, folder);
-    if (!server_disk_each(path, visit, check)) fault(check, "the folder can't be read", path);
+    fault(check, "the file is none of the store's", path);
+}
+
+static void check_folder(struct check *check, const char *folder,
+                         void (*visit)(void *user, const char *path, const char *file))
+{
+    if (!server_files_each(&check->files, folder, visit, check))
+        fault(check, "the folder can't be read",
+              server_files_path(&check->files, "%s", folder).text);
 }
 
 /* --- files that are named by their checksum --------------------------------------------------- */
 
-/* Does the name begin with a hash, and what follows it? NULL: it does not. */
-static const char *after_hash(const char *file)
-{
-    return strspn(file, HEX_DIGITS) == HASH ? file + HASH : NULL;
-}
-
-/* Is the file what its name says? */
-static bool is_sound(const char *path, const char *file, size_t *size)
+/* Reads a file; false: its SHA-256 is not the beginning of its name. */
+static bool file_is_sound(const char *path, const char *file, size_t *size)
 {
     char found[SERVER_SHA256_HEX];
     void *bytes;
@@ -60,7 +58,7 @@ static bool is_sound(const char *path, const char *file, size_t *size)
     return strncmp(found, file, HASH) == 0;
 }
 
-static struct object *add_object(struct check *check)
+static struct object *object_add(struct check *check)
 {
     if (check->object_count == check->object_capacity) {
         size_t capacity = check->object_capacity ? 2 * check->object_capacity : 64;
@@ -69,7 +67,7 @@ static struct object *add_object(struct check *check)
         check->objects = objects;
         check->object_capacity = capacity;
     }
-    return memset(&check->objects[check->object_count++], 0, sizeof(struct object));
+    return &check->objects[check->object_count++];
 }
 
 static void on_object(void *user, const char *path, const char *file)
@@ -77,33 +75,31 @@ static void on_object(void *user, const char *path, const char *file)
     struct check *check = user;
     const char *folder = path + strlen(path) - strlen(file) - 3;
     if (!server_files_object_check(file) || strncmp(folder, file, 2) != 0) {
-        fault(check, "the file is none of the store's", path);
+        fault_foreign(check, path);
         return;
     }
-    struct object *object = add_object(check);
+    struct object *object = object_add(check);
     if (!object) {
         fault(check, "there is no memory to check the file", path);
         return;
     }
+    memset(object, 0, sizeof *object);
     strcpy(object->id, file);
-    object->is_sound = is_sound(path, file, &object->size);
+    object->is_sound = file_is_sound(path, file, &object->size);
 }
 
 static void on_object_folder(void *user, const char *path, const char *file)
 {
-    struct check *check = user;
-    if (strlen(file) != 2 || !server_disk_each(path, on_object, check))
-        fault(check, "the file is none of the store's", path);
+    if (strlen(file) != 2 || !server_disk_each(path, on_object, user)) fault_foreign(user, path);
 }
 
 static void on_field(void *user, const char *path, const char *file)
 {
     struct check *check = user;
-    const char *rest = after_hash(file);
     size_t size;
-    if (!rest)
+    if (strspn(file, HEX_DIGITS) != HASH)
         check->leftovers++;
-    else if (is_sound(path, file, &size))
+    else if (file_is_sound(path, file, &size))
         check->fields++;
     else
         fault(check, "the stored field is damaged; it is computed again when it is wanted", path);
@@ -112,8 +108,7 @@ static void on_field(void *user, const char *path, const char *file)
 static void on_field_folder(void *user, const char *path, const char *file)
 {
     (void)file;
-    if (!server_disk_each(path, on_field, user))
-        fault(user, "the file is none of the store's", path);
+    if (!server_disk_each(path, on_field, user)) fault_foreign(user, path);
 }
 
 static int by_id(const void *a, const void *b)
@@ -121,26 +116,14 @@ static int by_id(const void *a, const void *b)
     return strcmp(((const struct object *)a)->id, ((const struct object *)b)->id);
 }
 
-static void check_files(struct check *check)
-{
-    char fields[SERVER_DISK_PATH];
-    each_file(check, "objects", on_object_folder);
-    if (check->object_count)
-        qsort(check->objects, check->object_count, sizeof *check->objects, by_id);
-    server_files_path(&check->files, fields, "fields");
-    (void)server_disk_each(fields, on_field_folder, check); /* there need not be any */
-}
-
-/* How the parts of a surface are told of. */
-static const char *const missing[SERVER_PARTS] = {"the surface's file is missing",
-                                                  "the surface's attachment is missing"};
-static const char *const damaged[SERVER_PARTS] = {
-    "the surface's file is damaged or can't be read",
-    "the surface's attachment is damaged or can't be read"};
-
 static void check_object(struct check *check, const struct server_record *record,
                          enum server_part part)
 {
+    static const char *const missing[SERVER_PARTS] = {"the surface's file is missing",
+                                                      "the surface's attachment is missing"};
+    static const char *const damaged[SERVER_PARTS] = {
+        "the surface's file is damaged or can't be read",
+        "the surface's attachment is damaged or can't be read"};
     struct server_object wanted;
     struct object sought;
     if (!server_record_object(record, part, &wanted)) return;
@@ -175,15 +158,14 @@ static void check_unused_objects(struct check *check)
     }
 }
 
-/* --- manifests -------------------------------------------------------------------------------- */
+/* --- manifests, rows and batches -------------------------------------------------------------- */
 
-static struct server_record *read_manifest(const struct check *check, const char *key)
+static struct server_record *manifest_read(const struct check *check, const char *key)
 {
     char checksum[SERVER_SHA256_HEX];
     struct server_record *record = NULL;
-    return server_files_read_manifest(&check->files, key, &record, checksum) == SERVER_RECORD_READ
-               ? record
-               : NULL;
+    (void)server_files_read_manifest(&check->files, key, &record, checksum);
+    return record;
 }
 
 static void on_manifest(void *user, const char *path, const char *file)
@@ -194,10 +176,10 @@ static void on_manifest(void *user, const char *path, const char *file)
         if (strstr(file, SERVER_DISK_ASIDE))
             check->aside++;
         else
-            fault(check, "the file is none of the store's", path);
+            fault_foreign(check, path);
         return;
     }
-    struct server_record *record = read_manifest(check, key);
+    struct server_record *record = manifest_read(check, key);
     if (!record) {
         fault(check, "the manifest is damaged", key);
         return;
@@ -210,17 +192,14 @@ static void on_manifest(void *user, const char *path, const char *file)
     server_record_release(record);
 }
 
-/* --- rows ------------------------------------------------------------------------------------- */
-
 static bool on_row(void *user, const struct server_row *row)
 {
     struct check *check = user;
-    struct server_record *record = NULL;
+    struct server_record *record = NULL, *manifest = manifest_read(check, row->key);
     if (server_record_read_named(row->key, row->text, row->size, &record) == SERVER_RECORD_READ)
         check->rows++;
     else
         fault(check, "the row in the database is damaged", row->key);
-    struct server_record *manifest = read_manifest(check, row->key);
     if (!manifest) {
         fault(check, "the row in the database has no manifest that can be read", row->key);
         if (record) check_objects(check, record);
@@ -234,32 +213,31 @@ static bool on_row(void *user, const struct server_row *row)
 
 static void check_database(struct check *check)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(&check->files, path, "geodesicd.db");
-    enum server_store_outcome outcome = server_database_open_to_read(path, &check->database);
+    const struct server_path path = server_files_path(&check->files, SERVER_STORE_DATABASE);
+    enum server_store_outcome outcome =
+        server_database_open(path.text, SERVER_DATABASE_READ, &check->database);
     if (!outcome) outcome = server_database_each(check->database, on_row, check);
-    each_file(check, "manifests", on_manifest);
+    check_folder(check, "manifests", on_manifest);
     if (outcome == SERVER_STORE_ABSENT && check->manifests)
         fault(check, "the database is missing; the next start makes it again from the manifests",
-              path);
+              path.text);
     else if (outcome && outcome != SERVER_STORE_ABSENT)
         fault(check,
               "the database is damaged or can't be read; the next start makes it again from the "
               "manifests",
-              path);
+              path.text);
 }
 
-/* There need not be any. */
 static void check_batches(struct check *check)
 {
     struct server_database *database = NULL;
-    char path[SERVER_DISK_PATH];
-    server_files_path(&check->files, path, SERVER_BATCH_QUEUE_FILE);
-    enum server_store_outcome outcome = server_database_open_to_copy(path, &database);
+    const struct server_path path = server_files_path(&check->files, SERVER_SQL_BATCHES);
+    enum server_store_outcome outcome =
+        server_database_open(path.text, SERVER_DATABASE_COPY, &database);
     if (outcome && outcome != SERVER_STORE_ABSENT)
         fault(check,
               "the database of batches is damaged or can't be read; without it there are none",
-              path);
+              path.text);
     server_database_close(database, false);
 }
 
@@ -267,17 +245,14 @@ static void check_batches(struct check *check)
 
 static void on_temporary(void *user, const char *path, const char *file)
 {
-    struct check *check = user;
     (void)path, (void)file;
-    check->leftovers++;
+    ((struct check *)user)->leftovers++;
 }
 
-/* What earlier starts put aside, beside the database. */
 static void on_file(void *user, const char *path, const char *file)
 {
-    struct check *check = user;
     (void)path;
-    check->aside += strstr(file, SERVER_DISK_ASIDE) != NULL;
+    ((struct check *)user)->aside += strstr(file, SERVER_DISK_ASIDE) != NULL;
 }
 
 static void print_sums(const struct check *check)
@@ -285,9 +260,8 @@ static void print_sums(const struct check *check)
     if (check->unfinished)
         fprintf(check->out,
                 "note: %u surfaces have no row in the database, or an older one: changes that were "
-                "cut short before they "
-                "were "
-                "acknowledged, or rows that could not be written; the next start writes them\n",
+                "cut short before they were acknowledged, or rows that could not be written; the "
+                "next start writes them\n",
                 check->unfinished);
     if (check->leftovers)
         fprintf(check->out,
@@ -307,18 +281,20 @@ static void print_sums(const struct check *check)
 bool server_store_check(const char *folder, FILE *out)
 {
     struct check check = {.out = out};
-    char error[512], temporary[SERVER_DISK_PATH];
+    char error[512];
     if (!server_files_open_existing(&check.files, folder, error, sizeof error)) {
         fprintf(out, "%s\n", error);
         return false;
     }
-    check_files(&check);
+    check_folder(&check, "objects", on_object_folder);
+    if (check.object_count) qsort(check.objects, check.object_count, sizeof *check.objects, by_id);
+    /* these two folders need not exist */
+    (void)server_files_each(&check.files, "fields", on_field_folder, &check);
+    (void)server_files_each(&check.files, "temporary", on_temporary, &check);
     check_database(&check);
     check_batches(&check);
     check_unused_objects(&check);
-    server_files_path(&check.files, temporary, "temporary");
-    (void)server_disk_each(temporary, on_temporary, &check); /* there need not be any */
-    each_file(&check, "", on_file);
+    check_folder(&check, "", on_file);
     print_sums(&check);
     server_database_close(check.database, false);
     server_files_close(&check.files);

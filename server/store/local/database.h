@@ -1,32 +1,31 @@
-/* Store database: the records of a local store as rows of SQLite. It is the store's fast index:
- * each row has a manifest (record.h) beside it, from which it can be made again.
+/* Database of a local store: the records as rows of SQLite, a fast index. Each row has a manifest
+ * (record.h), from which it can be made again.
  *
- * One connection, used by one thread at a time, writes and does all checkpoints itself, when it
- * sees fit to: SQLite 3.40 can reset its log wrongly when two connections do. Every statement
- * answers with an outcome of the store: READ_ONLY means that SQLite could not write or sync. */
+ * One connection, used by one thread at a time, writes and makes all checkpoints: SQLite 3.40 can
+ * reset its log wrongly when two connections do. READ_ONLY means that SQLite failed to write or
+ * sync. */
 #ifndef SERVER_STORE_LOCAL_DATABASE_H
 #define SERVER_STORE_LOCAL_DATABASE_H
 
 #include "server/store/store.h"
 
+struct sqlite3;
 struct server_database;
 
-/* Opens or creates the file, checks it from end to end and brings it to today's schema. DAMAGED: it
- * is to be put aside and made again. */
-enum server_store_outcome server_database_open(const char *path, struct server_database **out);
+enum server_database_use {
+    /* Creates the file if need be, checks all of it and migrates it to the current schema. */
+    SERVER_DATABASE_WRITE,
+    /* For a short time, while another process may write; only creates the -shm of a log that a
+     * crash left. ABSENT: no file, or no tables yet. */
+    SERVER_DATABASE_READ,
+    SERVER_DATABASE_COPY /* as READ, for any tables: only to check and copy it */
+};
 
-/* Opens it to read it, for a moment, while another process may be writing: nothing is changed, but
- * for the index of a log (-shm) that a crash left. ABSENT: there is none, or it has no tables yet.
- */
-enum server_store_outcome server_database_open_to_read(const char *path,
-                                                       struct server_database **out);
+/* DAMAGED: rename the file and open a new one. */
+enum server_store_outcome server_database_open(const char *path, enum server_database_use use,
+                                               struct server_database **out);
 
-/* Likewise one with whatever tables (batch_queue.h): to check it, which this does, and to copy it.
- */
-enum server_store_outcome server_database_open_to_copy(const char *path,
-                                                       struct server_database **out);
-
-/* Closes. `is_sound`: what is in the log may go into the database. NULL is harmless. */
+/* `is_sound`: the log may be moved into the database. NULL is harmless. */
 void server_database_close(struct server_database *database, bool is_sound);
 
 struct server_row {         /* borrowed, for the time of a visit */
@@ -35,7 +34,7 @@ struct server_row {         /* borrowed, for the time of a visit */
     struct server_store_uses uses;
 };
 
-/* Visits the rows in the order of their keys; the visitor returns false to end it. */
+/* Visits the rows in the order of keys; `visit` returns false to end it. */
 enum server_store_outcome
 server_database_each(struct server_database *database,
                      bool (*visit)(void *user, const struct server_row *row), void *user);
@@ -44,11 +43,11 @@ enum server_store_outcome server_database_put(struct server_database *database,
                                               const struct server_record *record);
 enum server_store_outcome server_database_remove(struct server_database *database, const char *key);
 
-/* How many rows name this object, as file or attachment. */
+/* Counts the rows that name this object, as file or attachment. */
 enum server_store_outcome server_database_count(struct server_database *database,
                                                 const char *object, int64_t *count);
 
-/* Ids of the objects that the key has now, empty where it has none; ABSENT. */
+/* The ids of the key's objects, empty where there is none; ABSENT. */
 enum server_store_outcome server_database_find(struct server_database *database, const char *key,
                                                char objects[SERVER_PARTS][SERVER_OBJECT]);
 
@@ -57,13 +56,32 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
                                                     const struct server_store_uses *uses,
                                                     uint32_t count);
 
-/* Copies the database, as it is at one moment, into a new file. */
+/* Copies the database, as it is at one moment, to a new file. */
 enum server_store_outcome server_database_copy(struct server_database *database, const char *path);
 
-/* False once the log could not be moved into the database: then every write is refused. */
+/* False after a failed checkpoint: every write is refused. */
 bool server_database_is_sound(const struct server_database *database);
 
-/* What SQLite says of the last failure. */
+/* SQLite's message of the last failure. */
 const char *server_database_error(struct server_database *database);
+
+/* --- SQLite, also for the batches ------------------------------------------------------------- */
+
+/* Opens a connection and sets what every one of ours needs. Returns a result code; the caller
+ * closes `*out` in any case. */
+int server_sqlite_open(const char *path, int flags, struct sqlite3 **out);
+
+/* Reads the whole database: SQLITE_CORRUPT if it is damaged. */
+int server_sqlite_check(struct sqlite3 *connection);
+
+/* The outcome that a result code means. */
+enum server_store_outcome server_sqlite_outcome(int code);
+
+/* Migrates a database from its user_version to `version` in one transaction. steps[i] makes version
+ * i + 1 of version i; steps are added at the end and never changed. Copies a database that is not
+ * new to `copy_path` first. DAMAGED: an impossible version, or a step fails. */
+enum server_store_outcome server_sqlite_migrate(struct sqlite3 *connection,
+                                                const char *const *steps, int version,
+                                                const char *copy_path);
 
 #endif

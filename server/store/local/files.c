@@ -1,21 +1,23 @@
-/* See store_files.h. */
+/* See files.h. */
 #include "server/store/local/files.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
-#include <stdio.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define BALLAST_BYTES   ((size_t)1 << 20)
-#define HEX_DIGITS      "0123456789abcdef"
-#define HASH            (SERVER_SHA256_HEX - 1)
-#define MANIFEST_SUFFIX ".manifest"
-#define ASIDE           "temporary/aside" /* the manifest that one is taking the place of */
+#include "server/store/sql.h"
+
+#define BALLAST_BYTES ((size_t)1 << 20)
+#define HEX_DIGITS    "0123456789abcdef"
+#define HASH          (SERVER_SHA256_HEX - 1)
+#define ASIDE         "temporary/aside" /* the manifest that is being replaced */
+#define UNFINISHED    "unfinished"
 
 enum server_store_outcome server_files_outcome(enum server_disk_result result)
 {
@@ -36,47 +38,48 @@ enum server_store_outcome server_files_outcome(enum server_disk_result result)
     return SERVER_STORE_REFUSED;
 }
 
-/* Of writing a file of the store: one whose folder is not there can't be. */
-static enum server_store_outcome written(enum server_disk_result result)
+/* The outcome of writing a file: REFUSED if its folder is missing. */
+static enum server_store_outcome write_outcome(enum server_disk_result result)
 {
     return result == SERVER_DISK_ABSENT ? SERVER_STORE_REFUSED : server_files_outcome(result);
 }
 
 /* --- paths ------------------------------------------------------------------------------------ */
 
-void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                       const char *name)
+struct server_path server_files_path(const struct server_store_files *files, const char *format,
+                                     ...)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/%s", files->folder, name);
+    struct server_path path;
+    va_list arguments;
+    int size = snprintf(path.text, sizeof path.text, "%s/", files->folder);
+    va_start(arguments, format);
+    vsnprintf(path.text + size, sizeof path.text - (size_t)size, format, arguments);
+    va_end(arguments);
+    return path;
 }
 
-static void object_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                          const char *object)
+struct server_path server_files_object_path(const struct server_store_files *files,
+                                            const char *object)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s", files->folder, object);
+    return server_files_path(files, "objects/%.2s/%s", object, object);
 }
 
-void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                              const char *object)
+static struct server_path manifest_path(const struct server_store_files *files, const char *key)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s/%s", files->folder, object, object);
+    return server_files_path(files, "manifests/%s" SERVER_MANIFEST, key);
 }
 
-void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                                const char *key)
+bool server_files_each(const struct server_store_files *files, const char *folder,
+                       void (*visit)(void *user, const char *path, const char *file), void *user)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/manifests/%s" MANIFEST_SUFFIX, files->folder, key);
-}
-
-static void temporary_path(struct server_store_files *files, char path[SERVER_DISK_PATH])
-{
-    snprintf(path, SERVER_DISK_PATH, "%s/temporary/%u", files->folder, files->serial++);
+    const struct server_path path = server_files_path(files, "%s", folder);
+    return server_disk_each(path.text, visit, user);
 }
 
 bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT])
 {
-    size_t size = strlen(file), suffix = strlen(MANIFEST_SUFFIX);
-    if (size <= suffix || strcmp(file + size - suffix, MANIFEST_SUFFIX) != 0) return false;
+    size_t size = strlen(file), suffix = strlen(SERVER_MANIFEST);
+    if (size <= suffix || strcmp(file + size - suffix, SERVER_MANIFEST) != 0) return false;
     if (!server_key_check(file, size - suffix)) return false;
     snprintf(key, SERVER_KEY_TEXT, "%.*s", (int)(size - suffix), file);
     return true;
@@ -84,42 +87,28 @@ bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT])
 
 bool server_files_object_check(const char *file)
 {
-    size_t digits = strspn(file, HEX_DIGITS);
-    if (digits != HASH) return false;
-    return !file[digits] || (file[digits] == '.' && server_tenant_check(file + digits + 1));
+    const char *rest = file + strspn(file, HEX_DIGITS);
+    return rest - file == HASH && (!*rest || (*rest == '.' && server_tenant_check(rest + 1)));
 }
 
-/* --- open ------------------------------------------------------------------------------------- */
+/* --- folders ---------------------------------------------------------------------------------- */
 
-/* The folder and those above it that are missing. */
+/* Creates the folder and those above it. */
 static enum server_disk_result make_folders(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
+    enum server_disk_result result = SERVER_DISK_DONE;
     snprintf(path, sizeof path, "%s", folder);
-    for (char *slash = path + 1; (slash = strchr(slash, '/')); slash++) {
+    for (char *slash = path; !result && (slash = strchr(slash + 1, '/'));) {
         *slash = '\0';
-        enum server_disk_result result =
-            server_disk_exists(path) ? SERVER_DISK_DONE : server_disk_make_folder(path);
-        *slash = '/';
-        if (result) return result;
-    }
-    return server_disk_make_folder(path);
-}
-
-static enum server_disk_result make_layout(const struct server_store_files *files)
-{
-    static const char *const folders[] = {"objects", "manifests", "temporary"};
-    char path[SERVER_DISK_PATH];
-    enum server_disk_result result = make_folders(files->folder);
-    for (size_t i = 0; !result && i < sizeof folders / sizeof *folders; i++) {
-        server_files_path(files, path, folders[i]);
         result = server_disk_make_folder(path);
+        *slash = '/';
     }
-    return result;
+    return result ? result : server_disk_make_folder(path);
 }
 
-/* Makes durable the names of the folders that the data folder stands in: of those that this process
- * may write to, since in no other can it have made one. */
+/* Makes durable the names of the folders above. A process that was killed may have made one without
+ * that. It can't have made one in a folder that it may not write to. */
 static enum server_disk_result sync_path(const char *folder)
 {
     char text[SERVER_STORE_FOLDER], *path = text;
@@ -129,21 +118,41 @@ static enum server_disk_result sync_path(const char *folder)
         path = dirname(path);
         if (access(path, W_OK) == 0) result = server_disk_sync_folder(path);
         if (result == SERVER_DISK_LOST && errno == EACCES)
-            result = SERVER_DISK_DONE; /* it is out of reach (sandbox.h) */
+            result = SERVER_DISK_DONE; /* out of reach in the sandbox (sandbox.h) */
     } while (!result && strcmp(path, "/") != 0 && strcmp(path, ".") != 0);
     return result;
 }
 
-/* A process may have been killed after it made a folder and before the name was durable: who finds
- * the folder and puts files into it would lose them with it. So all names that are there are made
- * durable before the first use. */
-static enum server_disk_result sync_layout(const struct server_store_files *files)
+static bool refuse_folder(const char *folder, char *error, size_t error_size)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(files, path, "objects");
-    enum server_disk_result result = sync_path(files->folder);
+    snprintf(error, error_size,
+             "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
+             folder, strerror(errno));
+    return false;
+}
+
+/* Creates the folders of the store and makes all their names durable. */
+static bool make_layout(const struct server_store_files *files, char *error, size_t error_size)
+{
+    static const char *const folders[] = {"temporary", "manifests", "objects"};
+    struct server_path path;
+    enum server_disk_result result = make_folders(files->folder);
+    for (size_t i = 0; !result && i < sizeof folders / sizeof *folders; i++) {
+        path = server_files_path(files, "%s", folders[i]);
+        result = server_disk_make_folder(path.text);
+    }
+    if (!result) result = sync_path(files->folder);
     if (!result) result = server_disk_sync_folder(files->folder);
-    return result ? result : server_disk_sync_folder(path);
+    if (!result) result = server_disk_sync_folder(path.text);
+    return !result || refuse_folder(files->folder, error, error_size);
+}
+
+/* --- open ------------------------------------------------------------------------------------- */
+
+static bool refuse_path(const char *path, char *error, size_t error_size)
+{
+    snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
+    return false;
 }
 
 static bool refuse_second(const struct server_store_files *files, char *error, size_t error_size)
@@ -155,30 +164,23 @@ static bool refuse_second(const struct server_store_files *files, char *error, s
     return false;
 }
 
-static bool refuse_path(const char *path, char *error, size_t error_size)
-{
-    snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
-    return false;
-}
-
-/* The folder itself is locked, since a file that holds a lock can be removed; and the file, by
- * which earlier versions know, and which can be locked where a folder can't (NFS). */
+/* Locks the folder, since a locked file can be removed, and the file, for earlier versions and
+ * where folders can't be locked (NFS). */
 static bool lock_both(struct server_store_files *files, int flags, char *error, size_t error_size)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(files, path, "lock");
+    const struct server_path path = server_files_path(files, "lock");
     files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (files->held < 0) return refuse_path(files->folder, error, error_size);
     if (flock(files->held, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return refuse_second(files, error, error_size);
-    files->lock = open(path, flags | O_CLOEXEC | O_NONBLOCK, 0600);
-    /* without O_CREAT: a copy has no such file as yet */
+    files->lock = open(path.text, flags | O_CLOEXEC | O_NONBLOCK, 0600);
+    /* without O_CREAT: a copy has no such file yet */
     if (files->lock < 0 && errno == ENOENT) return true;
-    if (files->lock < 0) return refuse_path(path, error, error_size);
+    if (files->lock < 0) return refuse_path(path.text, error, error_size);
     return flock(files->lock, LOCK_EX | LOCK_NB) == 0 || refuse_second(files, error, error_size);
 }
 
-static bool take_lock(struct server_store_files *files, int flags, char *error, size_t error_size)
+static bool lock_take(struct server_store_files *files, int flags, char *error, size_t error_size)
 {
     if (lock_both(files, flags, error, error_size)) return true;
     server_files_close(files);
@@ -198,15 +200,7 @@ static bool set_folder(struct server_store_files *files, const char *folder, cha
     return true;
 }
 
-static bool refuse_folder(const char *folder, char *error, size_t error_size)
-{
-    snprintf(error, error_size,
-             "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
-             folder, strerror(errno));
-    return false;
-}
-
-/* Earlier versions made databases as umask let them. */
+/* Earlier versions made databases with the rights of umask. */
 static void make_private(void *user, const char *path, const char *file)
 {
     struct stat facts;
@@ -218,19 +212,18 @@ static void make_private(void *user, const char *path, const char *file)
 bool server_files_open(struct server_store_files *files, const char *folder, char *error,
                        size_t error_size)
 {
-    if (!set_folder(files, folder, error, error_size)) return false;
-    if (server_files_is_unfinished(folder, error, error_size)) return false;
-    if (make_layout(files) || sync_layout(files)) return refuse_folder(folder, error, error_size);
-    if (!take_lock(files, O_RDWR | O_CREAT, error, error_size)) return false;
+    if (!set_folder(files, folder, error, error_size) ||
+        server_files_is_unfinished(folder, error, error_size) ||
+        !make_layout(files, error, error_size) ||
+        !lock_take(files, O_RDWR | O_CREAT, error, error_size))
+        return false;
     (void)server_disk_each(folder, make_private, NULL);
     return true;
 }
 
-static bool has_folder(const struct server_store_files *files, const char *name)
+static bool is_folder(const char *path)
 {
-    char path[SERVER_DISK_PATH];
     struct stat facts;
-    server_files_path(files, path, name);
     return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
 }
 
@@ -238,39 +231,36 @@ bool server_files_open_existing(struct server_store_files *files, const char *fo
                                 size_t error_size)
 {
     if (!set_folder(files, folder, error, error_size)) return false;
-    if (!has_folder(files, "objects") || !has_folder(files, "manifests")) {
+    if (!is_folder(server_files_path(files, "objects").text) ||
+        !is_folder(server_files_path(files, "manifests").text)) {
         snprintf(error, error_size,
                  "there is no data folder at '%s': name one that a daemon or --backup has made",
                  folder);
         return false;
     }
-    if (server_files_is_unfinished(folder, error, error_size)) return false;
-    return take_lock(files, O_RDWR, error, error_size);
+    return !server_files_is_unfinished(folder, error, error_size) &&
+           lock_take(files, O_RDWR, error, error_size);
 }
 
 void server_files_close(struct server_store_files *files)
 {
     if (files->lock >= 0) close(files->lock);
     if (files->held >= 0) close(files->held);
+    files->lock = files->held = -1;
 }
 
 bool server_files_are_there(const struct server_store_files *files)
 {
-    static const char *const parts[] = {"objects", "manifests", "geodesicd.db"};
-    char path[SERVER_DISK_PATH];
+    static const char *const parts[] = {"objects", "manifests", SERVER_STORE_DATABASE};
     struct stat now, held;
     if (stat(files->folder, &now) != 0 || fstat(files->held, &held) != 0) return false;
     bool are_there = now.st_dev == held.st_dev && now.st_ino == held.st_ino;
-    for (size_t i = 0; are_there && i < sizeof parts / sizeof *parts; i++) {
-        server_files_path(files, path, parts[i]);
-        are_there = server_disk_exists(path);
-    }
+    for (size_t i = 0; are_there && i < sizeof parts / sizeof *parts; i++)
+        are_there = server_disk_exists(server_files_path(files, "%s", parts[i]).text);
     return are_there;
 }
 
 /* --- copies ----------------------------------------------------------------------------------- */
-
-#define UNFINISHED "unfinished"
 
 bool server_files_is_unfinished(const char *folder, char *error, size_t error_size)
 {
@@ -284,51 +274,35 @@ bool server_files_is_unfinished(const char *folder, char *error, size_t error_si
     return true;
 }
 
-static void on_some_file(void *user, const char *path, const char *file)
+static bool is_of_database(const char *file)
+{
+    return strncmp(file, SERVER_STORE_DATABASE, strlen(SERVER_STORE_DATABASE)) == 0 ||
+           strncmp(file, SERVER_SQL_BATCHES, strlen(SERVER_SQL_BATCHES)) == 0;
+}
+
+static void on_data(void *user, const char *path, const char *file)
 {
     (void)path, (void)file;
     *(bool *)user = true;
 }
 
-/* Databases, and what the folders hold. */
 static bool has_data(const struct server_store_files *files)
 {
-    static const char *const databases[] = {"geodesicd.db", "batches.db"};
-    static const char *const folders[] = {"objects", "manifests"};
-    char path[SERVER_DISK_PATH];
-    bool has_some = false;
-    for (int i = 0; i < 2; i++) {
-        server_files_path(files, path, databases[i]);
-        has_some |= server_disk_exists(path);
-        server_files_path(files, path, folders[i]);
-        (void)server_disk_each(path, on_some_file, &has_some);
-    }
+    bool has_some = server_disk_exists(server_files_path(files, SERVER_STORE_DATABASE).text) ||
+                    server_disk_exists(server_files_path(files, SERVER_SQL_BATCHES).text);
+    (void)server_files_each(files, "objects", on_data, &has_some);
+    (void)server_files_each(files, "manifests", on_data, &has_some);
     return has_some;
 }
 
 static void on_left_file(void *user, const char *path, const char *file)
 {
-    const char *const *only = user;
-    if (!only || strncmp(file, only[0], strlen(only[0])) == 0 ||
-        strncmp(file, only[1], strlen(only[1])) == 0)
-        (void)unlink(path);
+    bool only_databases = user != NULL;
+    if (!only_databases || is_of_database(file)) (void)unlink(path);
 }
 
-/* What an earlier attempt has left may be of another moment, or of another backup: but objects are
- * what their names say. */
-static void clear_copy(const struct server_store_files *files)
-{
-    static const char *databases[] = {"geodesicd.db", "batches.db"};
-    char path[SERVER_DISK_PATH];
-    server_files_path(files, path, "manifests");
-    (void)server_disk_each(path, on_left_file, NULL);
-    server_files_path(files, path, "temporary");
-    (void)server_disk_each(path, on_left_file, NULL);
-    (void)server_disk_each(files->folder, on_left_file, databases);
-}
-
-/* The marker is there, durably. Its name says all, so that it is there as soon as it is made. */
-static bool mark(const struct server_store_files *files, const char *path)
+/* Creates the marker, durably. */
+static bool mark_unfinished(const struct server_store_files *files, const char *path)
 {
     int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
     if (file < 0) return false;
@@ -337,19 +311,11 @@ static bool mark(const struct server_store_files *files, const char *path)
            server_disk_sync_folder(files->folder) == SERVER_DISK_DONE;
 }
 
-static bool begin_copy(struct server_store_files *files, char *error, size_t error_size)
-{
-    clear_copy(files);
-    if (!make_layout(files) && !sync_layout(files)) return true;
-    server_files_close(files);
-    return refuse_folder(files->folder, error, error_size);
-}
-
-/* The marker stands before the lock's file, so that an interrupted copy is no empty folder. */
+/* The marker comes before the lock's file, so that an interrupted copy is no empty folder. What an
+ * earlier attempt left is deleted, since it may be of another moment or backup, except objects. */
 bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error,
                             size_t error_size)
 {
-    char path[SERVER_DISK_PATH];
     if (!set_folder(files, folder, error, error_size)) return false;
     if (make_folders(folder)) return refuse_folder(folder, error, error_size);
     bool is_new = !server_files_is_unfinished(folder, error, error_size);
@@ -357,20 +323,26 @@ bool server_files_open_copy(struct server_store_files *files, const char *folder
         snprintf(error, error_size, "'%s' holds a data folder already: name a new one", folder);
         return false;
     }
-    server_files_path(files, path, UNFINISHED);
-    if (!mark(files, path)) return refuse_path(path, error, error_size);
-    if (take_lock(files, O_RDWR | O_CREAT, error, error_size))
-        return begin_copy(files, error, error_size);
-    if (is_new) (void)server_disk_remove(folder, path);
+    const struct server_path path = server_files_path(files, UNFINISHED);
+    if (!mark_unfinished(files, path.text)) return refuse_path(path.text, error, error_size);
+    if (!lock_take(files, O_RDWR | O_CREAT, error, error_size)) {
+        if (is_new) (void)server_disk_remove(folder, path.text);
+        return false;
+    }
+    (void)server_files_each(files, "manifests", on_left_file, NULL);
+    (void)server_files_each(files, "temporary", on_left_file, NULL);
+    (void)server_disk_each(folder, on_left_file, files);
+    if (make_layout(files, error, error_size)) return true;
+    server_files_close(files);
     return false;
 }
 
 enum server_store_outcome server_files_finish(const struct server_store_files *files)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(files, path, UNFINISHED);
     enum server_disk_result result = server_disk_sync_folder(files->folder);
-    return server_files_outcome(result ? result : server_disk_remove(files->folder, path));
+    if (!result)
+        result = server_disk_remove(files->folder, server_files_path(files, UNFINISHED).text);
+    return server_files_outcome(result);
 }
 
 /* --- objects ---------------------------------------------------------------------------------- */
@@ -378,14 +350,14 @@ enum server_store_outcome server_files_finish(const struct server_store_files *f
 enum server_store_outcome server_files_read_object(const struct server_store_files *files,
                                                    const struct server_object *object, void **bytes)
 {
-    char path[SERVER_DISK_PATH], found[SERVER_SHA256_HEX];
-    size_t got;
+    char found[SERVER_SHA256_HEX];
+    size_t size;
     void *read;
-    server_files_object_path(files, path, object->id);
-    enum server_disk_result result = server_disk_read(path, &read, &got);
+    enum server_disk_result result =
+        server_disk_read(server_files_object_path(files, object->id).text, &read, &size);
     if (result) return server_files_outcome(result);
-    server_sha256(read, got, found);
-    if (got != object->size || strncmp(found, object->id, HASH) != 0) {
+    server_sha256(read, size, found);
+    if (size != object->size || strncmp(found, object->id, HASH) != 0) {
         free(read);
         return SERVER_STORE_DAMAGED;
     }
@@ -393,10 +365,19 @@ enum server_store_outcome server_files_read_object(const struct server_store_fil
     return SERVER_STORE_DONE;
 }
 
+bool server_files_has_object(const struct server_store_files *files,
+                             const struct server_object *object)
+{
+    void *bytes = NULL;
+    enum server_store_outcome outcome = server_files_read_object(files, object, &bytes);
+    free(bytes);
+    return outcome == SERVER_STORE_DONE;
+}
+
 struct verification {
     struct server_sha256 *sum;
     uint64_t size;
-    bool (*pace)(void *user, size_t bytes);
+    server_pace *pace;
     void *user;
     bool was_ended;
 };
@@ -410,77 +391,60 @@ static bool on_piece(void *user, const void *bytes, size_t size)
     return !verification->was_ended;
 }
 
-static enum server_store_verdict judge_scan(enum server_disk_result result, bool was_ended,
-                                            bool is_same)
-{
-    if (result == SERVER_DISK_ABSENT) return SERVER_VERDICT_MISSING;
-    if (result == SERVER_DISK_NO_MEMORY || was_ended) return SERVER_VERDICT_NONE;
-    if (result) return SERVER_VERDICT_UNREADABLE;
-    return is_same ? SERVER_VERDICT_SOUND : SERVER_VERDICT_DAMAGED;
-}
-
 enum server_store_verdict server_files_verify_object(const struct server_store_files *files,
                                                      const struct server_object *object,
-                                                     bool (*pace)(void *user, size_t bytes),
-                                                     void *user)
+                                                     server_pace *pace, void *user)
 {
-    char path[SERVER_DISK_PATH], found[SERVER_SHA256_HEX];
+    char found[SERVER_SHA256_HEX];
     struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
     if (!verification.sum) return SERVER_VERDICT_NONE;
-    server_files_object_path(files, path, object->id);
-    enum server_disk_result result = server_disk_scan(path, on_piece, &verification);
+    enum server_disk_result result =
+        server_disk_scan(server_files_object_path(files, object->id).text, on_piece, &verification);
     server_sha256_end(verification.sum, found);
-    bool is_same = verification.size == object->size && strncmp(found, object->id, HASH) == 0;
-    return judge_scan(result, verification.was_ended, is_same);
+    if (result == SERVER_DISK_ABSENT) return SERVER_VERDICT_MISSING;
+    if (result == SERVER_DISK_NO_MEMORY || verification.was_ended) return SERVER_VERDICT_NONE;
+    if (result) return SERVER_VERDICT_UNREADABLE;
+    return verification.size == object->size && strncmp(found, object->id, HASH) == 0
+               ? SERVER_VERDICT_SOUND
+               : SERVER_VERDICT_DAMAGED;
 }
 
-static bool has_object(const struct server_store_files *files, const struct server_object *object)
+static struct server_path temporary_path(struct server_store_files *files)
 {
-    void *bytes = NULL;
-    bool found = server_files_read_object(files, object, &bytes) == SERVER_STORE_DONE;
-    free(bytes);
-    return found;
+    return server_files_path(files, "temporary/%u", files->serial++);
 }
 
 enum server_store_outcome server_files_write_object(struct server_store_files *files,
                                                     const struct server_object *object,
                                                     const void *bytes)
 {
-    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
-    object_folder(files, folder, object->id);
-    server_files_object_path(files, path, object->id);
-    temporary_path(files, temporary);
-    enum server_disk_result result = server_disk_make_folder(folder);
-    if (result) return written(result);
-    result = has_object(files, object)
-                 ? server_disk_sync_folder(folder)
-                 : server_disk_write(folder, path, temporary, bytes, (size_t)object->size);
-    return written(result);
+    const struct server_path folder = server_files_path(files, "objects/%.2s", object->id),
+                             path = server_files_object_path(files, object->id),
+                             temporary = temporary_path(files);
+    enum server_disk_result result = server_disk_make_folder(folder.text);
+    if (result) return write_outcome(result);
+    result = server_files_has_object(files, object)
+                 ? server_disk_sync_folder(folder.text)
+                 : server_disk_write(folder.text, path.text, temporary.text, bytes,
+                                     (size_t)object->size);
+    return write_outcome(result);
 }
 
 void server_files_remove_object(const struct server_store_files *files, const char *object)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_object_path(files, path, object);
-    (void)server_disk_remove(NULL, path); /* one that stays is collected at the next start */
+    /* the next start collects a file that stays */
+    (void)server_disk_remove(NULL, server_files_object_path(files, object).text);
 }
 
 /* --- manifests -------------------------------------------------------------------------------- */
-
-static void manifests_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH])
-{
-    server_files_path(files, path, "manifests");
-}
 
 enum server_record_reading server_files_read_manifest(const struct server_store_files *files,
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX])
 {
-    char path[SERVER_DISK_PATH];
     void *text;
     size_t size;
-    server_files_manifest_path(files, path, key);
-    enum server_disk_result result = server_disk_read(path, &text, &size);
+    enum server_disk_result result = server_disk_read(manifest_path(files, key).text, &text, &size);
     if (result)
         return result == SERVER_DISK_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
     enum server_record_reading reading = server_record_read_named(key, text, size, out);
@@ -489,56 +453,45 @@ enum server_record_reading server_files_read_manifest(const struct server_store_
     return reading;
 }
 
-static enum server_disk_result put_aside(const struct server_store_files *files, const char *path)
-{
-    char aside[SERVER_DISK_PATH];
-    server_files_path(files, aside, ASIDE);
-    enum server_disk_result result = server_disk_link(path, aside);
-    return result == SERVER_DISK_ABSENT ? SERVER_DISK_DONE : result;
-}
-
 enum server_store_outcome server_files_write_manifest(struct server_store_files *files,
                                                       const struct server_record *record)
 {
-    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
+    const struct server_path folder = server_files_path(files, "manifests"),
+                             path = manifest_path(files, record->key),
+                             temporary = temporary_path(files),
+                             aside = server_files_path(files, ASIDE);
     size_t size;
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
-    manifests_folder(files, folder);
-    server_files_manifest_path(files, path, record->key);
-    temporary_path(files, temporary);
     server_files_settle_manifest(files);
-    enum server_disk_result result = put_aside(files, path);
-    if (!result) result = server_disk_write(folder, path, temporary, text, size);
+    enum server_disk_result result = server_disk_link(path.text, aside.text);
+    if (!result || result == SERVER_DISK_ABSENT)
+        result = server_disk_write(folder.text, path.text, temporary.text, text, size);
     free(text);
-    return written(result);
+    return write_outcome(result);
 }
 
 void server_files_settle_manifest(const struct server_store_files *files)
 {
-    char aside[SERVER_DISK_PATH];
-    server_files_path(files, aside, ASIDE);
-    (void)server_disk_remove(NULL, aside);
+    (void)server_disk_remove(NULL, server_files_path(files, ASIDE).text);
 }
 
 enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files,
                                                      const char *key)
 {
-    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
-    manifests_folder(files, folder);
-    server_files_manifest_path(files, path, key);
-    server_files_path(files, aside, ASIDE);
-    if (rename(aside, path) != 0) return server_files_outcome(server_disk_remove(folder, path));
-    return server_files_outcome(server_disk_sync_folder(folder));
+    const struct server_path folder = server_files_path(files, "manifests"),
+                             path = manifest_path(files, key),
+                             aside = server_files_path(files, ASIDE);
+    return server_files_outcome(rename(aside.text, path.text) == 0
+                                    ? server_disk_sync_folder(folder.text)
+                                    : server_disk_remove(folder.text, path.text));
 }
 
 enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files,
                                                        const char *key)
 {
-    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH];
-    manifests_folder(files, folder);
-    server_files_manifest_path(files, path, key);
-    enum server_disk_result result = server_disk_remove(folder, path);
+    enum server_disk_result result = server_disk_remove(server_files_path(files, "manifests").text,
+                                                        manifest_path(files, key).text);
     return result == SERVER_DISK_ABSENT ? SERVER_STORE_DONE : server_files_outcome(result);
 }
 
@@ -546,21 +499,18 @@ enum server_store_outcome server_files_remove_manifest(const struct server_store
 
 enum server_store_outcome server_files_load_ballast(struct server_store_files *files)
 {
-    char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
-    server_files_path(files, path, "ballast");
-    if (server_disk_exists(path)) return SERVER_STORE_DONE;
+    const struct server_path path = server_files_path(files, "ballast"),
+                             temporary = temporary_path(files);
+    if (server_disk_exists(path.text)) return SERVER_STORE_DONE;
     void *zeros = calloc(1, BALLAST_BYTES);
     if (!zeros) return SERVER_STORE_NO_MEMORY;
-    temporary_path(files, temporary);
     enum server_disk_result result =
-        server_disk_write(files->folder, path, temporary, zeros, BALLAST_BYTES);
+        server_disk_write(files->folder, path.text, temporary.text, zeros, BALLAST_BYTES);
     free(zeros);
-    return written(result);
+    return write_outcome(result);
 }
 
 bool server_files_drop_ballast(const struct server_store_files *files)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(files, path, "ballast");
-    return server_disk_remove(NULL, path) == SERVER_DISK_DONE;
+    return server_disk_remove(NULL, server_files_path(files, "ballast").text) == SERVER_DISK_DONE;
 }

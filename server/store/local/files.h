@@ -1,18 +1,17 @@
-/* Store files: the folder of a local store.
+/* Files of a local store. The data folder:
  *
- *     lock                        locked, as the folder itself, by the process that has the store
- * open unfinished                  the marker of a copy that --backup or --restore has not
- * finished: written first, removed last geodesicd.db, -wal, -shm    SQLite: the records as rows
- *     batches.db, -wal, -shm      SQLite: the batches (batch_queue.h); made by the first
- *     objects/ab/<object>         files and attachments, immutable, named by their content
- * (record.h), shared by all surfaces that have them manifests/<key>.manifest    the record of each
- * surface (record.h), by the text of its key (key.h): what the database is made from when it is
- * damaged fields/                     landmarks and cached fields (field_store.h) ballast room that
- * a delete can have when the disk is full temporary/                  files that are being written;
- * emptied at the start
+ *     lock                          locked by the process that has the store, as is the folder
+ *     unfinished                    marks a copy that --backup or --restore has not finished
+ *     geodesicd.db, -wal, -shm      SQLite: the records as rows
+ *     batches.db, -wal, -shm        SQLite: the batches; made by the first
+ *     objects/ab/<object>           files and attachments, immutable, named by content (record.h)
+ *     manifests/<key>.manifest      the record of each surface; the database can be made from them
+ *     fields/                       landmarks and cached fields (field_store.h)
+ *     ballast                       room for a delete when the disk is full
+ *     temporary/                    files that are being written; emptied at the start
  *
- * An object is durable before the manifest that names it, the manifest before the row, the row
- * before the answer. A delete goes the other way. So a manifest that can be read is never older
+ * INVARIANT. An object is durable before the manifest that names it, the manifest before the row,
+ * the row before the answer; a delete goes the other way. So a readable manifest is never older
  * than its row. */
 #ifndef SERVER_STORE_LOCAL_FILES_H
 #define SERVER_STORE_LOCAL_FILES_H
@@ -20,82 +19,90 @@
 #include "server/base/disk.h"
 #include "server/store/store.h"
 
-#define SERVER_STORE_FOLDER 3500 /* most bytes of the folder's path */
+#define SERVER_STORE_FOLDER   3500 /* bytes of the folder's path, with the NUL */
+#define SERVER_STORE_DATABASE "geodesicd.db"
+#define SERVER_MANIFEST       ".manifest"
 
 struct server_store_files {
     char folder[SERVER_STORE_FOLDER];
-    int held, lock;  /* descriptors of the folder and of its file, both locked; -1: none */
+    int held, lock;  /* locked descriptors of the folder and of its file; -1: none */
     unsigned serial; /* of temporary files */
 };
 
 enum server_store_outcome server_files_outcome(enum server_disk_result result);
 
-/* Path of a file in the folder. */
-void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                       const char *name);
-void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                              const char *object);
-void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH],
-                                const char *key);
+struct server_path {
+    char text[SERVER_DISK_PATH];
+};
 
-/* The key that a manifest's file name stands for; false: it is none. */
+/* The path of a file in the folder; arguments as for printf. */
+struct server_path server_files_path(const struct server_store_files *files, const char *format,
+                                     ...) __attribute__((format(printf, 2, 3)));
+struct server_path server_files_object_path(const struct server_store_files *files,
+                                            const char *object);
+
+/* Visits the files and folders in one of the store's folders. False: it can't be read. */
+bool server_files_each(const struct server_store_files *files, const char *folder,
+                       void (*visit)(void *user, const char *path, const char *file), void *user);
+
+/* Parses a manifest's file name; false: it is none. */
 bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT]);
 
-/* Can this be the file name of an object? */
+/* Returns whether this can be the file name of an object: a hash, with a tenant or without. */
 bool server_files_object_check(const char *file);
 
-/* Makes the folders, with durable names, makes its files private, and takes the lock; false with a
- * sentence, also for an unfinished copy. server_files_close gives the lock back. */
+/* Opens the folder and locks it; server_files_close unlocks it. Creates what is missing, durably,
+ * and restricts the rights of its files. False with a sentence, also for an unfinished copy. */
 bool server_files_open(struct server_store_files *files, const char *folder, char *error,
                        size_t error_size);
-/* The same of a data folder as it is there: nothing is made, and one without `objects` and
- * `manifests` is none. */
+/* Likewise, but creates nothing: without `objects` and `manifests` it is no data folder. */
 bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error,
                                 size_t error_size);
-/* The same of a new folder that is to become a copy of another, or of an unfinished one: of that,
- * objects alone are kept. The folder is unfinished until server_files_finish; then no copy is
- * refused any more. */
+/* Likewise for a new copy, or an unfinished one, whose objects are kept. The folder is unfinished
+ * until server_files_finish. */
 bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error,
                             size_t error_size);
 enum server_store_outcome server_files_finish(const struct server_store_files *files);
 
-/* Is that folder an unfinished copy? If so, `error` says what to do. */
+/* True with a sentence in `error`: the folder is an unfinished copy. */
 bool server_files_is_unfinished(const char *folder, char *error, size_t error_size);
 
-/* Are the folder, its folders and its database where they were? */
+/* False: the folder, a folder in it, or the database was removed or replaced. */
 bool server_files_are_there(const struct server_store_files *files);
 
+/* May be called twice. */
 void server_files_close(struct server_store_files *files);
 
 /* --- objects ---------------------------------------------------------------------------------- */
 
-/* Writes the object, unless it is there already, whole. */
+/* Writes the object, unless it exists and is sound. */
 enum server_store_outcome server_files_write_object(struct server_store_files *files,
                                                     const struct server_object *object,
                                                     const void *bytes);
-/* Reads and verifies it. */
+/* Reads and verifies the object; `*bytes` is malloc'ed. */
 enum server_store_outcome server_files_read_object(const struct server_store_files *files,
                                                    const struct server_object *object,
                                                    void **bytes);
-/* Reads it piece by piece, as it is on the disk, and compares. */
+/* Reads the object and forgets it. */
+bool server_files_has_object(const struct server_store_files *files,
+                             const struct server_object *object);
+/* Verifies the object from the disk, piece by piece. */
 enum server_store_verdict server_files_verify_object(const struct server_store_files *files,
                                                      const struct server_object *object,
-                                                     bool (*pace)(void *user, size_t bytes),
-                                                     void *user);
+                                                     server_pace *pace, void *user);
 void server_files_remove_object(const struct server_store_files *files, const char *object);
 
 /* --- manifests -------------------------------------------------------------------------------- */
 
-/* Reads the manifest of that key, and the SHA-256 of its text. DAMAGED also when it can't be read
- * or is another key's. */
+/* Reads a manifest, and the SHA-256 of its text. DAMAGED also if it is missing or has another
+ * key. */
 enum server_record_reading server_files_read_manifest(const struct server_store_files *files,
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX]);
 
-/* Writes the record's manifest, and keeps the older one aside until the change is settled. */
+/* Writes the record's manifest and keeps the old one until the change is settled or undone. */
 enum server_store_outcome server_files_write_manifest(struct server_store_files *files,
                                                       const struct server_record *record);
-/* Settles the change, or undoes it. */
 void server_files_settle_manifest(const struct server_store_files *files);
 enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files,
                                                      const char *key);

@@ -1,22 +1,51 @@
-/* See store_local.h. */
-#include "server/store/local/local_store.h"
-
+/* See store.h: the store in a folder, with SQLite and files (files.h).
+ *
+ * DESIGN of the recovery, when a store opens. A readable manifest is true: it was durable before
+ * its row, and is removed only after its row.
+ *
+ *     manifest     row                cause                             repair
+ *     good         the same           none                              none
+ *     good         none, other, bad   crash between the two, or a       write the row
+ *                                     damaged database
+ *     none         good               the manifest was lost             write it
+ *     bad          good               the manifest is damaged           rename it, write it again
+ *     bad or none  bad or none        both are damaged                  rename it: the surface is
+ *                                                                       lost, and the log says so
+ *
+ * Crashes alone lead to the first two rows only. A database that SQLite finds damaged is renamed,
+ * and a new one is made from the manifests. Objects are verified when they are loaded. */
 #include <errno.h>
 #include <stdarg.h>
-#include <stdio.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "server/base/log.h"
+#include "server/store/local/database.h"
+#include "server/store/local/files.h"
+#include "server/store/local/quarantine.h"
 
-static struct server_store_local *local_of(struct server_store *store)
-{
-    return (struct server_store_local *)store;
-}
+struct local {
+    struct server_store store; /* first */
+    struct server_store_files files;
+    struct server_database *database; /* NULL: it can't be opened or made, and nothing is written */
+    struct server_quarantine quarantine;
+    struct server_stored *found; /* by the recovery; freed after the first visit */
+    uint32_t found_count;
+    /* ids of objects that the last change took from a surface; empty: none */
+    char left[SERVER_PARTS][SERVER_OBJECT];
+    bool lacks_rows; /* a repair failed: the database does not know which objects are in use */
+    atomic_bool is_read_only;
+    char reason[512];        /* of is_read_only; set before it, once */
+    atomic_bool was_missing; /* the folder, when its health was last checked */
+};
 
 /* --- health ----------------------------------------------------------------------------------- */
 
-void server_local_forbid(struct server_store_local *local, const char *format, ...)
+/* Ends all writing; the first reason stays. */
+__attribute__((format(printf, 2, 3))) static void local_forbid(struct local *local,
+                                                               const char *format, ...)
 {
     va_list arguments;
     if (atomic_load(&local->is_read_only)) return;
@@ -27,12 +56,12 @@ void server_local_forbid(struct server_store_local *local, const char *format, .
     server_log_message(SERVER_LOG_ERROR, "store_read_only", "%s", local->reason);
 }
 
-static const char *health(struct server_store *store)
+static const char *local_health(struct server_store *store)
 {
     static const char missing[] =
         "the data folder, or a part of it (objects, manifests, geodesicd.db), was removed or "
         "replaced under the daemon: put it back, or restart on what there is";
-    struct server_store_local *local = local_of(store);
+    struct local *local = (struct local *)store;
     if (atomic_load(&local->is_read_only)) return local->reason;
     bool is_missing = !server_files_are_there(&local->files);
     if (atomic_exchange(&local->was_missing, is_missing) != is_missing)
@@ -41,173 +70,155 @@ static const char *health(struct server_store *store)
     return is_missing ? missing : NULL;
 }
 
-static bool can_write(struct server_store_local *local)
-{
-    return !atomic_load(&local->is_read_only);
-}
-
-/* What failed in a way that more writing could make worse ends all writing. */
-static enum server_store_outcome judge(struct server_store_local *local,
-                                       enum server_store_outcome outcome, const char *what)
+/* Logs a failed write, and ends all writing if more could do harm. */
+static enum server_store_outcome local_judge(struct local *local, enum server_store_outcome outcome,
+                                             const char *what)
 {
     if (outcome == SERVER_STORE_REFUSED)
         server_log_message(SERVER_LOG_ERROR, "store_refused",
                            "%s could not be written (%s): mend the folder", what, strerror(errno));
     if (outcome != SERVER_STORE_READ_ONLY && outcome != SERVER_STORE_DAMAGED) return outcome;
-    server_local_forbid(
+    local_forbid(
         local, "%s could not be written and made durable (%s): mend the disk and restart", what,
         outcome == SERVER_STORE_DAMAGED ? server_database_error(local->database) : strerror(errno));
     return SERVER_STORE_READ_ONLY;
 }
 
-/* Once a change is durable: what the next one needs. */
-static void look_after(struct server_store_local *local)
-{
-    if (!server_database_is_sound(local->database))
-        (void)judge(local, SERVER_STORE_READ_ONLY, "the database's log");
-    else
-        (void)judge(local, server_files_load_ballast(&local->files), "the ballast");
-}
+/* --- changes ---------------------------------------------------------------------------------- */
 
-/* --- objects ---------------------------------------------------------------------------------- */
-
-static enum server_store_outcome write_object(struct server_store_local *local,
-                                              const struct server_object *object, const void *bytes)
-{
-    enum server_store_outcome outcome = server_files_write_object(&local->files, object, bytes);
-    if (!outcome) server_quarantine_lift(&local->quarantine, object->id);
-    return outcome;
-}
-
-static enum server_store_outcome write_objects(struct server_store_local *local,
-                                               const struct server_record *record,
-                                               const struct server_content *content)
+static enum server_store_outcome local_write_objects(struct local *local,
+                                                     const struct server_record *record,
+                                                     const struct server_content *content)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
-    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object))
-            outcome = write_object(local, &object, content->parts[part]);
-    return judge(local, outcome, "a surface's file");
-}
-
-static void drop_if_unused(struct server_store_local *local, const char *object)
-{
-    int64_t count;
-    if (!can_write(local) || local->lacks_rows) return;
-    if (server_database_count(local->database, object, &count) != SERVER_STORE_DONE) return;
-    if (count) return;
-    server_files_remove_object(&local->files, object);
-    server_quarantine_lift(&local->quarantine, object);
-}
-
-static void drop_unused(struct server_store_local *local, const struct server_record *record)
-{
-    struct server_object object;
-    for (int part = 0; part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) drop_if_unused(local, object.id);
-}
-
-static void tidy(struct server_store *store)
-{
-    struct server_store_local *local = local_of(store);
-    for (int part = 0; part < SERVER_PARTS; part++) {
-        if (local->left[part][0]) drop_if_unused(local, local->left[part]);
-        local->left[part][0] = '\0';
+    for (int part = 0; !outcome && part < SERVER_PARTS; part++) {
+        if (!server_record_object(record, part, &object)) continue;
+        outcome = server_files_write_object(&local->files, &object, content->parts[part]);
+        if (!outcome) server_quarantine_lift(&local->quarantine, object.id);
     }
-    if (can_write(local)) look_after(local); /* after the bytes: the ballast may need their room */
+    return local_judge(local, outcome, "a surface's file");
 }
 
-/* --- put -------------------------------------------------------------------------------------- */
-
-/* The object is there. */
-static enum server_store_outcome put_record(struct server_store_local *local,
-                                            const struct server_record *record)
+/* Removes the objects in `left` that no surface has any more. */
+static void local_drop_left(struct local *local)
 {
-    enum server_store_outcome outcome =
-        judge(local, server_files_write_manifest(&local->files, record), "a manifest");
-    if (outcome) return outcome;
-    outcome = judge(local, server_database_put(local->database, record), "a row of the database");
-    if (outcome && outcome != SERVER_STORE_READ_ONLY)
-        (void)judge(local, server_files_undo_manifest(&local->files, record->key), "a manifest");
-    if (!outcome) server_files_settle_manifest(&local->files);
-    return outcome;
+    for (int part = 0; part < SERVER_PARTS; part++) {
+        char *object = local->left[part];
+        int64_t count = 1;
+        if (*object && !local->is_read_only && !local->lacks_rows &&
+            !server_database_count(local->database, object, &count) && !count) {
+            server_files_remove_object(&local->files, object);
+            server_quarantine_lift(&local->quarantine, object);
+        }
+        *object = '\0';
+    }
 }
 
-static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
-                                     const struct server_content *content, uint64_t *version)
+/* After the bytes: the ballast may need their room. */
+static void local_tidy(struct server_store *store)
 {
-    struct server_store_local *local = local_of(store);
-    (void)version;
-    char before[SERVER_PARTS][SERVER_OBJECT];
-    if (!can_write(local)) return SERVER_STORE_READ_ONLY;
-    enum server_store_outcome outcome =
-        judge(local, server_database_find(local->database, record->key, before), "the database");
-    if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
-    bool replaces = outcome == SERVER_STORE_DONE;
-    outcome = write_objects(local, record, content);
-    if (!outcome) outcome = put_record(local, record);
-    if (outcome)
-        drop_unused(local, record);
-    else if (replaces)
-        memcpy(local->left, before, sizeof before);
-    return outcome;
+    struct local *local = (struct local *)store;
+    local_drop_left(local);
+    if (local->is_read_only) return;
+    if (!server_database_is_sound(local->database))
+        (void)local_judge(local, SERVER_STORE_READ_ONLY, "the database's log");
+    else
+        (void)local_judge(local, server_files_load_ballast(&local->files), "the ballast");
 }
 
-static enum server_store_outcome keep(struct server_store *store,
-                                      const struct server_record *record,
-                                      const struct server_content *content)
-{
-    struct server_store_local *local = local_of(store);
-    if (!can_write(local)) /* it was durable once; whether it still is shows when it is loaded */
-        return SERVER_STORE_DONE;
-    return write_objects(local, record, content);
-}
-
-/* --- remove ----------------------------------------------------------------------------------- */
-
-/* Those that no surface has any more go when all is tidy. */
-static void leave_objects(struct server_store_local *local, const struct server_record *record)
+static void local_leave(struct local *local, const struct server_record *record)
 {
     struct server_object object;
     for (int part = 0; part < SERVER_PARTS; part++)
         strcpy(local->left[part], server_record_object(record, part, &object) ? object.id : "");
 }
 
-/* The row goes into the database's log: which needs room, and gets it from the ballast. */
-static enum server_store_outcome remove_row(struct server_store_local *local, const char *key)
+/* Writes manifest and row; the objects are durable. */
+static enum server_store_outcome local_put_record(struct local *local,
+                                                  const struct server_record *record)
 {
-    enum server_store_outcome outcome = server_database_remove(local->database, key);
-    if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
-        outcome = server_database_remove(local->database, key);
-    return judge(local, outcome, "a row of the database");
+    enum server_store_outcome outcome =
+        local_judge(local, server_files_write_manifest(&local->files, record), "a manifest");
+    if (outcome) return outcome;
+    outcome =
+        local_judge(local, server_database_put(local->database, record), "a row of the database");
+    if (outcome && outcome != SERVER_STORE_READ_ONLY)
+        (void)local_judge(local, server_files_undo_manifest(&local->files, record->key),
+                          "a manifest");
+    if (!outcome) server_files_settle_manifest(&local->files);
+    return outcome;
 }
 
-static enum server_store_outcome
-remove_record(struct server_store *store, const struct server_record *record, uint64_t *version)
+static enum server_store_outcome local_put(struct server_store *store,
+                                           const struct server_record *record,
+                                           const struct server_content *content, uint64_t *version)
 {
-    struct server_store_local *local = local_of(store);
+    struct local *local = (struct local *)store;
     (void)version;
-    if (!can_write(local)) return SERVER_STORE_READ_ONLY;
-    enum server_store_outcome outcome = remove_row(local, record->key);
+    char before[SERVER_PARTS][SERVER_OBJECT] = {""};
+    if (local->is_read_only) return SERVER_STORE_READ_ONLY;
+    enum server_store_outcome outcome = local_judge(
+        local, server_database_find(local->database, record->key, before), "the database");
+    if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
+    outcome = local_write_objects(local, record, content);
+    if (!outcome) outcome = local_put_record(local, record);
+    if (outcome) {
+        local_leave(local, record);
+        local_drop_left(local);
+    } else {
+        memcpy(local->left, before, sizeof before);
+    }
+    return outcome;
+}
+
+/* A read-only store can't write: whether the objects are sound shows when they are loaded. */
+static enum server_store_outcome local_keep(struct server_store *store,
+                                            const struct server_record *record,
+                                            const struct server_content *content)
+{
+    struct local *local = (struct local *)store;
+    return local->is_read_only ? SERVER_STORE_DONE : local_write_objects(local, record, content);
+}
+
+static enum server_store_outcome local_remove(struct server_store *store,
+                                              const struct server_record *record, uint64_t *version)
+{
+    struct local *local = (struct local *)store;
+    (void)version;
+    if (local->is_read_only) return SERVER_STORE_READ_ONLY;
+    enum server_store_outcome outcome = server_database_remove(local->database, record->key);
+    /* the database's log grows, if need be into the room of the ballast */
+    if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
+        outcome = server_database_remove(local->database, record->key);
+    outcome = local_judge(local, outcome, "a row of the database");
     if (outcome) return outcome;
-    outcome = judge(local, server_files_remove_manifest(&local->files, record->key), "a manifest");
+    outcome =
+        local_judge(local, server_files_remove_manifest(&local->files, record->key), "a manifest");
     if (outcome == SERVER_STORE_REFUSED)
-        server_local_forbid(local,
-                            "a manifest could not be removed (%s): mend the folder and restart",
-                            strerror(errno));
+        local_forbid(local, "a manifest could not be removed (%s): mend the folder and restart",
+                     strerror(errno));
     if (outcome) return SERVER_STORE_READ_ONLY;
-    leave_objects(local, record);
+    local_leave(local, record);
     return SERVER_STORE_DONE;
 }
 
-/* --- the rest --------------------------------------------------------------------------------- */
-
-static enum server_store_outcome fetch(struct server_store *store,
-                                       const struct server_record *record, enum server_part part,
-                                       void **bytes)
+static void local_note_uses(struct server_store *store, const struct server_record *const *records,
+                            const struct server_store_uses *uses, uint32_t count)
 {
-    struct server_store_local *local = local_of(store);
+    struct local *local = (struct local *)store;
+    if (local->is_read_only) return;
+    (void)local_judge(local, server_database_note_uses(local->database, records, uses, count),
+                      "a row of the database");
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+static enum server_store_outcome local_fetch(struct server_store *store,
+                                             const struct server_record *record,
+                                             enum server_part part, void **bytes)
+{
+    struct local *local = (struct local *)store;
     struct server_object object;
     if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
     if (server_quarantine_holds(&local->quarantine, object.id)) return SERVER_STORE_DAMAGED;
@@ -218,51 +229,31 @@ static enum server_store_outcome fetch(struct server_store *store,
     return outcome;
 }
 
-/* Who mends a file behind the daemon's back has it back after the next look. */
-static enum server_store_verdict verify(struct server_store *store,
-                                        const struct server_record *record, enum server_part part,
-                                        bool (*pace)(void *user, size_t bytes), void *user)
+/* Lifts the quarantine of a file that somebody has repaired. */
+static enum server_store_verdict local_verify(struct server_store *store,
+                                              const struct server_record *record,
+                                              enum server_part part, server_pace *pace, void *user)
 {
-    struct server_store_local *local = local_of(store);
+    struct local *local = (struct local *)store;
     struct server_object object;
     if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
     uint64_t turn = server_quarantine_turn(&local->quarantine);
     enum server_store_verdict verdict =
         server_files_verify_object(&local->files, &object, pace, user);
-    bool was_held = server_quarantine_holds(&local->quarantine, object.id);
-    if (verdict == SERVER_VERDICT_SOUND && was_held)
+    if (verdict == SERVER_VERDICT_SOUND && server_quarantine_holds(&local->quarantine, object.id))
         server_quarantine_lift(&local->quarantine, object.id);
-    if (verdict != SERVER_VERDICT_DAMAGED) return verdict;
-    return server_quarantine_condemn(&local->quarantine, object.id, turn) ? verdict
-                                                                          : SERVER_VERDICT_NONE;
+    if (verdict == SERVER_VERDICT_DAMAGED &&
+        !server_quarantine_condemn(&local->quarantine, object.id, turn))
+        return SERVER_VERDICT_NONE;
+    return verdict;
 }
 
-static uint32_t damaged(struct server_store *store)
+static uint32_t local_damaged(struct server_store *store)
 {
-    return server_quarantine_count(&local_of(store)->quarantine);
+    return server_quarantine_count(&((struct local *)store)->quarantine);
 }
 
-static void note_uses(struct server_store *store, const struct server_record *const *records,
-                      const struct server_store_uses *uses, uint32_t count)
-{
-    struct server_store_local *local = local_of(store);
-    if (!can_write(local)) return;
-    (void)judge(local, server_database_note_uses(local->database, records, uses, count),
-                "a row of the database");
-}
-
-static enum server_store_outcome each(struct server_store *store,
-                                      bool (*visit)(void *user, const struct server_stored *stored),
-                                      void *user)
-{
-    struct server_store_local *local = local_of(store);
-    for (uint32_t i = 0; i < local->found_count; i++)
-        if (!visit(user, &local->found[i])) break;
-    server_local_forget_found(local);
-    return SERVER_STORE_DONE;
-}
-
-void server_local_forget_found(struct server_store_local *local)
+static void local_forget_found(struct local *local)
 {
     for (uint32_t i = 0; i < local->found_count; i++) server_record_release(local->found[i].record);
     free(local->found);
@@ -270,11 +261,283 @@ void server_local_forget_found(struct server_store_local *local)
     local->found_count = 0;
 }
 
-static void close_store(struct server_store *store)
+static enum server_store_outcome local_each(struct server_store *store, server_stored_visit *visit,
+                                            void *user)
 {
-    struct server_store_local *local = local_of(store);
-    server_local_forget_found(local);
-    server_database_close(local->database, can_write(local));
+    struct local *local = (struct local *)store;
+    for (uint32_t i = 0; i < local->found_count && visit(user, &local->found[i]); i++) {
+    }
+    local_forget_found(local);
+    return SERVER_STORE_DONE;
+}
+
+/* --- recovery: what there is ------------------------------------------------------------------ */
+
+struct finding {
+    char key[SERVER_KEY_TEXT];
+    struct server_record *row, *manifest; /* NULL: none, or damaged */
+    bool has_row, has_manifest, differ;
+    struct server_store_uses uses;
+    char checksum[SERVER_SHA256_HEX]; /* of the row's text */
+};
+
+struct recovery {
+    struct local *local;
+    struct finding *findings;
+    uint32_t count, sorted, capacity; /* the first `sorted` are sorted by key */
+    char (*used)[SERVER_OBJECT];      /* ids of the objects that surfaces have, sorted */
+    size_t used_count;
+    bool is_newer, no_memory, lost_some;
+};
+
+static int by_text(const void *a, const void *b) /* a finding begins with its key */
+{
+    return strcmp(a, b);
+}
+
+static struct finding *finding_add(struct recovery *recovery, const char *key)
+{
+    if (recovery->count == recovery->capacity) {
+        uint32_t capacity = recovery->capacity ? 2 * recovery->capacity : 64;
+        struct finding *findings = realloc(recovery->findings, capacity * sizeof *findings);
+        recovery->no_memory |= !findings;
+        if (!findings) return NULL;
+        recovery->findings = findings;
+        recovery->capacity = capacity;
+    }
+    struct finding *finding = &recovery->findings[recovery->count++];
+    memset(finding, 0, sizeof *finding);
+    snprintf(finding->key, sizeof finding->key, "%s", key);
+    return finding;
+}
+
+/* Notes what the reading of one record means for the store. */
+static void recovery_note(struct recovery *recovery, enum server_record_reading reading)
+{
+    recovery->is_newer |= reading == SERVER_RECORD_NEWER;
+    recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
+}
+
+static bool on_row(void *user, const struct server_row *row)
+{
+    struct recovery *recovery = user;
+    struct finding *finding = finding_add(recovery, row->key);
+    if (!finding) return false;
+    finding->has_row = true;
+    finding->uses = row->uses;
+    recovery_note(recovery,
+                  server_record_read_named(row->key, row->text, row->size, &finding->row));
+    server_sha256(row->text, row->size, finding->checksum);
+    return true;
+}
+
+static void on_manifest(void *user, const char *path, const char *file)
+{
+    struct recovery *recovery = user;
+    char key[SERVER_KEY_TEXT] = "", checksum[SERVER_SHA256_HEX] = "";
+    (void)path;
+    if (!server_files_manifest_key(file, key)) return;
+    struct finding *finding = recovery->sorted ? bsearch(key, recovery->findings, recovery->sorted,
+                                                         sizeof *recovery->findings, by_text)
+                                               : NULL;
+    if (!finding && !(finding = finding_add(recovery, key))) return;
+    finding->has_manifest = true;
+    recovery_note(recovery, server_files_read_manifest(&recovery->local->files, key,
+                                                       &finding->manifest, checksum));
+    finding->differ = strcmp(checksum, finding->checksum) != 0;
+}
+
+static void recovery_forget(struct recovery *recovery)
+{
+    for (uint32_t i = 0; i < recovery->count; i++) {
+        server_record_release(recovery->findings[i].row);
+        server_record_release(recovery->findings[i].manifest);
+    }
+    recovery->count = 0;
+}
+
+static enum server_store_outcome read_database(struct recovery *recovery, const char *path)
+{
+    struct local *local = recovery->local;
+    enum server_store_outcome outcome =
+        server_database_open(path, SERVER_DATABASE_WRITE, &local->database);
+    return outcome ? outcome : server_database_each(local->database, on_row, recovery);
+}
+
+/* Opens the database, or a new one in its place; without either the store is read-only. */
+static void open_database(struct recovery *recovery)
+{
+    struct local *local = recovery->local;
+    const struct server_path path = server_files_path(&local->files, SERVER_STORE_DATABASE);
+    enum server_store_outcome outcome = read_database(recovery, path.text);
+    if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
+        outcome = read_database(recovery, path.text);
+    if (outcome == SERVER_STORE_DAMAGED || outcome == SERVER_STORE_READ_ONLY) {
+        char suffix[SERVER_DISK_ASIDE_SUFFIX];
+        recovery_forget(recovery);
+        server_database_close(local->database, false);
+        local->database = NULL;
+        server_disk_set_aside(path.text, server_disk_database_parts, suffix);
+        server_log_message(SERVER_LOG_ERROR, "store_database_damaged",
+                           "the database is damaged: it was renamed to geodesicd.db%s, a new one "
+                           "is made from the manifests",
+                           suffix);
+        outcome = read_database(recovery, path.text);
+    }
+    recovery->sorted = recovery->count;
+    if (!outcome) outcome = server_files_outcome(server_disk_sync_folder(local->files.folder));
+    if (!outcome) return;
+    server_database_close(local->database, false);
+    local->database = NULL;
+    local_forbid(local, "the database '%s' can't be opened or made (%s): mend that and restart",
+                 path.text, outcome == SERVER_STORE_FULL ? "the disk is full" : strerror(errno));
+}
+
+/* --- recovery: repairs ------------------------------------------------------------------------ */
+
+static void log_repair(const struct finding *finding, enum server_store_outcome outcome,
+                       const char *what)
+{
+    struct server_log_line line;
+    if (!server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) return;
+    server_log_text(&line, "key", finding->key);
+    server_log_text(&line, "message", what);
+    if (outcome)
+        server_log_text(&line, "failure",
+                        "it could not be written; it is tried again at the next start");
+    server_log_end(&line);
+}
+
+static void repair_row(struct local *local, const struct finding *finding)
+{
+    enum server_store_outcome outcome =
+        local->database ? server_database_put(local->database, finding->manifest)
+                        : SERVER_STORE_READ_ONLY;
+    local->lacks_rows |= outcome != SERVER_STORE_DONE;
+    log_repair(finding, outcome, "its row in the database was written again from its manifest");
+    if (outcome == SERVER_STORE_READ_ONLY)
+        local_forbid(local, "a row of the database could not be made durable");
+}
+
+/* Of a surface whose manifest is missing or damaged. */
+static void repair_manifest(struct recovery *recovery, const struct finding *finding)
+{
+    static const char *const parts[] = {"", NULL};
+    struct local *local = recovery->local;
+    if (finding->has_manifest) {
+        char suffix[SERVER_DISK_ASIDE_SUFFIX];
+        server_disk_set_aside(
+            server_files_path(&local->files, "manifests/%s" SERVER_MANIFEST, finding->key).text,
+            parts, suffix);
+        recovery->lost_some = true;
+    }
+    if (finding->row) {
+        enum server_store_outcome outcome =
+            server_files_write_manifest(&local->files, finding->row);
+        log_repair(finding, outcome,
+                   "its manifest was missing or damaged, and was written again from its row in the "
+                   "database");
+        if (outcome == SERVER_STORE_READ_ONLY)
+            local_forbid(local, "a manifest could not be made durable");
+        return;
+    }
+    if (finding->has_row && local->database)
+        (void)server_database_remove(local->database, finding->key);
+    recovery->lost_some = true;
+    server_log_message(SERVER_LOG_ERROR, "store_lost",
+                       "the surface '%s' is lost: its manifest and its row in the database are "
+                       "damaged; its bytes are kept",
+                       finding->key);
+}
+
+/* Repairs what the table above lists. False without memory. */
+static bool repair_all(struct recovery *recovery)
+{
+    struct local *local = recovery->local;
+    if (recovery->count)
+        qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_text);
+    local->found = calloc(recovery->count + 1, sizeof *local->found);
+    if (!local->found) return false;
+    for (uint32_t i = 0; i < recovery->count; i++) {
+        const struct finding *finding = &recovery->findings[i];
+        if (!finding->manifest)
+            repair_manifest(recovery, finding);
+        else if (finding->differ)
+            repair_row(local, finding);
+        struct server_record *record = finding->manifest ? finding->manifest : finding->row;
+        if (record)
+            local->found[local->found_count++] = (struct server_stored){
+                .record = server_record_retain(record), .uses = finding->uses};
+    }
+    return true;
+}
+
+static void on_temporary(void *user, const char *path, const char *file)
+{
+    (void)user, (void)file;
+    (void)unlink(path);
+}
+
+static void on_object(void *user, const char *path, const char *file)
+{
+    const struct recovery *recovery = user;
+    (void)path;
+    if (server_files_object_check(file) &&
+        !bsearch(file, recovery->used, recovery->used_count, sizeof *recovery->used, by_text))
+        server_files_remove_object(&recovery->local->files, file);
+}
+
+static void on_object_folder(void *user, const char *path, const char *file)
+{
+    (void)file;
+    (void)server_disk_each(path, on_object, user);
+}
+
+/* Removes the objects that no surface has. */
+static void collect_objects(struct recovery *recovery)
+{
+    const struct local *local = recovery->local;
+    struct server_object object;
+    recovery->used =
+        malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *recovery->used);
+    if (!recovery->used) return;
+    for (uint32_t i = 0; i < local->found_count; i++)
+        for (int part = 0; part < SERVER_PARTS; part++)
+            if (server_record_object(local->found[i].record, part, &object))
+                strcpy(recovery->used[recovery->used_count++], object.id);
+    qsort(recovery->used, recovery->used_count, sizeof *recovery->used, by_text);
+    (void)server_files_each(&local->files, "objects", on_object_folder, recovery);
+    free(recovery->used);
+}
+
+/* Finds and repairs what the folder holds. False with a sentence. */
+static bool recover(struct recovery *recovery, char *error, size_t error_size)
+{
+    struct local *local = recovery->local;
+    (void)server_files_each(&local->files, "temporary", on_temporary, NULL);
+    open_database(recovery);
+    (void)server_files_each(&local->files, "manifests", on_manifest, recovery);
+    if (recovery->is_newer) {
+        snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one",
+                 local->files.folder);
+        return false;
+    }
+    if (recovery->no_memory || !repair_all(recovery)) return false; /* the caller has set `error` */
+    /* after damage nothing is deleted: a person may be able to repair it */
+    if (recovery->lost_some || local->is_read_only) return true;
+    collect_objects(recovery);
+    if (server_files_load_ballast(&local->files) == SERVER_STORE_READ_ONLY)
+        local_forbid(local, "the ballast could not be made durable");
+    return true;
+}
+
+/* --- open and close --------------------------------------------------------------------------- */
+
+static void local_close(struct server_store *store)
+{
+    struct local *local = (struct local *)store;
+    local_forget_found(local);
+    server_database_close(local->database, !local->is_read_only);
     server_files_close(&local->files);
     server_quarantine_clear(&local->quarantine);
     free(local);
@@ -282,27 +545,27 @@ static void close_store(struct server_store *store)
 
 struct server_store *server_store_local_open(const char *folder, char *error, size_t error_size)
 {
-    struct server_store_local *local = calloc(1, sizeof *local);
+    struct local *local = calloc(1, sizeof *local);
     snprintf(error, error_size, "out of memory");
     if (!local) return NULL;
-    local->store = (struct server_store){.each = each,
-                                         .put = put,
-                                         .keep = keep,
-                                         .remove = remove_record,
-                                         .tidy = tidy,
-                                         .fetch = fetch,
-                                         .verify = verify,
-                                         .damaged = damaged,
-                                         .note_uses = note_uses,
-                                         .health = health,
-                                         .close = close_store};
+    local->store = (struct server_store){.each = local_each,
+                                         .put = local_put,
+                                         .keep = local_keep,
+                                         .remove = local_remove,
+                                         .tidy = local_tidy,
+                                         .fetch = local_fetch,
+                                         .verify = local_verify,
+                                         .damaged = local_damaged,
+                                         .note_uses = local_note_uses,
+                                         .health = local_health,
+                                         .close = local_close};
+    struct recovery recovery = {.local = local};
     server_quarantine_init(&local->quarantine);
-    if (!server_files_open(&local->files, folder, error, error_size)) {
-        server_quarantine_clear(&local->quarantine);
-        free(local);
-        return NULL;
-    }
-    if (server_local_recover(local, error, error_size)) return &local->store;
-    close_store(&local->store);
+    bool is_open = server_files_open(&local->files, folder, error, error_size) &&
+                   recover(&recovery, error, error_size);
+    recovery_forget(&recovery);
+    free(recovery.findings);
+    if (is_open) return &local->store;
+    local_close(&local->store);
     return NULL;
 }

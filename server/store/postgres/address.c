@@ -1,4 +1,4 @@
-/* See postgres_address.h. */
+/* See address.h. */
 #include "server/store/postgres/address.h"
 
 #include <postgresql/libpq-fe.h>
@@ -9,7 +9,7 @@
 #define STANDARD_PORT 5432
 #define PATH          4096
 
-/* Calls with what the address says of a keyword, or else with what the environment does. */
+/* Visits the value of each keyword that the address sets, or else the environment. */
 static bool each_value(const char *url,
                        void (*visit)(void *user, const char *keyword, const char *value),
                        void *user)
@@ -17,18 +17,14 @@ static bool each_value(const char *url,
     PQconninfoOption *given = PQconninfoParse(url, NULL),
                      *standard = given ? PQconndefaults() : NULL;
     bool is_read = given && standard;
-    for (int i = 0; is_read && given[i].keyword; i++) {
-        const char *value =
-            /* both are in the order of libpq's own list */
-            given[i].val ? given[i].val : standard[i].val;
+    for (int i = 0; is_read && given[i].keyword; i++) { /* both have the order of libpq */
+        const char *value = given[i].val ? given[i].val : standard[i].val;
         if (value && *value) visit(user, given[i].keyword, value);
     }
     PQconninfoFree(given);
     PQconninfoFree(standard);
     return is_read;
 }
-
-/* --- ports ------------------------------------------------------------------------------------ */
 
 struct ports {
     char list[256]; /* "5432,5433": one for each host, or for all */
@@ -52,8 +48,6 @@ bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16
         goes_on = visit(user, (uint16_t)strtoul(port, NULL, 10));
     return goes_on;
 }
-
-/* --- files ------------------------------------------------------------------------------------ */
 
 struct files {
     void (*visit)(void *user, const char *file);

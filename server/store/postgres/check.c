@@ -1,8 +1,7 @@
-/* See store_tools.h: --check-store of a PostgreSQL store. */
+/* See store.h: --check-store of a PostgreSQL store. */
 #include <stdlib.h>
 
 #include "server/store/postgres/objects.h"
-#include "server/store/tools.h"
 
 #define PAGE        100
 #define PAGE_TEXT   "100"
@@ -48,11 +47,12 @@ static enum server_store_outcome check_object(struct server_postgres_connection 
     free(bytes);
     check->objects++;
     check->bytes += object->size;
-    if (outcome == SERVER_STORE_ABSENT) fault(check, "its bytes are missing", key);
-    if (outcome == SERVER_STORE_DAMAGED)
-        fault(check, "its bytes are damaged: their SHA-256 is another one", key);
-    return outcome == SERVER_STORE_ABSENT || outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_DONE
-                                                                             : outcome;
+    if (outcome != SERVER_STORE_ABSENT && outcome != SERVER_STORE_DAMAGED) return outcome;
+    fault(check,
+          outcome == SERVER_STORE_ABSENT ? "its bytes are missing"
+                                         : "its bytes are damaged: their SHA-256 is another one",
+          key);
+    return SERVER_STORE_DONE;
 }
 
 static enum server_store_outcome check_page(struct server_postgres_connection *connection,
@@ -61,11 +61,10 @@ static enum server_store_outcome check_page(struct server_postgres_connection *c
     const struct server_sql_value last = server_sql_text(check->last);
     struct server_object object;
     check->rows = check->count = 0;
-    enum server_store_outcome outcome =
-        server_postgres_run(connection,
-                            "SELECT key, record FROM surfaces WHERE key > $1 AND record IS NOT "
-                            "NULL ORDER BY key LIMIT " PAGE_TEXT,
-                            &last, 1, on_row, check);
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
+                               " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
+                               &last, 1, on_row, check));
     for (uint32_t i = 0; i < check->count; i++) {
         for (int part = 0; !outcome && part < SERVER_PARTS; part++)
             if (server_record_object(check->page[i], part, &object))
@@ -75,25 +74,22 @@ static enum server_store_outcome check_page(struct server_postgres_connection *c
     return outcome;
 }
 
-static bool on_unused(void *user, const struct server_sql_value *row)
-{
-    ((struct check *)user)->unused = row[0].integer;
-    return true;
-}
-
 static enum server_store_outcome check_all(struct server_postgres_connection *connection,
                                            void *user)
 {
     struct check *check = user;
+    struct server_sql_integers unused = {0};
     enum server_store_outcome outcome;
     do outcome = check_page(connection, check);
     while (!outcome && check->rows == PAGE);
-    if (outcome) return outcome;
-    return server_postgres_run(
-        connection,
-        "SELECT count(*) FROM objects WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-        " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
-        NULL, 0, on_unused, check);
+    if (!outcome)
+        outcome = server_postgres_run(
+            connection, SERVER_SQL("SELECT count(*) FROM objects"
+                                   " WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                                   " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+                                   NULL, 0, server_sql_on_integers, &unused));
+    check->unused = unused.at[0];
+    return outcome;
 }
 
 bool server_store_check_postgres(const char *url, FILE *out)

@@ -1,86 +1,109 @@
-/* See postgres_connection.h and postgres.h. */
+/* See connection.h. */
 #include "server/store/postgres/connection.h"
 
-#include <arpa/inet.h>
 #include <endian.h>
 #include <errno.h>
 #include <poll.h>
-#include <stdio.h>
+#include <postgresql/libpq-fe.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "gd/control.h"
+#include "server/base/log.h"
 
-#define CONNECT_NS UINT64_C(1500000000)
-#define MS         UINT64_C(1000000)
+#define CONNECT_NS  UINT64_C(1500000000)
+#define CONNECTIONS 5                    /* at most, with the one that listens */
+#define TAKE_NS     UINT64_C(5000000000) /* to wait for one of them */
+#define PATIENCE_NS UINT64_C(3000000000) /* to retry a transaction */
+#define LONGEST_NS  UINT64_C(8000000000) /* its statements; exceeds the server's lock_timeout */
+#define PAUSE_NS    UINT64_C(5000000)    /* the first; then twice as long, */
+#define PAUSE_MOST  UINT64_C(200000000)  /* up to this */
+#define SECOND_NS   UINT64_C(1000000000)
+#define MS          UINT64_C(1000000)
 
-/* Types of PostgreSQL, by their numbers, which never change (its pg_type.dat). */
+/* Fixed numbers of types: PostgreSQL's pg_type.dat. */
 #define OID_BYTES   17
 #define OID_INTEGER 20
 #define OID_TEXT    25
 
-/* What every session has: names are found in our schema; a commit is durable before it is told; and
- * a node that is cut off while it changes something keeps the others waiting for no longer than
- * that. */
+/* Of every session: our schema, durable commits, and a bound for how long a node that is cut off
+ * during a change blocks the others. */
 static const char settings[] =
     "SET search_path = geodesicd; SET client_min_messages = warning; SET lock_timeout = 5000;"
-    " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10; SET "
-    "tcp_keepalives_interval = 5;"
-    " SET tcp_keepalives_count = 3; SET bytea_output = hex;"
-    " SELECT set_config('synchronous_commit', 'on', false) WHERE "
-    "current_setting('synchronous_commit') IN ('off', "
-    "'local')";
+    " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10;"
+    " SET tcp_keepalives_interval = 5; SET tcp_keepalives_count = 3; SET bytea_output = hex;"
+    " SELECT set_config('synchronous_commit', 'on', false)"
+    " WHERE current_setting('synchronous_commit') IN ('off', 'local')";
+
+struct server_postgres_connection {
+    PGconn *link;
+    bool is_lost;
+    uint64_t longest_ns; /* deadline of a statement */
+    struct server_postgres_connection *next;
+    char error[SERVER_POSTGRES_ERROR]; /* of the last failure, one line */
+};
+
+struct server_postgres {
+    pthread_mutex_t lock;
+    pthread_cond_t change;
+    struct server_postgres_connection *idle; /* under the lock */
+    unsigned count;                          /* of connections; under the lock */
+    atomic_bool is_away;
+    char url[];
+};
 
 /* --- errors ----------------------------------------------------------------------------------- */
 
-/* The first line of what libpq says. */
-static void note_error(struct server_postgres_connection *connection, const char *message)
+/* Keeps the first line of a message. */
+static void error_note(struct server_postgres_connection *connection, const char *message)
 {
     snprintf(connection->error, sizeof connection->error, "%.*s", (int)strcspn(message, "\n"),
              message);
 }
 
-static enum server_store_outcome lose(struct server_postgres_connection *connection,
-                                      const char *why)
+static enum server_store_outcome connection_lose(struct server_postgres_connection *connection)
 {
-    if (!connection->is_lost) note_error(connection, why ? why : PQerrorMessage(connection->link));
+    const char *message = PQerrorMessage(connection->link);
+    if (!connection->is_lost)
+        error_note(connection, *message ? message : "it did not answer in time");
     connection->is_lost = true;
     return SERVER_STORE_UNAVAILABLE;
 }
 
-/* What was noted says why. */
-static enum server_store_outcome abandon(struct server_postgres_connection *connection)
+/* The outcome of an error, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
+static enum server_store_outcome error_outcome(struct server_postgres_connection *connection,
+                                               const PGresult *result)
 {
-    connection->is_lost = true;
-    return SERVER_STORE_UNAVAILABLE;
-}
-
-static bool is_of(const char *state, const char *class_or_code)
-{
-    return strncmp(state, class_or_code, strlen(class_or_code)) == 0;
-}
-
-/* What an error is to us, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
-static enum server_store_outcome judge(struct server_postgres_connection *connection,
-                                       const PGresult *result)
-{
+    static const struct {
+        const char *state; /* or its beginning */
+        enum server_store_outcome outcome;
+    } outcomes[] = {
+        {"08", SERVER_STORE_UNAVAILABLE}, /* these four: it stops, starts, or is a standby */
+        {"57P", SERVER_STORE_UNAVAILABLE},   {"25006", SERVER_STORE_UNAVAILABLE},
+        {"25P0", SERVER_STORE_UNAVAILABLE},  {"40", SERVER_STORE_STALE},
+        {"23503", SERVER_STORE_STALE},       {"55P03", SERVER_STORE_STALE},
+        {"53100", SERVER_STORE_FULL},        {"53", SERVER_STORE_UNAVAILABLE},
+        {"57014", SERVER_STORE_UNAVAILABLE},
+    };
     const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
-    note_error(connection, PQresultErrorMessage(result));
-    /* of this process */
+    enum server_store_outcome outcome = SERVER_STORE_REFUSED;
+    error_note(connection, PQresultErrorMessage(result));
     if (!state && strstr(connection->error, "out of memory")) return SERVER_STORE_NO_MEMORY;
-    if (!state || PQstatus(connection->link) == CONNECTION_BAD) return abandon(connection);
-    if (is_of(state, "08") || is_of(state, "57P") || is_of(state, "25006") || is_of(state, "25P0"))
-        return abandon(connection); /* it ends, starts, or follows another */
-    if (is_of(state, "40") || is_of(state, "23503") || is_of(state, "55P03"))
-        return SERVER_STORE_STALE;
-    if (is_of(state, "53100")) return SERVER_STORE_FULL;
-    if (is_of(state, "53") || is_of(state, "57014")) return abandon(connection);
-    return SERVER_STORE_REFUSED;
+    if (!state || PQstatus(connection->link) == CONNECTION_BAD) outcome = SERVER_STORE_UNAVAILABLE;
+    for (size_t i = 0; outcome == SERVER_STORE_REFUSED && i < sizeof outcomes / sizeof *outcomes;
+         i++)
+        if (strncmp(state, outcomes[i].state, strlen(outcomes[i].state)) == 0)
+            outcome = outcomes[i].outcome;
+    connection->is_lost |= outcome == SERVER_STORE_UNAVAILABLE;
+    return outcome;
 }
 
-/* --- waiting ---------------------------------------------------------------------------------- */
+/* --- statements ------------------------------------------------------------------------------- */
 
-/* Until the socket is ready for one of the events; false: it was not in time. */
-static bool wait_for(PGconn *link, short events, uint64_t until_ns)
+/* Waits until the socket is ready for one of the events; false: not in time. */
+static bool socket_wait(PGconn *link, short events, uint64_t until_ns)
 {
     for (;;) {
         uint64_t now_ns = gd_now_ns();
@@ -95,128 +118,89 @@ static bool wait_for(PGconn *link, short events, uint64_t until_ns)
 static bool send_all(PGconn *link, uint64_t until_ns)
 {
     int left;
-    while ((left = PQflush(link)) > 0) {
-        if (!wait_for(link, POLLIN | POLLOUT, until_ns)) return false;
-        if (!PQconsumeInput(link)) return false;
-    }
+    while ((left = PQflush(link)) > 0)
+        if (!socket_wait(link, POLLIN | POLLOUT, until_ns) || !PQconsumeInput(link)) return false;
     return left == 0;
 }
 
-/* The next result of what was sent; false: lost or late. `*out` is NULL after the last. */
-static bool next_result(PGconn *link, uint64_t until_ns, PGresult **out)
+static struct server_sql_value value_read(const PGresult *result, int row, int column)
 {
-    while (PQisBusy(link))
-        if (!wait_for(link, POLLIN, until_ns) || !PQconsumeInput(link)) return false;
-    *out = PQgetResult(link);
-    return true;
-}
-
-/* --- statements ------------------------------------------------------------------------------- */
-
-struct parameters {
-    Oid types[SERVER_SQL_VALUES];
-    const char *values[SERVER_SQL_VALUES];
-    int sizes[SERVER_SQL_VALUES], formats[SERVER_SQL_VALUES];
-    uint64_t integers[SERVER_SQL_VALUES]; /* in the byte order of networks */
-};
-
-static void set_parameters(struct parameters *parameters, const struct server_sql_value *values,
-                           int count)
-{
-    for (int i = 0; i < count; i++) {
-        const struct server_sql_value *value = &values[i];
-        bool is_integer = value->type == SERVER_SQL_INTEGER;
-        parameters->integers[i] = htobe64((uint64_t)value->integer);
-        parameters->types[i] = is_integer                        ? OID_INTEGER
-                               : value->type == SERVER_SQL_BYTES ? OID_BYTES
-                                                                 : OID_TEXT;
-        parameters->formats[i] = 1;
-        parameters->sizes[i] = is_integer ? (int)sizeof(uint64_t) : (int)value->size;
-        parameters->values[i] = value->type == SERVER_SQL_NULL ? NULL
-                                : is_integer ? (const char *)&parameters->integers[i]
-                                             : value->bytes;
-    }
-}
-
-static struct server_sql_value read_value(const PGresult *result, int row, int column)
-{
-    struct server_sql_value value = {.bytes = PQgetvalue(result, row, column),
-                                     .size = (size_t)PQgetlength(result, row, column)};
+    const char *bytes = PQgetvalue(result, row, column);
     uint64_t integer;
     if (PQgetisnull(result, row, column)) return (struct server_sql_value){.type = SERVER_SQL_NULL};
-    switch (PQftype(result, column)) {
-    case OID_INTEGER:
-        memcpy(&integer, value.bytes, sizeof integer);
+    struct server_sql_value value =
+        server_sql_bytes(bytes, (size_t)PQgetlength(result, row, column));
+    if (PQftype(result, column) == OID_INTEGER) {
+        memcpy(&integer, bytes, sizeof integer);
         return server_sql_integer((int64_t)be64toh(integer));
-    case OID_BYTES:
-        value.type = SERVER_SQL_BYTES;
-        return value;
-    default:
-        value.type = SERVER_SQL_TEXT;
-        return value;
     }
+    if (PQftype(result, column) != OID_BYTES) value.type = SERVER_SQL_TEXT;
+    return value;
 }
 
-static void show_rows(const PGresult *result, server_sql_visit *visit, void *user)
+static void rows_visit(const PGresult *result, server_sql_visit *visit, void *user)
 {
     struct server_sql_value row[SERVER_SQL_VALUES] = {0};
     int columns = PQnfields(result) < SERVER_SQL_VALUES ? PQnfields(result) : SERVER_SQL_VALUES;
     bool goes_on = visit != NULL;
     for (int i = 0; goes_on && i < PQntuples(result); i++) {
         for (int column = 0; column < columns; column++)
-            row[column] = read_value(result, i, column);
+            row[column] = value_read(result, i, column);
         goes_on = visit(user, row);
     }
 }
 
-/* Shows the rows of all results. */
-static enum server_store_outcome receive(struct server_postgres_connection *connection,
-                                         uint64_t until_ns, server_sql_visit *visit, void *user)
+/* Sends what is queued and visits the rows of all results. */
+static enum server_store_outcome results_receive(struct server_postgres_connection *connection,
+                                                 uint64_t until_ns, server_sql_visit *visit,
+                                                 void *user)
 {
+    PGconn *link = connection->link;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    PGresult *result;
-    for (;;) {
-        if (!next_result(connection->link, until_ns, &result))
-            return lose(connection, PQstatus(connection->link) == CONNECTION_BAD
-                                        ? NULL
-                                        : "it did not answer in time");
+    if (!send_all(link, until_ns)) return connection_lose(connection);
+    while (!connection->is_lost) {
+        while (PQisBusy(link))
+            if (!socket_wait(link, POLLIN, until_ns) || !PQconsumeInput(link))
+                return connection_lose(connection);
+        PGresult *result = PQgetResult(link);
         if (!result) break;
         ExecStatusType status = PQresultStatus(result);
         if (status == PGRES_TUPLES_OK)
-            show_rows(result, visit, user);
+            rows_visit(result, visit, user);
         else if (status != PGRES_COMMAND_OK && !outcome)
-            outcome = judge(connection, result);
+            outcome = error_outcome(connection, result);
         PQclear(result);
-        if (connection->is_lost) break;
     }
     return outcome;
 }
 
 enum server_store_outcome server_postgres_run(struct server_postgres_connection *connection,
-                                              const char *text,
-                                              const struct server_sql_value *values, int count,
-                                              server_sql_visit *visit, void *user)
+                                              const struct server_sql_statement *statement)
 {
-    struct parameters parameters;
-    uint64_t until_ns = gd_now_ns() + connection->longest_ns;
+    Oid types[SERVER_SQL_VALUES];
+    const char *values[SERVER_SQL_VALUES];
+    int sizes[SERVER_SQL_VALUES], formats[SERVER_SQL_VALUES];
+    uint64_t integers[SERVER_SQL_VALUES]; /* big-endian */
     if (connection->is_lost) return SERVER_STORE_UNAVAILABLE;
-    set_parameters(&parameters, values, count);
-    int is_sent =
-        count ? PQsendQueryParams(connection->link, text, count, parameters.types,
-                                  parameters.values, parameters.sizes, parameters.formats, 1)
-              : PQsendQueryParams(connection->link, text, 0, NULL, NULL, NULL, NULL, 1);
-    if (!is_sent) {
-        bool lacks_memory = strstr(PQerrorMessage(connection->link), "memory") != NULL;
-        (void)lose(connection, NULL);
-        return lacks_memory ? SERVER_STORE_NO_MEMORY : SERVER_STORE_UNAVAILABLE;
+    for (int i = 0; i < statement->count; i++) {
+        const struct server_sql_value *value = &statement->values[i];
+        bool is_integer = value->type == SERVER_SQL_INTEGER;
+        integers[i] = htobe64((uint64_t)value->integer);
+        types[i] = is_integer                        ? OID_INTEGER
+                   : value->type == SERVER_SQL_BYTES ? OID_BYTES
+                                                     : OID_TEXT;
+        formats[i] = 1;
+        sizes[i] = is_integer ? (int)sizeof(uint64_t) : (int)value->size;
+        values[i] = is_integer ? (const char *)&integers[i] : value->bytes; /* NULL: NULL */
     }
-    if (!send_all(connection->link, until_ns)) return lose(connection, NULL);
-    return receive(connection, until_ns, visit, user);
-}
-
-const char *server_postgres_error(const struct server_postgres_connection *connection)
-{
-    return connection->error;
+    if (!PQsendQueryParams(connection->link, statement->text, statement->count, types, values,
+                           sizes, formats, 1)) {
+        (void)connection_lose(connection);
+        return strstr(connection->error, "memory") ? SERVER_STORE_NO_MEMORY
+                                                   : SERVER_STORE_UNAVAILABLE;
+    }
+    return results_receive(connection, gd_now_ns() + connection->longest_ns, statement->visit,
+                           statement->user);
 }
 
 bool server_postgres_await(struct server_postgres_connection *connection, uint64_t ns)
@@ -224,8 +208,8 @@ bool server_postgres_await(struct server_postgres_connection *connection, uint64
     PGconn *link = connection->link;
     PGnotify *notice = PQnotifies(link);
     if (connection->is_lost) return false;
-    if (!notice && wait_for(link, POLLIN, gd_now_ns() + ns) && !PQconsumeInput(link)) {
-        (void)lose(connection, NULL);
+    if (!notice && socket_wait(link, POLLIN, gd_now_ns() + ns) && !PQconsumeInput(link)) {
+        (void)connection_lose(connection);
         return false;
     }
     do PQfreemem(notice);
@@ -235,9 +219,14 @@ bool server_postgres_await(struct server_postgres_connection *connection, uint64
 
 /* --- connecting ------------------------------------------------------------------------------- */
 
-static PGconn *begin_connecting(const char *url)
+static void on_notice(void *user, const PGresult *result)
 {
-    /* what the address says itself comes last, and counts */
+    (void)user, (void)result;
+}
+
+static PGconn *connect_begin(const char *url)
+{
+    /* the address comes last, so that its values count */
     static const char *const names[] = {"gssencmode",
                                         "application_name",
                                         "tcp_user_timeout",
@@ -252,61 +241,300 @@ static PGconn *begin_connecting(const char *url)
     return PQconnectStartParams(names, values, 1);
 }
 
-static bool end_connecting(PGconn *link, uint64_t until_ns)
+static bool connect_end(PGconn *link, uint64_t until_ns)
 {
     PostgresPollingStatusType next = PGRES_POLLING_WRITING;
     while (next != PGRES_POLLING_OK) {
         if (PQstatus(link) == CONNECTION_BAD || next == PGRES_POLLING_FAILED) return false;
-        if (!wait_for(link, next == PGRES_POLLING_READING ? POLLIN : POLLOUT, until_ns))
+        if (!socket_wait(link, next == PGRES_POLLING_READING ? POLLIN : POLLOUT, until_ns))
             return false;
         next = PQconnectPoll(link);
     }
     return PQsetnonblocking(link, 1) == 0;
 }
 
-static enum server_store_outcome set_up(struct server_postgres_connection *connection)
+static void connection_close(struct server_postgres_connection *connection)
 {
-    uint64_t until_ns = gd_now_ns() + CONNECT_NS;
-    if (!PQsendQuery(connection->link, settings) || !send_all(connection->link, until_ns))
-        return lose(connection, NULL);
-    return receive(connection, until_ns, NULL, NULL);
+    PQfinish(connection->link);
+    free(connection);
 }
 
-static void ignore_notice(void *user, const PGresult *result)
+static enum server_store_outcome connection_set_up(struct server_postgres_connection *connection)
 {
-    (void)user, (void)result;
+    if (!connect_end(connection->link, gd_now_ns() + CONNECT_NS))
+        return connection_lose(connection);
+    if (!PQsendQuery(connection->link, settings)) return connection_lose(connection);
+    return results_receive(connection, gd_now_ns() + CONNECT_NS, NULL, NULL);
 }
 
-enum server_store_outcome server_postgres_connect(const char *url,
-                                                  struct server_postgres_connection **out,
-                                                  char error[SERVER_POSTGRES_ERROR])
+static enum server_store_outcome connection_open(const char *url,
+                                                 struct server_postgres_connection **out,
+                                                 char error[SERVER_POSTGRES_ERROR])
 {
     struct server_postgres_connection *connection = calloc(1, sizeof *connection);
     snprintf(error, SERVER_POSTGRES_ERROR, "out of memory");
-    if (!connection) return SERVER_STORE_NO_MEMORY;
-    connection->link = begin_connecting(url);
-    if (!connection->link) {
+    if (!connection || !(connection->link = connect_begin(url))) {
         free(connection);
         return SERVER_STORE_NO_MEMORY;
     }
+    PQsetNoticeReceiver(connection->link, on_notice, NULL);
     connection->longest_ns = CONNECT_NS;
-    PQsetNoticeReceiver(connection->link, ignore_notice, NULL);
-    enum server_store_outcome outcome =
-        end_connecting(connection->link, gd_now_ns() + CONNECT_NS)
-            ? set_up(connection)
-            : lose(connection,
-                   *PQerrorMessage(connection->link) ? NULL : "it did not answer in time");
+    enum server_store_outcome outcome = connection_set_up(connection);
     if (!outcome) {
         *out = connection;
         return SERVER_STORE_DONE;
     }
     snprintf(error, SERVER_POSTGRES_ERROR, "%s", connection->error);
-    server_postgres_disconnect(connection);
+    connection_close(connection);
     return outcome == SERVER_STORE_NO_MEMORY ? outcome : SERVER_STORE_UNAVAILABLE;
 }
 
-void server_postgres_disconnect(struct server_postgres_connection *connection)
+/* --- the pool --------------------------------------------------------------------------------- */
+
+struct server_postgres *server_postgres_create(const char *url)
 {
-    PQfinish(connection->link);
-    free(connection);
+    size_t size = strlen(url) + 1;
+    struct server_postgres *postgres = calloc(1, sizeof *postgres + size);
+    pthread_condattr_t attributes;
+    if (!postgres) return NULL;
+    memcpy(postgres->url, url, size);
+    pthread_mutex_init(&postgres->lock, NULL);
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC); /* that of gd_now_ns */
+    pthread_cond_init(&postgres->change, &attributes);
+    pthread_condattr_destroy(&attributes);
+    return postgres;
+}
+
+void server_postgres_destroy(struct server_postgres *postgres)
+{
+    if (!postgres) return;
+    while (postgres->idle) {
+        struct server_postgres_connection *next = postgres->idle->next;
+        connection_close(postgres->idle);
+        postgres->idle = next;
+    }
+    pthread_cond_destroy(&postgres->change);
+    pthread_mutex_destroy(&postgres->lock);
+    free(postgres);
+}
+
+bool server_postgres_is_away(struct server_postgres *postgres)
+{
+    return atomic_load(&postgres->is_away);
+}
+
+void server_postgres_has_answered(struct server_postgres *postgres)
+{
+    atomic_store(&postgres->is_away, false);
+}
+
+/* Takes an idle connection, or reserves a place for a new one (NULL). False: all are in use. */
+static bool pool_reserve(struct server_postgres *postgres, struct server_postgres_connection **out)
+{
+    uint64_t until_ns = gd_now_ns() + TAKE_NS;
+    const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
+                                   .tv_nsec = (long)(until_ns % SECOND_NS)};
+    bool has_time = true;
+    pthread_mutex_lock(&postgres->lock);
+    while (has_time && !postgres->idle && postgres->count >= CONNECTIONS)
+        has_time = pthread_cond_timedwait(&postgres->change, &postgres->lock, &until) == 0;
+    *out = postgres->idle;
+    bool is_reserved = *out || postgres->count < CONNECTIONS;
+    if (*out)
+        postgres->idle = (*out)->next;
+    else
+        postgres->count += is_reserved;
+    pthread_mutex_unlock(&postgres->lock);
+    return is_reserved;
+}
+
+/* Returns an idle connection, or the place of a closed one (NULL). */
+static void pool_return(struct server_postgres *postgres,
+                        struct server_postgres_connection *connection)
+{
+    pthread_mutex_lock(&postgres->lock);
+    if (connection) {
+        connection->next = postgres->idle;
+        postgres->idle = connection;
+    } else {
+        postgres->count--;
+    }
+    pthread_cond_signal(&postgres->change);
+    pthread_mutex_unlock(&postgres->lock);
+}
+
+enum server_store_outcome server_postgres_take(struct server_postgres *postgres,
+                                               struct server_postgres_connection **out,
+                                               char error[SERVER_POSTGRES_ERROR])
+{
+    snprintf(error, SERVER_POSTGRES_ERROR, "the database is away");
+    if (!pool_reserve(postgres, out)) return SERVER_STORE_UNAVAILABLE;
+    if (*out) return SERVER_STORE_DONE;
+    enum server_store_outcome outcome = connection_open(postgres->url, out, error);
+    if (outcome) pool_return(postgres, NULL);
+    atomic_store(&postgres->is_away, outcome == SERVER_STORE_UNAVAILABLE);
+    return outcome;
+}
+
+void server_postgres_give(struct server_postgres *postgres,
+                          struct server_postgres_connection *connection)
+{
+    bool is_lost = connection->is_lost;
+    if (is_lost) connection_close(connection);
+    pool_return(postgres, is_lost ? NULL : connection);
+}
+
+/* --- transactions ----------------------------------------------------------------------------- */
+
+struct attempt {
+    server_postgres_body *body;
+    void *user;
+    bool is_transaction;
+    uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
+    char number[32];                  /* of a transaction whose COMMIT has no answer; or empty */
+};
+
+static bool on_number(void *user, const struct server_sql_value *row)
+{
+    struct attempt *attempt = user;
+    snprintf(attempt->number, sizeof attempt->number, "%s", row[0].bytes);
+    return true;
+}
+
+static enum server_store_outcome attempt_make(struct server_postgres_connection *connection,
+                                              struct attempt *attempt)
+{
+    if (!attempt->is_transaction) return attempt->body(connection, attempt->user);
+    enum server_store_outcome outcome = server_postgres_run(connection, SERVER_SQL("BEGIN"));
+    if (!outcome) outcome = attempt->body(connection, attempt->user);
+    if (outcome) {
+        if (outcome != SERVER_STORE_UNAVAILABLE)
+            (void)server_postgres_run(connection, SERVER_SQL("ROLLBACK"));
+        return outcome;
+    }
+    outcome = server_postgres_run(
+        connection, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt));
+    if (!outcome) outcome = server_postgres_run(connection, SERVER_SQL("COMMIT"));
+    if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0';
+    return outcome;
+}
+
+static bool on_status(void *user, const struct server_sql_value *row)
+{
+    enum server_store_outcome *outcome = user;
+    const char *status = row[0].type == SERVER_SQL_TEXT ? row[0].bytes : "";
+    if (strcmp(status, "committed") == 0) *outcome = SERVER_STORE_DONE;
+    if (strcmp(status, "aborted") == 0) *outcome = SERVER_STORE_STALE;
+    return true;
+}
+
+/* Asks for the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
+ * unknown for now, or still in progress. */
+static enum server_store_outcome attempt_ask(struct server_postgres_connection *connection,
+                                             struct attempt *attempt)
+{
+    const struct server_sql_value number = server_sql_text(attempt->number);
+    enum server_store_outcome found = SERVER_STORE_UNAVAILABLE;
+    if (server_postgres_run(connection, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number,
+                                                   1, on_status, &found)))
+        return SERVER_STORE_UNAVAILABLE;
+    if (found == SERVER_STORE_STALE) attempt->number[0] = '\0';
+    return found;
+}
+
+static bool pause_until(uint64_t until_ns, uint64_t *pause_ns)
+{
+    const struct timespec pause = {.tv_nsec = (long)*pause_ns};
+    if (gd_now_ns() + *pause_ns >= until_ns) return false;
+    nanosleep(&pause, NULL);
+    *pause_ns = 2 * *pause_ns < PAUSE_MOST ? 2 * *pause_ns : PAUSE_MOST;
+    return true;
+}
+
+static enum server_store_outcome attempts_run(struct server_postgres *postgres,
+                                              struct attempt attempt)
+{
+    uint64_t until_ns = gd_now_ns() + attempt.patience_ns, pause_ns = PAUSE_NS;
+    enum server_store_outcome outcome;
+    char error[SERVER_POSTGRES_ERROR] = "";
+    if (server_postgres_is_away(postgres)) return SERVER_STORE_UNAVAILABLE;
+    do {
+        struct server_postgres_connection *connection;
+        outcome = server_postgres_take(postgres, &connection, error);
+        if (outcome) continue;
+        connection->longest_ns = attempt.longest_ns;
+        outcome = attempt.number[0] ? attempt_ask(connection, &attempt)
+                                    : attempt_make(connection, &attempt);
+        if (outcome) snprintf(error, sizeof error, "%s", connection->error);
+        server_postgres_give(postgres, connection);
+    } while ((outcome == SERVER_STORE_UNAVAILABLE || outcome == SERVER_STORE_STALE) &&
+             pause_until(until_ns, &pause_ns));
+    if (outcome == SERVER_STORE_STALE) outcome = SERVER_STORE_UNAVAILABLE;
+    if (outcome == SERVER_STORE_REFUSED || outcome == SERVER_STORE_FULL)
+        server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", error);
+    else if (outcome == SERVER_STORE_UNAVAILABLE)
+        server_log_message(SERVER_LOG_WARN, "database_lost", "%s",
+                           *error ? error : "others were always quicker");
+    return outcome;
+}
+
+enum server_store_outcome server_postgres_transact(struct server_postgres *postgres,
+                                                   server_postgres_body *body, void *user)
+{
+    return attempts_run(postgres, (struct attempt){.body = body,
+                                                   .user = user,
+                                                   .is_transaction = true,
+                                                   .patience_ns = PATIENCE_NS,
+                                                   .longest_ns = LONGEST_NS});
+}
+
+enum server_store_outcome server_postgres_read(struct server_postgres *postgres,
+                                               uint64_t patience_ns, server_postgres_body *body,
+                                               void *user)
+{
+    return attempts_run(postgres, (struct attempt){.body = body,
+                                                   .user = user,
+                                                   .patience_ns = patience_ns,
+                                                   .longest_ns = patience_ns});
+}
+
+/* --- statements for the batches (sql.h) ------------------------------------------------------- */
+
+struct sql_postgres {
+    struct server_store_sql sql; /* first */
+    struct server_postgres *postgres;
+};
+
+static enum server_store_outcome on_statement(struct server_postgres_connection *connection,
+                                              void *user)
+{
+    return server_postgres_run(connection, *(const struct server_sql_statement **)user);
+}
+
+static enum server_store_outcome sql_run(struct server_store_sql *sql,
+                                         const struct server_sql_statement *statement)
+{
+    return server_postgres_read(((struct sql_postgres *)sql)->postgres, TAKE_NS, on_statement,
+                                &statement);
+}
+
+static void sql_close(struct server_store_sql *sql)
+{
+    server_postgres_destroy(((struct sql_postgres *)sql)->postgres);
+    free(sql);
+}
+
+struct server_store_sql *server_store_sql_postgres_open(const char *url)
+{
+    struct sql_postgres *own = calloc(1, sizeof *own);
+    if (!own || !(own->postgres = server_postgres_create(url))) {
+        free(own);
+        return NULL;
+    }
+    own->sql = (struct server_store_sql){.run = sql_run,
+                                         .is_shared = true,
+                                         .skip_locked = " FOR UPDATE OF i SKIP LOCKED",
+                                         .close = sql_close};
+    return &own->sql;
 }

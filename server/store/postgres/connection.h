@@ -1,25 +1,77 @@
-/* Connection: one to PostgreSQL, that never waits without a bound; the inside of postgres.h. Used
- * by one thread at a time. */
+/* Connections to a PostgreSQL database, statements and transactions.
+ *
+ *     static enum server_store_outcome on_change(struct server_postgres_connection *connection,
+ *                                                void *user)
+ *     {
+ *         return server_postgres_run(connection, SERVER_SQL("UPDATE …", values, 2));
+ *     }
+ *     outcome = server_postgres_transact(postgres, on_change, user);
+ *
+ * DESIGN. A pool of few connections, each used by one thread at a time, opened on demand. Every
+ * wait is bounded: each statement and each attempt to connect has a deadline, and a connection
+ * that misses one is closed.
+ *
+ * A transaction whose connection is lost, or that conflicts with another, is retried with growing
+ * pauses for some seconds. If the connection is lost during COMMIT, the outcome is unknown: the
+ * server is asked for the status of the transaction, by its number, on another connection. So no
+ * transaction is lost, and none is applied twice.
+ *
+ * After a failed connect the database is away: callers are refused at once, except a prober (the
+ * store's follower), whose next connect detects that it is back.
+ *
+ * Thread-safe. For worker threads and threads of its own, never for those of HTTP. Messages of
+ * libpq don't contain the password. */
 #ifndef SERVER_STORE_POSTGRES_CONNECTION_H
 #define SERVER_STORE_POSTGRES_CONNECTION_H
 
-#include <postgresql/libpq-fe.h>
+#include "server/store/sql.h"
 
-#include "server/store/postgres/transactions.h"
+#define SERVER_POSTGRES_ERROR 400 /* bytes of a message */
 
-struct server_postgres_connection {
-    PGconn *link;
-    bool is_lost;        /* nothing more comes of it */
-    uint64_t longest_ns; /* that a statement may take */
-    struct server_postgres_connection *next;
-    char error[SERVER_POSTGRES_ERROR];
-};
+struct server_postgres;
+struct server_postgres_connection;
 
-/* Connects within a time, and says what every session is to have. UNAVAILABLE or NO_MEMORY with a
- * line in `error`. */
-enum server_store_outcome server_postgres_connect(const char *url,
-                                                  struct server_postgres_connection **out,
-                                                  char error[SERVER_POSTGRES_ERROR]);
-void server_postgres_disconnect(struct server_postgres_connection *connection);
+/* Copies the address ("postgresql://user@host/database?…") and connects to nothing yet. NULL
+ * without memory. */
+struct server_postgres *server_postgres_create(const char *url);
+/* After all connections are given back; NULL is harmless. */
+void server_postgres_destroy(struct server_postgres *postgres);
+
+/* Takes an idle connection or opens one, even if the database is away. UNAVAILABLE, NO_MEMORY, with
+ * a message. */
+enum server_store_outcome server_postgres_take(struct server_postgres *postgres,
+                                               struct server_postgres_connection **out,
+                                               char error[SERVER_POSTGRES_ERROR]);
+/* Gives a connection back; a lost one is closed. */
+void server_postgres_give(struct server_postgres *postgres,
+                          struct server_postgres_connection *connection);
+
+/* True after a failed connect, until a connect succeeds or has_answered is called. */
+bool server_postgres_is_away(struct server_postgres *postgres);
+void server_postgres_has_answered(struct server_postgres *postgres);
+
+/* Runs one statement. UNAVAILABLE: the connection is lost or missed the deadline; STALE: a
+ * conflict, retry the transaction; FULL; NO_MEMORY; REFUSED: any other error. */
+enum server_store_outcome server_postgres_run(struct server_postgres_connection *connection,
+                                              const struct server_sql_statement *statement);
+
+typedef enum server_store_outcome
+server_postgres_body(struct server_postgres_connection *connection, void *user);
+
+/* Runs the body in a transaction; commits if it returns DONE. The body may run several times. It
+ * returns STALE for a retry, and PRECONDITION to end because of another's change. UNAVAILABLE:
+ * nothing changed, or the outcome is unknown for now. */
+enum server_store_outcome server_postgres_transact(struct server_postgres *postgres,
+                                                   server_postgres_body *body, void *user);
+
+/* Runs the body without a transaction; again if the connection is lost, for `patience_ns` at most,
+ * which is also the deadline of each statement. */
+enum server_store_outcome server_postgres_read(struct server_postgres *postgres,
+                                               uint64_t patience_ns, server_postgres_body *body,
+                                               void *user);
+
+/* Blocks for `ns`, or until a notification on a channel that the connection listens to. False: the
+ * connection is lost. */
+bool server_postgres_await(struct server_postgres_connection *connection, uint64_t ns);
 
 #endif

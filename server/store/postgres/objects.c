@@ -1,14 +1,7 @@
-/* See store_postgres_objects.h. */
+/* See objects.h. */
 #include "server/store/postgres/objects.h"
 
 #define CHUNK ((size_t)1 << 20)
-
-struct chunk {
-    uint64_t number;
-    const char *bytes;
-    size_t size;
-    char digest[SERVER_SHA256_HEX];
-};
 
 uint64_t server_postgres_chunks(const struct server_object *object)
 {
@@ -21,54 +14,32 @@ static size_t chunk_size(const struct server_object *object, uint64_t number)
     return left < CHUNK ? (size_t)left : CHUNK;
 }
 
-static bool on_row(void *user, const struct server_sql_value *row)
-{
-    bool *is_there = user;
-    (void)row;
-    *is_there = true;
-    return true;
-}
-
 /* --- writing ---------------------------------------------------------------------------------- */
 
-/* Is it there, and whole? */
-static enum server_store_outcome find_chunk(struct server_postgres_connection *connection,
-                                            const struct server_object *object,
-                                            const struct chunk *chunk, bool *is_there)
+static enum server_store_outcome chunk_write(struct server_postgres_connection *connection,
+                                             const struct server_object *object, uint64_t number,
+                                             const char *bytes, bool is_new)
 {
-    const struct server_sql_value values[] = {server_sql_text(object->id),
-                                              server_sql_integer((int64_t)chunk->number),
-                                              server_sql_text(chunk->digest)};
-    *is_there = false;
-    return server_postgres_run(
-        connection,
-        "SELECT true FROM chunks WHERE object = $1 AND number = $2 AND digest = $3"
-        " AND encode(sha256(bytes), 'hex') = $3",
-        values, 3, on_row, is_there);
-}
-
-static enum server_store_outcome put_chunk(struct server_postgres_connection *connection,
-                                           const struct server_object *object,
-                                           const struct chunk *chunk)
-{
+    char digest[SERVER_SHA256_HEX];
+    size_t size = chunk_size(object, number);
+    server_sha256(bytes, size, digest);
     const struct server_sql_value values[] = {
-        server_sql_text(object->id), server_sql_integer((int64_t)chunk->number),
-        server_sql_text(chunk->digest), server_sql_bytes(chunk->bytes, chunk->size)};
+        server_sql_text(object->id), server_sql_integer((int64_t)number), server_sql_text(digest),
+        server_sql_bytes(bytes, size)};
+    struct server_sql_integers sound = {0};
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    if (!is_new)
+        outcome = server_postgres_run(
+            connection,
+            SERVER_SQL("SELECT true FROM chunks WHERE object = $1 AND number = $2 AND digest = $3"
+                       " AND encode(sha256(bytes), 'hex') = $3",
+                       values, 3, server_sql_on_integers, &sound));
+    if (outcome || sound.rows) return outcome;
     return server_postgres_run(
         connection,
-        "INSERT INTO chunks (object, number, digest, bytes) VALUES ($1, $2, $3, $4)"
-        " ON CONFLICT (object, number) DO UPDATE SET digest = $3, bytes = $4",
-        values, 4, NULL, NULL);
-}
-
-static enum server_store_outcome write_chunk(struct server_postgres_connection *connection,
-                                             const struct server_object *object,
-                                             const struct chunk *chunk, bool is_new)
-{
-    bool is_there = false;
-    enum server_store_outcome outcome =
-        is_new ? SERVER_STORE_DONE : find_chunk(connection, object, chunk, &is_there);
-    return outcome || is_there ? outcome : put_chunk(connection, object, chunk);
+        SERVER_SQL("INSERT INTO chunks (object, number, digest, bytes) VALUES ($1, $2, $3, $4)"
+                   " ON CONFLICT (object, number) DO UPDATE SET digest = $3, bytes = $4",
+                   values, 4));
 }
 
 enum server_store_outcome
@@ -77,17 +48,13 @@ server_postgres_write_object(struct server_postgres_connection *connection,
 {
     const struct server_sql_value values[] = {server_sql_text(object->id),
                                               server_sql_integer((int64_t)object->size)};
-    bool is_new = false;
-    enum server_store_outcome outcome = server_postgres_run(
-        connection,
-        "INSERT INTO objects (id, size) VALUES ($1, $2) ON CONFLICT (id) DO NOTHING RETURNING true",
-        values, 2, on_row, &is_new);
-    for (uint64_t i = 0; !outcome && i < server_postgres_chunks(object); i++) {
-        struct chunk chunk = {
-            .number = i, .bytes = (const char *)bytes + i * CHUNK, .size = chunk_size(object, i)};
-        server_sha256(chunk.bytes, chunk.size, chunk.digest);
-        outcome = write_chunk(connection, object, &chunk, is_new);
-    }
+    struct server_sql_integers made = {0};
+    enum server_store_outcome outcome =
+        server_postgres_run(connection, SERVER_SQL("INSERT INTO objects (id, size) VALUES ($1, $2)"
+                                                   " ON CONFLICT (id) DO NOTHING RETURNING true",
+                                                   values, 2, server_sql_on_integers, &made));
+    for (uint64_t i = 0; !outcome && i < server_postgres_chunks(object); i++)
+        outcome = chunk_write(connection, object, i, (const char *)bytes + i * CHUNK, made.rows);
     return outcome;
 }
 
@@ -95,17 +62,16 @@ enum server_store_outcome server_postgres_drop_object(struct server_postgres_con
                                                       const char *object)
 {
     const struct server_sql_value id = server_sql_text(object);
-    if (!object) return SERVER_STORE_DONE;
-    return server_postgres_run(connection,
-                               "DELETE FROM objects WHERE id = $1"
+    return server_postgres_run(
+        connection, SERVER_SQL("DELETE FROM objects WHERE id = $1"
                                " AND NOT EXISTS (SELECT FROM surfaces WHERE file = $1)"
                                " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = $1)",
-                               &id, 1, NULL, NULL);
+                               &id, 1));
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-struct reading {
+struct chunk_reading {
     char *bytes;
     size_t size;
     bool is_there, fits;
@@ -113,26 +79,25 @@ struct reading {
 
 static bool on_chunk(void *user, const struct server_sql_value *row)
 {
-    struct reading *reading = user;
+    struct chunk_reading *reading = user;
     reading->is_there = true;
     reading->fits = row[0].type == SERVER_SQL_BYTES && row[0].size == reading->size;
     if (reading->fits) memcpy(reading->bytes, row[0].bytes, reading->size);
     return true;
 }
 
-static enum server_store_outcome read_chunk(struct server_postgres_connection *connection,
+static enum server_store_outcome chunk_read(struct server_postgres_connection *connection,
                                             const struct server_object *object, uint64_t number,
                                             char *bytes)
 {
-    struct reading reading = {.bytes = bytes + number * CHUNK, .size = chunk_size(object, number)};
+    struct chunk_reading reading = {.bytes = bytes, .size = chunk_size(object, number)};
     const struct server_sql_value values[] = {server_sql_text(object->id),
                                               server_sql_integer((int64_t)number)};
     enum server_store_outcome outcome = server_postgres_run(
-        connection, "SELECT bytes FROM chunks WHERE object = $1 AND number = $2", values, 2,
-        on_chunk, &reading);
-    if (outcome) return outcome;
-    if (!reading.is_there) return number ? SERVER_STORE_DAMAGED : SERVER_STORE_ABSENT;
-    return reading.fits ? SERVER_STORE_DONE : SERVER_STORE_DAMAGED;
+        connection, SERVER_SQL("SELECT bytes FROM chunks WHERE object = $1 AND number = $2", values,
+                               2, on_chunk, &reading));
+    if (outcome || reading.fits) return outcome;
+    return reading.is_there || number ? SERVER_STORE_DAMAGED : SERVER_STORE_ABSENT;
 }
 
 enum server_store_outcome server_postgres_read_object(struct server_postgres_connection *connection,
@@ -142,25 +107,11 @@ enum server_store_outcome server_postgres_read_object(struct server_postgres_con
     char sha256[SERVER_SHA256_HEX];
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     for (uint64_t i = 0; !outcome && i < server_postgres_chunks(object); i++)
-        outcome = read_chunk(connection, object, i, bytes);
+        outcome = chunk_read(connection, object, i, (char *)bytes + i * CHUNK);
     if (outcome) return outcome;
     server_sha256(bytes, object->size, sha256);
     return strncmp(object->id, sha256, strlen(sha256)) == 0 ? SERVER_STORE_DONE
                                                             : SERVER_STORE_DAMAGED;
-}
-
-/* --- looking ---------------------------------------------------------------------------------- */
-
-struct look {
-    bool is_there, is_sound;
-    int64_t size;
-};
-
-static bool on_look(void *user, const struct server_sql_value *row)
-{
-    *(struct look *)user =
-        (struct look){.is_there = true, .is_sound = row[0].integer != 0, .size = row[1].integer};
-    return true;
 }
 
 enum server_store_outcome server_postgres_check_chunk(struct server_postgres_connection *connection,
@@ -169,16 +120,15 @@ enum server_store_outcome server_postgres_check_chunk(struct server_postgres_con
 {
     const struct server_sql_value values[] = {server_sql_text(object->id),
                                               server_sql_integer((int64_t)number)};
-    struct look look = {0};
-    enum server_store_outcome outcome =
-        server_postgres_run(connection,
-                            "SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint, "
-                            "length(bytes)::bigint FROM chunks"
-                            " WHERE object = $1 AND number = $2",
-                            values, 2, on_look, &look);
+    struct server_sql_integers found = {0}; /* is the chunk sound; its size */
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
+                               " length(bytes)::bigint FROM chunks"
+                               " WHERE object = $1 AND number = $2",
+                               values, 2, server_sql_on_integers, &found));
     if (outcome) return outcome;
-    if (!look.is_there) return SERVER_STORE_ABSENT;
-    *size = (size_t)look.size;
-    return look.is_sound && *size == chunk_size(object, number) ? SERVER_STORE_DONE
-                                                                : SERVER_STORE_DAMAGED;
+    if (!found.rows) return SERVER_STORE_ABSENT;
+    *size = (size_t)found.at[1];
+    return found.at[0] && *size == chunk_size(object, number) ? SERVER_STORE_DONE
+                                                              : SERVER_STORE_DAMAGED;
 }

@@ -1,35 +1,35 @@
 /* Objects of a PostgreSQL store: files and attachments (record.h) as rows of a MiB each. Each
- * function is a step of a transaction, or a reading, on one connection: it answers as
+ * function is a part of a transaction, or a reading, on one connection, with the outcomes of
  * server_postgres_run. */
 #ifndef SERVER_STORE_POSTGRES_OBJECTS_H
 #define SERVER_STORE_POSTGRES_OBJECTS_H
 
-#include "server/store/postgres/transactions.h"
-#include "server/store/store.h"
+#include "server/store/postgres/connection.h"
 
-/* Writes what is not there, whole, chunk by chunk: those that are there and whole are only looked
- * at, by the database itself. */
+/* Writes the chunks that are missing or damaged; the database verifies the others. */
 enum server_store_outcome
 server_postgres_write_object(struct server_postgres_connection *connection,
                              const struct server_object *object, const void *bytes);
 
-/* Deletes the object (NULL: none), unless a surface has it. */
+/* Deletes the object, unless a surface has it. */
 enum server_store_outcome server_postgres_drop_object(struct server_postgres_connection *connection,
                                                       const char *object);
 
-/* Reads it into `bytes`, of its size, and compares it with its name. ABSENT: there is none;
- * DAMAGED. */
+/* Reads the object into `bytes`, of its size, and verifies it. ABSENT; DAMAGED. */
 enum server_store_outcome server_postgres_read_object(struct server_postgres_connection *connection,
                                                       const struct server_object *object,
                                                       void *bytes);
 
-/* Has the database compare one chunk with its checksum, which it answers with its size. ABSENT;
- * DAMAGED. */
+/* Has the database verify one chunk; returns its size. ABSENT; DAMAGED. */
 enum server_store_outcome server_postgres_check_chunk(struct server_postgres_connection *connection,
                                                       const struct server_object *object,
                                                       uint64_t number, size_t *size);
 
-/* How many chunks it has. */
+/* The number of chunks of the object. */
 uint64_t server_postgres_chunks(const struct server_object *object);
+
+/* Makes the tables (schema.c), or migrates them; one process at a time. PRECONDITION: a later
+ * version made them. Else as server_postgres_transact. */
+enum server_store_outcome server_postgres_migrate(struct server_postgres *postgres);
 
 #endif

@@ -1,28 +1,41 @@
-/* See store.h: the store in a PostgreSQL database, which many daemons share. Its tables:
- * store_postgres_schema.h. */
-#include <stdio.h>
+/* See store.h: the store in a PostgreSQL database, which many daemons share. Tables: schema.c. */
 #include <stdlib.h>
+#include <time.h>
 
 #include "gd/control.h"
-#include "server/store/postgres/postgres_store.h"
+#include "server/base/log.h"
 #include "server/store/postgres/objects.h"
-#include "server/store/postgres/schema.h"
 
-#define REMEMBERED "100000"              /* changes for which what was removed is remembered */
+#define CHANNEL    "geodesicd"           /* each change notifies it */
+#define REMEMBERED "100000"              /* changes for which a removal stays listed */
+#define PAGE       500                   /* rows of one statement, */
+#define PAGE_TEXT  "500"                 /* and in SQL */
 #define START_NS   UINT64_C(10000000000) /* to reach the database at the start */
+#define LOAD_NS    UINT64_C(8000000000)  /* to read an object, or all rows */
+#define FOLLOW_NS  UINT64_C(1000000000)
+#define SWEEP_NS   UINT64_C(3600000000000) /* between two removals of unused objects */
 #define AWAY                                                                                       \
     "the database does not answer: what is in memory is served, changes are refused until it is "  \
     "back"
 
-/* --- objects ---------------------------------------------------------------------------------- */
+struct shared {
+    struct server_store store; /* first */
+    struct server_postgres *postgres;
+    uint64_t seen; /* last version that was visited; under the follower's lock */
+    /* of the thread that calls await: */
+    struct server_postgres_connection *listener; /* NULL: none yet */
+    bool was_away;
+    uint64_t swept_ns; /* time of the last removal of unused objects */
+};
+
+/* --- changes ---------------------------------------------------------------------------------- */
 
 struct staging {
     const struct server_record *record;
     const struct server_content *content;
 };
 
-static enum server_store_outcome write_objects(struct server_postgres_connection *connection,
-                                               void *user)
+static enum server_store_outcome on_stage(struct server_postgres_connection *connection, void *user)
 {
     const struct staging *staging = user;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
@@ -34,172 +47,132 @@ static enum server_store_outcome write_objects(struct server_postgres_connection
     return outcome;
 }
 
-static enum server_store_outcome stage(struct server_store *store,
-                                       const struct server_record *record,
-                                       const struct server_content *content)
+static enum server_store_outcome shared_stage(struct server_store *store,
+                                              const struct server_record *record,
+                                              const struct server_content *content)
 {
     struct staging staging = {record, content};
-    return server_postgres_transact(server_store_postgres_of(store)->postgres, write_objects,
-                                    &staging);
+    return server_postgres_transact(((struct shared *)store)->postgres, on_stage, &staging);
 }
 
-/* --- changes ---------------------------------------------------------------------------------- */
-
-struct changing {
+struct change {
     const struct server_record *record;
-    const char *text; /* of the record; NULL: it is to go */
+    const char *text; /* of the record; NULL: remove it */
     size_t size;
-    uint64_t before, version;
-    char objects[SERVER_PARTS][SERVER_OBJECT]; /* that the key had; empty: none */
-    int64_t found;                             /* version that the key has; 0: none */
+    uint64_t before; /* the expected version; 0: none */
+    struct server_sql_integers version;
+    int64_t found;                             /* version of the key; 0: none */
+    char objects[SERVER_PARTS][SERVER_OBJECT]; /* of the key; empty: none */
 };
 
 static bool on_current(void *user, const struct server_sql_value *row)
 {
-    struct changing *changing = user;
-    changing->found = row[0].integer;
+    struct change *change = user;
+    change->found = row[0].integer;
     for (int part = 0; part < SERVER_PARTS; part++)
         if (row[1 + part].type == SERVER_SQL_TEXT)
-            snprintf(changing->objects[part], SERVER_OBJECT, "%s", row[1 + part].bytes);
+            snprintf(change->objects[part], SERVER_OBJECT, "%s", row[1 + part].bytes);
     return true;
 }
 
-static bool on_version(void *user, const struct server_sql_value *row)
+/* PRECONDITION: the key has another version than the registry knows. */
+static enum server_store_outcome change_check(struct server_postgres_connection *connection,
+                                              struct change *change)
 {
-    struct changing *changing = user;
-    changing->version = (uint64_t)row[0].integer;
-    return true;
-}
-
-/* From now on until the end of the transaction nobody else changes anything. */
-static enum server_store_outcome advance_clock(struct server_postgres_connection *connection,
-                                               struct changing *changing)
-{
-    return server_postgres_run(connection,
-                               "UPDATE clock SET version = version + 1 RETURNING version", NULL, 0,
-                               on_version, changing);
-}
-
-/* PRECONDITION: the key has something else than is known. */
-static enum server_store_outcome find_current(struct server_postgres_connection *connection,
-                                              struct changing *changing)
-{
-    const struct server_sql_value key = server_sql_text(changing->record->key);
-    memset(changing->objects, 0, sizeof changing->objects);
-    changing->found = 0;
-    enum server_store_outcome outcome = server_postgres_run(
-        connection,
-        "SELECT version, file, attachment FROM surfaces WHERE key = $1 AND record IS NOT NULL",
-        &key, 1, on_current, changing);
+    const struct server_sql_value key = server_sql_text(change->record->key);
+    memset(change->objects, 0, sizeof change->objects);
+    change->found = 0;
+    enum server_store_outcome outcome =
+        server_postgres_run(connection, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
+                                                   " WHERE key = $1 AND record IS NOT NULL",
+                                                   &key, 1, on_current, change));
     if (outcome) return outcome;
-    return (uint64_t)changing->found == changing->before ? SERVER_STORE_DONE
-                                                         : SERVER_STORE_PRECONDITION;
+    return (uint64_t)change->found == change->before ? SERVER_STORE_DONE
+                                                     : SERVER_STORE_PRECONDITION;
 }
 
-/* PRECONDITION: an object is gone that was there when it was staged. */
-static enum server_store_outcome write_row(struct server_postgres_connection *connection,
-                                           const struct changing *changing)
+/* PRECONDITION: a staged object is gone. */
+static enum server_store_outcome change_write(struct server_postgres_connection *connection,
+                                              const struct change *change)
 {
     struct server_object objects[SERVER_PARTS];
-    bool has[SERVER_PARTS];
-    for (int part = 0; part < SERVER_PARTS; part++)
-        has[part] = changing->text && server_record_object(changing->record, part, &objects[part]);
-    const struct server_sql_value values[] = {
-        server_sql_text(changing->record->key), server_sql_integer((int64_t)changing->version),
-        server_sql_text(has[SERVER_PART_FILE] ? objects[SERVER_PART_FILE].id : NULL),
-        server_sql_text(has[SERVER_PART_ATTACHMENT] ? objects[SERVER_PART_ATTACHMENT].id : NULL),
-        changing->text ? server_sql_bytes(changing->text, changing->size)
-                       : (struct server_sql_value){.type = SERVER_SQL_NULL}};
-    static const char *const texts[] = {
-        "UPDATE surfaces SET version = $2, file = $3, attachment = $4, record = NULL WHERE key = "
-        "$1",
-        "INSERT INTO surfaces (key, version, file, attachment, record) VALUES ($1, $2, $3, $4, $5)"
-        " ON CONFLICT (key) DO UPDATE SET version = $2, file = $3, attachment = $4, record = $5"};
+    struct server_sql_value values[] = {
+        server_sql_text(change->record->key), server_sql_integer(change->version.at[0]),
+        server_sql_text(NULL), server_sql_text(NULL), server_sql_bytes(change->text, change->size)};
+    for (int part = 0; change->text && part < SERVER_PARTS; part++)
+        if (server_record_object(change->record, part, &objects[part]))
+            values[2 + part] = server_sql_text(objects[part].id);
     enum server_store_outcome outcome = server_postgres_run(
-        connection, texts[changing->text != NULL], values, changing->text ? 5 : 4, NULL, NULL);
+        connection, change->text
+                        ? SERVER_SQL("INSERT INTO surfaces (key, version, file, attachment, record)"
+                                     " VALUES ($1, $2, $3, $4, $5) ON CONFLICT (key) DO UPDATE"
+                                     " SET version = $2, file = $3, attachment = $4, record = $5",
+                                     values, 5)
+                        : SERVER_SQL("UPDATE surfaces SET version = $2, file = $3, attachment = $4,"
+                                     " record = NULL WHERE key = $1",
+                                     values, 4));
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_PRECONDITION : outcome;
 }
 
-static enum server_store_outcome drop_objects(struct server_postgres_connection *connection,
-                                              const struct changing *changing)
+/* Deletes the rows of removals that are long past. */
+static enum server_store_outcome change_forget(struct server_postgres_connection *connection,
+                                               const struct change *change)
 {
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
-    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (changing->objects[part][0])
-            outcome = server_postgres_drop_object(connection, changing->objects[part]);
-    return outcome;
-}
-
-/* What was removed long ago is forgotten. */
-static enum server_store_outcome forget(struct server_postgres_connection *connection,
-                                        const struct changing *changing)
-{
-    const struct server_sql_value version = server_sql_integer((int64_t)changing->version);
+    const struct server_sql_value version = server_sql_integer(change->version.at[0]);
     return server_postgres_run(
         connection,
-        "WITH gone AS (DELETE FROM surfaces WHERE record IS NULL AND version < $1 - " REMEMBERED
-        " RETURNING version)"
-        " UPDATE clock SET forgotten = greatest(forgotten, coalesce((SELECT max(version) FROM "
-        "gone), 0))",
-        &version, 1, NULL, NULL);
+        SERVER_SQL(
+            "WITH gone AS (DELETE FROM surfaces WHERE record IS NULL AND version < $1 - " REMEMBERED
+            " RETURNING version) UPDATE clock SET forgotten ="
+            " greatest(forgotten, coalesce((SELECT max(version) FROM gone), 0))",
+            &version, 1));
 }
 
-static enum server_store_outcome change(struct server_postgres_connection *connection, void *user)
+/* The first statement locks the clock: until the transaction ends nobody else changes anything. */
+static enum server_store_outcome on_change(struct server_postgres_connection *connection,
+                                           void *user)
 {
-    struct changing *changing = user;
-    enum server_store_outcome outcome = advance_clock(connection, changing);
-    if (!outcome) outcome = find_current(connection, changing);
-    if (!outcome) outcome = write_row(connection, changing);
-    if (!outcome) outcome = drop_objects(connection, changing);
-    if (!outcome && !changing->text) outcome = forget(connection, changing);
-    if (!outcome)
-        outcome = server_postgres_run(connection, "NOTIFY " SERVER_STORE_POSTGRES_CHANNEL, NULL, 0,
-                                      NULL, NULL);
-    return outcome;
+    struct change *change = user;
+    enum server_store_outcome outcome = server_postgres_run(
+        connection, SERVER_SQL("UPDATE clock SET version = version + 1 RETURNING version", NULL, 0,
+                               server_sql_on_integers, &change->version));
+    if (!outcome) outcome = change_check(connection, change);
+    if (!outcome) outcome = change_write(connection, change);
+    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
+        if (change->objects[part][0])
+            outcome = server_postgres_drop_object(connection, change->objects[part]);
+    if (!outcome && !change->text) outcome = change_forget(connection, change);
+    return outcome ? outcome : server_postgres_run(connection, SERVER_SQL("NOTIFY " CHANNEL));
 }
 
-static enum server_store_outcome make_change(struct server_store *store, struct changing *changing,
+static enum server_store_outcome change_make(struct server_store *store, struct change *change,
                                              uint64_t *version)
 {
-    changing->before = *version;
+    change->before = *version;
     enum server_store_outcome outcome =
-        server_postgres_transact(server_store_postgres_of(store)->postgres, change, changing);
-    if (!outcome) *version = changing->version;
+        server_postgres_transact(((struct shared *)store)->postgres, on_change, change);
+    if (!outcome) *version = (uint64_t)change->version.at[0];
     return outcome == SERVER_STORE_PRECONDITION ? SERVER_STORE_STALE : outcome;
 }
 
-static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
-                                     const struct server_content *content, uint64_t *version)
+static enum server_store_outcome shared_put(struct server_store *store,
+                                            const struct server_record *record,
+                                            const struct server_content *content, uint64_t *version)
 {
-    struct changing changing = {.record = record};
-    (void)content;
-    char *text = server_record_write(record, &changing.size);
+    struct change change = {.record = record};
+    (void)content; /* staged */
+    char *text = server_record_write(record, &change.size);
     if (!text) return SERVER_STORE_NO_MEMORY;
-    changing.text = text;
-    enum server_store_outcome outcome = make_change(store, &changing, version);
+    change.text = text;
+    enum server_store_outcome outcome = change_make(store, &change, version);
     free(text);
     return outcome;
 }
 
 static enum server_store_outcome
-remove_record(struct server_store *store, const struct server_record *record, uint64_t *version)
+shared_remove(struct server_store *store, const struct server_record *record, uint64_t *version)
 {
-    struct changing changing = {.record = record};
-    return make_change(store, &changing, version);
-}
-
-/* All was seen to when it was staged. */
-static enum server_store_outcome keep(struct server_store *store,
-                                      const struct server_record *record,
-                                      const struct server_content *content)
-{
-    (void)store, (void)record, (void)content;
-    return SERVER_STORE_DONE;
-}
-
-static void tidy(struct server_store *store)
-{
-    (void)store;
+    return change_make(store, &(struct change){.record = record}, version);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -207,28 +180,26 @@ static void tidy(struct server_store *store)
 struct fetching {
     struct server_object object;
     void *bytes;
-    uint64_t number; /* chunk to be looked at */
+    uint64_t number; /* of a chunk to verify */
     size_t size;     /* of that chunk */
 };
 
-static enum server_store_outcome read_object(struct server_postgres_connection *connection,
-                                             void *user)
+static enum server_store_outcome on_fetch(struct server_postgres_connection *connection, void *user)
 {
     const struct fetching *fetching = user;
     return server_postgres_read_object(connection, &fetching->object, fetching->bytes);
 }
 
-static enum server_store_outcome fetch(struct server_store *store,
-                                       const struct server_record *record, enum server_part part,
-                                       void **bytes)
+static enum server_store_outcome shared_fetch(struct server_store *store,
+                                              const struct server_record *record,
+                                              enum server_part part, void **bytes)
 {
     struct fetching fetching;
     if (!server_record_object(record, part, &fetching.object)) return SERVER_STORE_ABSENT;
     fetching.bytes = malloc(fetching.object.size ? fetching.object.size : 1);
     if (!fetching.bytes) return SERVER_STORE_NO_MEMORY;
     enum server_store_outcome outcome =
-        server_postgres_read(server_store_postgres_of(store)->postgres,
-                             SERVER_STORE_POSTGRES_LOAD_NS, read_object, &fetching);
+        server_postgres_read(((struct shared *)store)->postgres, LOAD_NS, on_fetch, &fetching);
     if (outcome)
         free(fetching.bytes);
     else
@@ -236,25 +207,25 @@ static enum server_store_outcome fetch(struct server_store *store,
     return outcome;
 }
 
-static enum server_store_outcome check_chunk(struct server_postgres_connection *connection,
-                                             void *user)
+static enum server_store_outcome on_verify(struct server_postgres_connection *connection,
+                                           void *user)
 {
     struct fetching *fetching = user;
     return server_postgres_check_chunk(connection, &fetching->object, fetching->number,
                                        &fetching->size);
 }
 
-/* The bytes stay where they are: the database compares. */
-static enum server_store_verdict verify(struct server_store *store,
-                                        const struct server_record *record, enum server_part part,
-                                        bool (*pace)(void *user, size_t bytes), void *user)
+static enum server_store_verdict shared_verify(struct server_store *store,
+                                               const struct server_record *record,
+                                               enum server_part part, server_pace *pace, void *user)
 {
     struct fetching fetching = {.bytes = NULL};
     if (!server_record_object(record, part, &fetching.object)) return SERVER_VERDICT_MISSING;
     for (; fetching.number < server_postgres_chunks(&fetching.object); fetching.number++) {
-        switch (server_postgres_read(server_store_postgres_of(store)->postgres,
-                                     SERVER_STORE_POSTGRES_LOAD_NS, check_chunk, &fetching)) {
+        switch (server_postgres_read(((struct shared *)store)->postgres, LOAD_NS, on_verify,
+                                     &fetching)) {
         case SERVER_STORE_DONE:
+            if (!pace(user, fetching.size)) return SERVER_VERDICT_NONE;
             break;
         case SERVER_STORE_ABSENT:
             return fetching.number ? SERVER_VERDICT_DAMAGED : SERVER_VERDICT_MISSING;
@@ -265,54 +236,231 @@ static enum server_store_verdict verify(struct server_store *store,
         default:
             return SERVER_VERDICT_NONE;
         }
-        if (!pace(user, fetching.size)) return SERVER_VERDICT_NONE;
     }
     return SERVER_VERDICT_SOUND;
 }
 
-/* --- the rest --------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
-/* What a node has used most says little about the others: nothing is loaded before it is asked for.
- */
-static void note_uses(struct server_store *store, const struct server_record *const *records,
-                      const struct server_store_uses *uses, uint32_t count)
+struct page {
+    server_change_visit *visit_change; /* one of the two */
+    server_stored_visit *visit_stored;
+    void *user;
+    uint64_t seen;              /* all changes up to this version are visited */
+    char last[SERVER_KEY_TEXT]; /* the last surface's key */
+    uint32_t rows;
+    bool is_over; /* the visitor ended it, or there is no memory */
+    bool is_forgotten;
+};
+
+/* Parses row[2]. Logs a damaged record and returns NULL; also NULL without memory. */
+static struct server_record *page_record(struct page *page, const struct server_sql_value *row)
 {
-    (void)store, (void)records, (void)uses, (void)count;
+    struct server_record *record = NULL;
+    enum server_record_reading reading =
+        server_record_read_named(row[0].bytes, row[2].bytes, row[2].size, &record);
+    page->is_over |= reading == SERVER_RECORD_NO_MEMORY;
+    if (reading == SERVER_RECORD_DAMAGED || reading == SERVER_RECORD_NEWER)
+        server_log_message(
+            SERVER_LOG_ERROR, "surface_unavailable", "the row of '%s' %s", row[0].bytes,
+            reading == SERVER_RECORD_NEWER ? "was written by a later version of this program"
+                                           : "is damaged: upload it again");
+    return record;
 }
 
-static const char *health(struct server_store *store)
+static bool on_page_row(void *user, const struct server_sql_value *row)
 {
-    return server_postgres_is_away(server_store_postgres_of(store)->postgres) ? AWAY : NULL;
+    struct page *page = user;
+    const char *key = row[0].bytes;
+    uint64_t version = (uint64_t)row[1].integer;
+    struct server_record *record = row[2].type == SERVER_SQL_BYTES ? page_record(page, row) : NULL;
+    if (page->visit_change && !page->is_over)
+        page->is_over = !page->visit_change(
+            page->user,
+            &(struct server_store_change){.key = key, .record = record, .version = version});
+    else if (record)
+        page->is_over = !page->visit_stored(
+            page->user, &(struct server_stored){.record = record, .version = version});
+    server_record_release(record);
+    if (page->is_over) return false;
+    page->seen = version;
+    snprintf(page->last, sizeof page->last, "%s", key);
+    page->rows++;
+    return true;
 }
 
-static void close_store(struct server_store *store)
+static enum server_store_outcome read_clock(struct server_postgres_connection *connection,
+                                            void *user)
 {
-    struct server_store_postgres *own = server_store_postgres_of(store);
+    return server_postgres_run(connection, SERVER_SQL("SELECT version, forgotten FROM clock", NULL,
+                                                      0, server_sql_on_integers, user));
+}
+
+/* After a lost connection it continues with the change after the last one that was visited. */
+static enum server_store_outcome visit_changes(struct server_postgres_connection *connection,
+                                               void *user)
+{
+    struct page *page = user;
+    struct server_sql_integers clock = {0};
+    enum server_store_outcome outcome = read_clock(connection, &clock);
+    if (outcome) return outcome;
+    uint64_t now = (uint64_t)clock.at[0], forgotten = (uint64_t)clock.at[1];
+    page->is_forgotten = forgotten > page->seen || now < page->seen;
+    if (page->is_forgotten || now == page->seen) return SERVER_STORE_DONE;
+    do {
+        const struct server_sql_value seen = server_sql_integer((int64_t)page->seen);
+        page->rows = 0;
+        outcome = server_postgres_run(
+            connection, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE version > $1"
+                                   " ORDER BY version LIMIT " PAGE_TEXT,
+                                   &seen, 1, on_page_row, page));
+    } while (!outcome && page->rows == PAGE);
+    return outcome;
+}
+
+static enum server_store_outcome shared_follow(struct server_store *store,
+                                               server_change_visit *visit, void *user)
+{
+    struct shared *own = (struct shared *)store;
+    struct page page = {.visit_change = visit, .user = user, .seen = own->seen};
+    enum server_store_outcome outcome =
+        server_postgres_read(own->postgres, FOLLOW_NS, visit_changes, &page);
+    own->seen = page.seen;
+    if (page.is_over) return SERVER_STORE_NO_MEMORY;
+    return !outcome && page.is_forgotten ? SERVER_STORE_STALE : outcome;
+}
+
+static enum server_store_outcome visit_all(struct server_postgres_connection *connection,
+                                           void *user)
+{
+    struct page *page = user;
+    enum server_store_outcome outcome;
+    do {
+        const struct server_sql_value last = server_sql_text(page->last);
+        page->rows = 0;
+        outcome = server_postgres_run(
+            connection, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE key > $1"
+                                   " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
+                                   &last, 1, on_page_row, page));
+    } while (!outcome && page->rows == PAGE);
+    return outcome;
+}
+
+/* A change meanwhile is visited by the next follow. */
+static enum server_store_outcome shared_each(struct server_store *store, server_stored_visit *visit,
+                                             void *user)
+{
+    struct shared *own = (struct shared *)store;
+    struct page page = {.visit_stored = visit, .user = user};
+    struct server_sql_integers clock = {0};
+    enum server_store_outcome outcome =
+        server_postgres_read(own->postgres, LOAD_NS, read_clock, &clock);
+    if (!outcome) outcome = server_postgres_read(own->postgres, LOAD_NS, visit_all, &page);
+    if (page.is_over) return SERVER_STORE_NO_MEMORY;
+    if (!outcome) own->seen = (uint64_t)clock.at[0];
+    return outcome;
+}
+
+/* --- waiting ---------------------------------------------------------------------------------- */
+
+static void log_turn(struct shared *own, bool is_away, const char *error)
+{
+    if (is_away == own->was_away) return;
+    own->was_away = is_away;
+    if (is_away)
+        server_log_message(SERVER_LOG_ERROR, "database_away", "%s", error);
+    else
+        server_log_message(SERVER_LOG_INFO, "database_back", "the database answers again");
+}
+
+static bool listen_again(struct shared *own)
+{
+    char error[SERVER_POSTGRES_ERROR];
+    if (server_postgres_take(own->postgres, &own->listener, error)) {
+        own->listener = NULL;
+        log_turn(own, server_postgres_is_away(own->postgres), error);
+        return false;
+    }
+    if (server_postgres_run(own->listener, SERVER_SQL("LISTEN " CHANNEL))) return false;
+    server_postgres_has_answered(own->postgres);
+    log_turn(own, false, error);
+    return true;
+}
+
+static void pause_ns(uint64_t ns)
+{
+    const struct timespec pause = {.tv_sec = (time_t)(ns / 1000000000),
+                                   .tv_nsec = (long)(ns % 1000000000)};
+    nanosleep(&pause, NULL);
+}
+
+/* Deletes the objects of uploads that were cut short a day ago. The clock is locked, so that no
+ * change can refer to one. */
+static enum server_store_outcome on_sweep(struct server_postgres_connection *connection, void *user)
+{
+    (void)user;
+    enum server_store_outcome outcome =
+        server_postgres_run(connection, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
+    if (outcome) return outcome;
+    return server_postgres_run(
+        connection, SERVER_SQL("DELETE FROM objects WHERE created < now() - interval '1 day'"
+                               " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                               " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"));
+}
+
+/* Also detects that the database is back. */
+static void shared_await(struct server_store *store, uint64_t ns)
+{
+    struct shared *own = (struct shared *)store;
+    uint64_t now_ns = gd_now_ns();
+    if (!own->swept_ns || now_ns - own->swept_ns >= SWEEP_NS) {
+        own->swept_ns = now_ns;
+        (void)server_postgres_transact(own->postgres, on_sweep, NULL);
+    }
+    bool listens = own->listener || listen_again(own);
+    if (listens && !server_postgres_is_away(own->postgres) &&
+        server_postgres_await(own->listener, ns))
+        return;
+    if (own->listener) server_postgres_give(own->postgres, own->listener);
+    own->listener = NULL;
+    pause_ns(ns);
+}
+
+static const char *shared_health(struct server_store *store)
+{
+    return server_postgres_is_away(((struct shared *)store)->postgres) ? AWAY : NULL;
+}
+
+/* --- open and close --------------------------------------------------------------------------- */
+
+static void shared_close(struct server_store *store)
+{
+    struct shared *own = (struct shared *)store;
     if (own->listener) server_postgres_give(own->postgres, own->listener);
     server_postgres_destroy(own->postgres);
     free(own);
 }
 
-/* Until it answers, for a while; a refusal is final. */
-static enum server_store_outcome reach(struct server_postgres *postgres,
-                                       char error[SERVER_POSTGRES_ERROR])
+/* Connects, again and again for a while; a refusal is final. */
+static enum server_store_outcome postgres_reach(struct server_postgres *postgres,
+                                                char error[SERVER_POSTGRES_ERROR])
 {
     struct server_postgres_connection *connection;
     uint64_t until_ns = gd_now_ns() + START_NS;
     enum server_store_outcome outcome;
-    while ((outcome = server_postgres_take(postgres, true, &connection, error)) ==
+    while ((outcome = server_postgres_take(postgres, &connection, error)) ==
                SERVER_STORE_UNAVAILABLE &&
            gd_now_ns() < until_ns)
-        server_store_postgres_rest(200000000);
+        pause_ns(200000000);
     if (!outcome) server_postgres_give(postgres, connection);
     return outcome;
 }
 
 /* False with a sentence. */
-static bool prepare(struct server_postgres *postgres, char *error, size_t error_size)
+static bool postgres_prepare(struct server_postgres *postgres, char *error, size_t error_size)
 {
     char reason[SERVER_POSTGRES_ERROR];
-    if (reach(postgres, reason)) {
+    if (postgres_reach(postgres, reason)) {
         snprintf(error, error_size, "the database of --store can't be reached: %s", reason);
         return false;
     }
@@ -320,40 +468,35 @@ static bool prepare(struct server_postgres *postgres, char *error, size_t error_
     enum server_store_outcome outcome;
     do outcome = server_postgres_migrate(postgres);
     while (outcome == SERVER_STORE_UNAVAILABLE && gd_now_ns() < until_ns);
-    switch (outcome) {
-    case SERVER_STORE_DONE:
-        return true;
-    case SERVER_STORE_PRECONDITION:
-        snprintf(error, error_size,
-                 "a later version of this program made the tables of --store; start that one");
-        return false;
-    default:
-        snprintf(error, error_size,
-                 "the tables of --store can't be made; the lines before say why");
-        return false;
-    }
+    if (outcome)
+        snprintf(error, error_size, "%s",
+                 outcome == SERVER_STORE_PRECONDITION
+                     ? "a later version of this program made the tables of --store; start that one"
+                     : "the tables of --store can't be made; the lines before say why");
+    return !outcome;
 }
 
 struct server_store *server_store_postgres_open(const char *url, char *error, size_t error_size)
 {
-    struct server_store_postgres *own = calloc(1, sizeof *own);
+    struct shared *own = calloc(1, sizeof *own);
     snprintf(error, error_size, "out of memory");
     if (!own) return NULL;
-    own->store = (struct server_store){.each = server_store_postgres_each,
-                                       .stage = stage,
-                                       .put = put,
-                                       .keep = keep,
-                                       .remove = remove_record,
-                                       .tidy = tidy,
-                                       .fetch = fetch,
-                                       .verify = verify,
-                                       .follow = server_store_postgres_follow,
-                                       .await = server_store_postgres_await,
-                                       .note_uses = note_uses,
-                                       .health = health,
-                                       .close = close_store};
+    own->store = (struct server_store){.each = shared_each,
+                                       .stage = shared_stage,
+                                       .put = shared_put,
+                                       .keep = server_store_nothing.keep, /* done by stage */
+                                       .remove = shared_remove,
+                                       .tidy = server_store_nothing.tidy, /* done by each change */
+                                       .fetch = shared_fetch,
+                                       .verify = shared_verify,
+                                       .follow = shared_follow,
+                                       .await = shared_await,
+                                       /* uses of one node say little about the others */
+                                       .note_uses = server_store_nothing.note_uses,
+                                       .health = shared_health,
+                                       .close = shared_close};
     own->postgres = server_postgres_create(url);
-    if (own->postgres && prepare(own->postgres, error, error_size)) return &own->store;
+    if (own->postgres && postgres_prepare(own->postgres, error, error_size)) return &own->store;
     server_postgres_destroy(own->postgres);
     free(own);
     return NULL;

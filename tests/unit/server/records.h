@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-#include "server/surfaces/kind.h"
+#include "server/store/kind.h"
 #include "server/store/record.h"
 
 #define MESH_OPTIONS "format=obj&triangulate=true"

@@ -32,8 +32,8 @@ static int set_up_shared(void **state)
     if (!store) fail_msg("%s", error);
     store->close(store);
     struct server_store_sql *sql = server_store_sql_postgres_open(url);
-    assert_int_equal(sql->run(sql, "DELETE FROM batches", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
-    assert_int_equal(sql->run(sql, "DELETE FROM items", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
+    assert_int_equal(sql->run(sql, SERVER_SQL("DELETE FROM batches")), SERVER_STORE_DONE);
+    assert_int_equal(sql->run(sql, SERVER_SQL("DELETE FROM items")), SERVER_STORE_DONE);
     *state = sql;
     return 0;
 }
@@ -226,9 +226,8 @@ static void count_aside(void *user, const char *path, const char *name)
 static void what_is_no_statement_is_refused(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
-    assert_true(sql->run(sql, "SELECT FROM nothing AT ALL", NULL, 0, NULL, NULL) !=
-                SERVER_STORE_DONE);
-    assert_int_equal(sql->run(sql, "SELECT 1", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
+    assert_true(sql->run(sql, SERVER_SQL("SELECT FROM nothing AT ALL")) != SERVER_STORE_DONE);
+    assert_int_equal(sql->run(sql, SERVER_SQL("SELECT 1")), SERVER_STORE_DONE);
 }
 
 /* More than SQLite keeps in memory, so that pages are read again. */
@@ -247,7 +246,7 @@ static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **stat
     for (off_t at = sizeof rubbish; at < 6 * (off_t)sizeof rubbish; at += sizeof rubbish)
         assert_int_equal(pwrite(file, rubbish, sizeof rubbish, at), sizeof rubbish);
     close(file);
-    assert_int_equal(sql->run(sql, "SELECT sum(item) FROM items", NULL, 0, NULL, NULL),
+    assert_int_equal(sql->run(sql, SERVER_SQL("SELECT sum(item) FROM items")),
                      SERVER_STORE_READ_ONLY);
     add(sql, ID_B, "", 2); /* a new one */
     assert_int_equal(claim(sql, "x").item, 0);

@@ -7,7 +7,7 @@
 #include "server/query/handlers.h"
 #include "server/query/derived_mesh.h"
 #include "server/query/request.h"
-#include "server/store/tools.h"
+#include "server/store/store.h"
 
 /* What the next request makes. */
 static struct {

@@ -1,6 +1,7 @@
 #include "tests/unit/server/records.h"
 
 #include "proto/writer.h"
+#include "server/surfaces/catalogue.h"
 
 #include <malloc.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include "server/surfaces/build.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
-#include "server/store/tools.h"
+#include "server/store/store.h"
 
 /* --- toys: a number in a file, in some unit --------------------------------------------------- */
 

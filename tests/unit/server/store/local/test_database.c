@@ -2,7 +2,7 @@
 
 #include <sqlite3.h>
 
-#include "server/store/local/schema.h"
+#include "server/store/local/database.h"
 
 struct fixture {
     char folder[FOLDER_PATH], path[FOLDER_PATH + 32], copy[FOLDER_PATH + 32];
@@ -52,10 +52,7 @@ static int64_t number(sqlite3 *database, const char *sql)
 static void makes_a_new_one_without_a_copy(void **state)
 {
     struct fixture *fixture = *state;
-    int version = -1;
-    assert_int_equal(server_store_version(fixture->database, &version), SERVER_STORE_DONE);
-    assert_int_equal(version, 0);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
                      SERVER_STORE_DONE);
     assert_int_equal(number(fixture->database, "SELECT b FROM t"), 8);
     assert_int_equal(number(fixture->database, "PRAGMA user_version"), 3);
@@ -66,12 +63,12 @@ static void brings_an_older_one_up_and_keeps_a_copy(void **state)
 {
     struct fixture *fixture = *state;
     sqlite3 *copy;
-    assert_int_equal(server_store_migrate(fixture->database, steps, 1, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, steps, 1, fixture->copy),
                      SERVER_STORE_DONE);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 1, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, steps, 1, fixture->copy),
                      SERVER_STORE_DONE);
     assert_int_not_equal(access(fixture->copy, F_OK), 0); /* nothing was to be done */
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
                      SERVER_STORE_DONE);
     assert_int_equal(number(fixture->database, "SELECT b FROM t"), 8);
     assert_int_equal(sqlite3_open(fixture->copy, &copy), SQLITE_OK);
@@ -83,9 +80,9 @@ static void brings_an_older_one_up_and_keeps_a_copy(void **state)
 static void a_step_that_fails_changes_nothing(void **state)
 {
     struct fixture *fixture = *state;
-    assert_int_equal(server_store_migrate(fixture->database, wrong_steps, 1, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, wrong_steps, 1, fixture->copy),
                      SERVER_STORE_DONE);
-    assert_int_equal(server_store_migrate(fixture->database, wrong_steps, 2, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, wrong_steps, 2, fixture->copy),
                      SERVER_STORE_DAMAGED);
     assert_int_equal(number(fixture->database, "SELECT count(*) FROM t"), 1);
     assert_int_equal(number(fixture->database, "PRAGMA user_version"), 1);
@@ -95,25 +92,25 @@ static void a_version_that_never_was_is_damage(void **state)
 {
     struct fixture *fixture = *state;
     sqlite3_exec(fixture->database, "PRAGMA user_version = 99", NULL, NULL, NULL);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
                      SERVER_STORE_DAMAGED);
     sqlite3_exec(fixture->database, "PRAGMA user_version = -1", NULL, NULL, NULL);
-    assert_int_equal(server_store_migrate(fixture->database, steps, 3, fixture->copy),
+    assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
                      SERVER_STORE_DAMAGED);
 }
 
 static void codes_become_outcomes(void **state)
 {
     (void)state;
-    assert_int_equal(server_store_outcome_of(SQLITE_DONE), SERVER_STORE_DONE);
-    assert_int_equal(server_store_outcome_of(SQLITE_FULL), SERVER_STORE_FULL);
-    assert_int_equal(server_store_outcome_of(SQLITE_IOERR_SHMSIZE), SERVER_STORE_FULL);
-    assert_int_equal(server_store_outcome_of(SQLITE_IOERR_FSYNC), SERVER_STORE_READ_ONLY);
-    assert_int_equal(server_store_outcome_of(SQLITE_IOERR_WRITE), SERVER_STORE_READ_ONLY);
-    assert_int_equal(server_store_outcome_of(SQLITE_NOMEM), SERVER_STORE_NO_MEMORY);
-    assert_int_equal(server_store_outcome_of(SQLITE_CANTOPEN), SERVER_STORE_REFUSED);
-    assert_int_equal(server_store_outcome_of(SQLITE_CORRUPT_INDEX), SERVER_STORE_DAMAGED);
-    assert_int_equal(server_store_outcome_of(SQLITE_NOTADB), SERVER_STORE_DAMAGED);
+    assert_int_equal(server_sqlite_outcome(SQLITE_DONE), SERVER_STORE_DONE);
+    assert_int_equal(server_sqlite_outcome(SQLITE_FULL), SERVER_STORE_FULL);
+    assert_int_equal(server_sqlite_outcome(SQLITE_IOERR_SHMSIZE), SERVER_STORE_FULL);
+    assert_int_equal(server_sqlite_outcome(SQLITE_IOERR_FSYNC), SERVER_STORE_READ_ONLY);
+    assert_int_equal(server_sqlite_outcome(SQLITE_IOERR_WRITE), SERVER_STORE_READ_ONLY);
+    assert_int_equal(server_sqlite_outcome(SQLITE_NOMEM), SERVER_STORE_NO_MEMORY);
+    assert_int_equal(server_sqlite_outcome(SQLITE_CANTOPEN), SERVER_STORE_REFUSED);
+    assert_int_equal(server_sqlite_outcome(SQLITE_CORRUPT_INDEX), SERVER_STORE_DAMAGED);
+    assert_int_equal(server_sqlite_outcome(SQLITE_NOTADB), SERVER_STORE_DAMAGED);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 #include "tests/unit/server/support.h"
 
-#include "server/store/quarantine.h"
+#include "server/store/local/quarantine.h"
 
 static void what_is_condemned_is_held_until_it_is_lifted(void **state)
 {

@@ -1,7 +1,21 @@
-/* See options.h. */
-#include "server/store/options.h"
+/* See kind.h. */
+#include "server/store/kind.h"
 
 #include <string.h>
+
+const struct server_kind *server_kind_by_word(const char *word)
+{
+    for (size_t i = 0; server_kinds[i]; i++)
+        if (strcmp(server_kinds[i]->word, word) == 0) return server_kinds[i];
+    return NULL;
+}
+
+const struct server_kind *server_kind_by_plural(const char *plural)
+{
+    for (size_t i = 0; server_kinds[i]; i++)
+        if (strcmp(server_kinds[i]->plural, plural) == 0) return server_kinds[i];
+    return NULL;
+}
 
 bool server_options_split(const char *text, struct server_options *out)
 {
@@ -18,7 +32,7 @@ bool server_options_split(const char *text, struct server_options *out)
     return true;
 }
 
-static const char *get(void *user, const char *name)
+static const char *option_get(void *user, const char *name)
 {
     const struct server_options *options = user;
     for (unsigned i = 0; i < options->count; i++)
@@ -26,14 +40,14 @@ static const char *get(void *user, const char *name)
     return NULL;
 }
 
-static void each(void *user, bool (*visit)(void *context, const char *name), void *context)
+static void option_each(void *user, bool (*visit)(void *context, const char *name), void *context)
 {
     const struct server_options *options = user;
-    for (unsigned i = 0; i < options->count; i++)
-        if (!visit(context, options->names[i])) return;
+    for (unsigned i = 0; i < options->count && visit(context, options->names[i]); i++) {
+    }
 }
 
 struct proto_parameters server_options_parameters(struct server_options *options)
 {
-    return (struct proto_parameters){.get = get, .each = each, .user = options};
+    return (struct proto_parameters){.get = option_get, .each = option_each, .user = options};
 }

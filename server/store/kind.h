@@ -1,0 +1,79 @@
+/* Kind of surface (mesh, NURBS, subdivision): a table of functions that the rest of the server
+ * calls. The store uses the names and options; server/surfaces defines the tables and uses the
+ * rest. To add a kind: write its table, list it in surfaces/kinds.c and add its paths to
+ * openapi.yaml. */
+#ifndef SERVER_STORE_KIND_H
+#define SERVER_STORE_KIND_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "gd/status.h"
+#include "proto/options.h"
+#include "proto/writer.h"
+
+#define SERVER_OPTIONS      256 /* bytes of a text of options, with the NUL */
+#define SERVER_OPTIONS_MOST 8   /* pairs */
+
+struct server_builder;
+struct server_record;
+struct server_surface;
+
+/* An uploaded file, from which a kind can guess a format. Borrowed. */
+struct server_file {
+    const void *bytes;
+    size_t size;
+    const char *content_type; /* the header; NULL: the request had none */
+};
+
+struct server_kind {
+    const char *word;   /* "mesh": in records and keys; lower-case letters, never changed */
+    const char *plural; /* "meshes": in paths, and the name of the list */
+    const char *noun;   /* "mesh": in sentences, after an article */
+
+    /* Checks the parameters of an upload and writes them as one text in a canonical form. Record
+     * and ETag contain it: the same text and the same bytes are the same surface. An option that
+     * a later version adds is written only if it is set. `file` decides what the parameters leave
+     * open; NULL: they are a text that this function wrote. */
+    bool (*read_options)(const struct proto_parameters *parameters, const struct server_file *file,
+                         char text[SERVER_OPTIONS], struct proto_problem *problem);
+
+    /* Builds the object from record->size bytes and record->options. Takes memory from the
+     * builder's budget before use and leaves `*size` bytes of it, which the object holds, in
+     * SERVER_BUDGET_FLIGHT. On failure a status and a problem (build.h). */
+    enum gd_status (*build)(const struct server_builder *builder,
+                            const struct server_record *record, const void *bytes, void **object,
+                            size_t *size, struct proto_problem *problem);
+    void (*release)(void *object);
+
+    /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */
+    void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
+
+    /* Cuts a description that an earlier version stored to the length of today's; malloc'ed. NULL:
+     * it stays. May be NULL. */
+    char *(*shorten)(const char *description);
+};
+
+extern const struct server_kind server_kind_mesh, server_kind_nurbs, server_kind_subdivision;
+
+/* All kinds, NULL-terminated. Defined in surfaces/kinds.c. */
+extern const struct server_kind *const server_kinds[];
+
+/* By word or plural; NULL: there is none. */
+const struct server_kind *server_kind_by_word(const char *word);
+const struct server_kind *server_kind_by_plural(const char *plural);
+
+/* A text of options as pairs: "format=obj&triangulate=true". */
+struct server_options {
+    char text[SERVER_OPTIONS];
+    char *names[SERVER_OPTIONS_MOST], *values[SERVER_OPTIONS_MOST];
+    unsigned count;
+};
+
+/* False: the text is malformed. */
+bool server_options_split(const char *text, struct server_options *out);
+
+/* View of the options for proto's decoders; valid as long as `options` is not moved. */
+struct proto_parameters server_options_parameters(struct server_options *options);
+
+#endif
