@@ -19,10 +19,10 @@ class Suites(Shared):
         self.assertNotRegex(done.stdout, re.compile(r"^(not )?ok.*# SKIP", re.M))
 
     def test_stores(self):
-        self.run_suite("test_store")
+        self.run_suite("store/test_store")
 
     def test_queues_of_batches(self):
-        self.run_suite("test_batch_queue")
+        self.run_suite("jobs/test_batch_queue")
 
 
 if __name__ == "__main__":
