@@ -3,7 +3,7 @@
 
 #include "server/fields/cache.h"
 #include "server/work/budgeted_call.h"
-#include "server/work/team.h"
+#include "server/work/executor.h"
 #include "server/query/api.h"
 
 /* while two threads build it; what is kept of it: 50 on flat meshes, 200 to 400 on scans */
@@ -46,14 +46,13 @@ static uint64_t count_windows(const struct build *built)
 static enum gd_status call(struct server_monitor *part, struct build *wanted)
 {
     struct server_host *host = part->exchange->host;
-    struct server_team *team = server_team_call(host->workers, part->exchange->job.deadline_ns);
-    wanted->executor = server_team_executor(team);
+    wanted->executor = server_executor_start(host->workers, 2, part->exchange->job.deadline_ns);
     const struct server_budgeted_call call = {.make = build,
                                               .user = wanted,
                                               .control = server_exchange_control(part),
                                               .grant = server_field_build_grant(wanted->mesh)};
     enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
-    server_team_dismiss(team);
+    server_executor_stop(wanted->executor);
     if (!status) server_metrics_count_windows(host->metrics, count_windows(wanted));
     return status;
 }

@@ -250,11 +250,11 @@ static void run_row(void *user, uint32_t number)
 
 static enum gd_status run_rows(struct matrix *matrix)
 {
-    struct server_executor executor;
     const struct server_exchange *exchange = matrix->part->exchange;
-    gd_executor_run(
-        server_executor_of(&executor, exchange->host->workers, exchange->job.deadline_ns), run_row,
-        matrix, matrix->rows->count);
+    const struct gd_executor *executor = server_executor_start(
+        exchange->host->workers, matrix->rows->count, exchange->job.deadline_ns);
+    gd_executor_run(executor, run_row, matrix, matrix->rows->count);
+    server_executor_stop(executor);
     matrix->is_alone = true;
     for (uint32_t i = 0; i < matrix->rows->count; i++)
         if (matrix->is_left[i]) run_row(matrix, i);

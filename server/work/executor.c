@@ -2,134 +2,161 @@
 #include "server/work/executor.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
+#include <time.h>
 
-struct helper;
+#include "gd/control.h"
 
-/* One run. */
-struct crew {
-    struct server_workers *workers;
-    void (*task)(void *context, uint32_t index);
-    void *context;
-    uint32_t count;
+#define SPINS      20000   /* before a thread sleeps: about ten microseconds */
+#define SLEEP_NS   1000000 /* until a helper looks at the queue again */
+#define QUANTUM_NS 1000000 /* of a helper, while other jobs wait */
 
-    pthread_mutex_t lock;
-    pthread_cond_t idle;
-    uint32_t next, running; /* tasks: the next to be handed out, and those that helpers are at */
-    uint32_t references;    /* the caller's and the helpers' */
-    struct helper {
-        struct server_job job; /* first */
-        struct crew *crew;
-    } helpers[];
+struct executor;
+
+struct helper {
+    struct server_job job; /* first */
+    struct executor *executor;
 };
 
-static void crew_release(struct crew *crew)
+struct executor {
+    struct gd_executor base; /* `user` is this struct */
+    struct server_workers *workers;
+    uint32_t references; /* the caller's and the helpers' */
+
+    pthread_mutex_t lock;
+    pthread_cond_t change;
+    atomic_uint change_count; /* rises with each signal of `change` */
+    void (*task)(void *context, uint32_t index);
+    void *context;
+    uint32_t count, next, running; /* tasks of the run: all, the next to begin, those under way */
+    bool is_stopped;
+    struct helper helpers[];
+};
+
+static void executor_release(struct executor *executor)
 {
-    pthread_mutex_lock(&crew->lock);
-    bool is_last = --crew->references == 0;
-    pthread_mutex_unlock(&crew->lock);
+    pthread_mutex_lock(&executor->lock);
+    bool is_last = --executor->references == 0;
+    pthread_mutex_unlock(&executor->lock);
     if (!is_last) return;
-    pthread_cond_destroy(&crew->idle);
-    pthread_mutex_destroy(&crew->lock);
-    free(crew);
+    pthread_cond_destroy(&executor->change);
+    pthread_mutex_destroy(&executor->lock);
+    free(executor);
 }
 
-/* Takes the next task; false: there is none left. */
-static bool begin_task(struct crew *crew, uint32_t *out)
+/* Call it with the lock held. */
+static void executor_signal(struct executor *executor)
 {
-    pthread_mutex_lock(&crew->lock);
-    bool found = crew->next < crew->count;
-    if (found) {
-        *out = crew->next++;
-        crew->running++;
-    }
-    pthread_mutex_unlock(&crew->lock);
-    return found;
+    atomic_fetch_add(&executor->change_count, 1);
+    pthread_cond_broadcast(&executor->change);
 }
 
-/* True: there is more to do. */
-static bool end_task(struct crew *crew)
+/* Waits for a signal, for about a millisecond at most. Releases the lock meanwhile. */
+static void executor_wait(struct executor *executor)
 {
-    pthread_mutex_lock(&crew->lock);
-    if (--crew->running == 0) pthread_cond_signal(&crew->idle);
-    bool is_more = crew->next < crew->count;
-    pthread_mutex_unlock(&crew->lock);
-    return is_more;
+    struct timespec until;
+    unsigned seen = atomic_load(&executor->change_count);
+    pthread_mutex_unlock(&executor->lock);
+    for (int spin = 0; spin < SPINS; spin++)
+        if (atomic_load_explicit(&executor->change_count, memory_order_relaxed) != seen) break;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += SLEEP_NS;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    pthread_mutex_lock(&executor->lock);
+    if (atomic_load(&executor->change_count) == seen)
+        pthread_cond_timedwait(&executor->change, &executor->lock, &until);
 }
 
-static bool do_task(struct crew *crew)
+/* Runs the next task. Releases the lock meanwhile. */
+static void executor_run_task(struct executor *executor)
 {
-    uint32_t task;
-    if (!begin_task(crew, &task)) return false;
-    crew->task(crew->context, task);
-    return end_task(crew);
+    uint32_t task = executor->next++;
+    executor->running++;
+    pthread_mutex_unlock(&executor->lock);
+    executor->task(executor->context, task);
+    pthread_mutex_lock(&executor->lock);
+    if (--executor->running == 0) executor_signal(executor);
 }
 
 /* --- helpers ---------------------------------------------------------------------------------- */
 
-static void help(struct server_job *job)
+/* Returns true when other jobs need the worker, false after the stop. */
+static bool helper_serve(struct executor *executor)
 {
-    struct crew *crew = ((struct helper *)job)->crew;
-    if (do_task(crew) && server_workers_submit(crew->workers, job)) return;
-    crew_release(crew);
+    uint64_t end_ns = gd_now_ns() + QUANTUM_NS;
+    while (!executor->is_stopped) {
+        if (executor->next < executor->count)
+            executor_run_task(executor);
+        else
+            executor_wait(executor);
+        if (gd_now_ns() >= end_ns && server_workers_load(executor->workers).queued) return true;
+    }
+    return false;
 }
 
-static void dismiss(struct server_job *job, enum server_refusal why)
+static void helper_run(struct server_job *job)
+{
+    struct executor *executor = ((struct helper *)job)->executor;
+    pthread_mutex_lock(&executor->lock);
+    bool comes_back = helper_serve(executor);
+    pthread_mutex_unlock(&executor->lock);
+    if (!comes_back || !server_workers_submit(executor->workers, job)) executor_release(executor);
+}
+
+static void helper_refuse(struct server_job *job, enum server_refusal why)
 {
     (void)why;
-    crew_release(((struct helper *)job)->crew);
+    executor_release(((struct helper *)job)->executor);
 }
 
-static struct crew *crew_create(const struct server_executor *executor, uint32_t helpers)
+/* --- the caller ------------------------------------------------------------------------------- */
+
+static void executor_run(void *user, void (*task)(void *context, uint32_t index), void *context,
+                         uint32_t count)
 {
-    struct crew *crew = calloc(1, sizeof *crew + helpers * sizeof crew->helpers[0]);
-    if (!crew) return NULL;
-    pthread_mutex_init(&crew->lock, NULL);
-    pthread_cond_init(&crew->idle, NULL);
-    crew->workers = executor->workers;
-    crew->references = helpers + 1;
-    for (uint32_t i = 0; i < helpers; i++)
-        crew->helpers[i] = (struct helper){
-            .job = {.run = help, .refuse = dismiss, .deadline_ns = executor->deadline_ns},
-            .crew = crew};
-    return crew;
+    struct executor *executor = user;
+    pthread_mutex_lock(&executor->lock);
+    executor->task = task;
+    executor->context = context;
+    executor->count = count;
+    executor->next = 0;
+    executor_signal(executor);
+    while (executor->next < executor->count) executor_run_task(executor);
+    while (executor->running) executor_wait(executor);
+    pthread_mutex_unlock(&executor->lock);
 }
 
-static void call_helpers(struct crew *crew, uint32_t helpers)
+const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
+                                                uint64_t deadline_ns)
 {
-    for (uint32_t i = 0; i < helpers; i++)
-        if (!server_workers_submit(crew->workers, &crew->helpers[i].job)) crew_release(crew);
-}
-
-/* --- the run ---------------------------------------------------------------------------------- */
-
-static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
-                uint32_t count)
-{
-    const struct server_executor *executor = user;
-    uint32_t width = executor->executor.width, helpers = (width < count ? width : count) - 1;
-    struct crew *crew = crew_create(executor, helpers);
-    if (!crew) {
-        gd_executor_run(NULL, task, context, count);
-        return;
+    uint32_t threads = server_workers_load(workers).threads;
+    if (width > threads) width = threads;
+    struct executor *executor =
+        width > 1 ? calloc(1, sizeof *executor + (width - 1) * sizeof executor->helpers[0]) : NULL;
+    if (!executor) return NULL;
+    executor->base = (struct gd_executor){.width = width, .run = executor_run, .user = executor};
+    executor->workers = workers;
+    executor->references = width;
+    pthread_mutex_init(&executor->lock, NULL);
+    pthread_cond_init(&executor->change, NULL);
+    for (uint32_t i = 0; i < width - 1; i++) {
+        executor->helpers[i] = (struct helper){
+            .job = {.run = helper_run, .refuse = helper_refuse, .deadline_ns = deadline_ns},
+            .executor = executor};
+        if (!server_workers_submit(workers, &executor->helpers[i].job)) executor_release(executor);
     }
-    crew->task = task;
-    crew->context = context;
-    crew->count = count;
-    call_helpers(crew, helpers);
-    while (do_task(crew)) continue;
-    pthread_mutex_lock(&crew->lock);
-    while (crew->running) pthread_cond_wait(&crew->idle, &crew->lock);
-    pthread_mutex_unlock(&crew->lock);
-    crew_release(crew);
+    return &executor->base;
 }
 
-const struct gd_executor *server_executor_of(struct server_executor *out,
-                                             struct server_workers *workers, uint64_t deadline_ns)
+void server_executor_stop(const struct gd_executor *base)
 {
-    *out = (struct server_executor){
-        .executor = {.width = server_workers_load(workers).threads, .run = run, .user = out},
-        .workers = workers,
-        .deadline_ns = deadline_ns};
-    return &out->executor;
+    if (!base) return;
+    struct executor *executor = base->user;
+    pthread_mutex_lock(&executor->lock);
+    executor->is_stopped = true;
+    executor_signal(executor);
+    pthread_mutex_unlock(&executor->lock);
+    executor_release(executor);
 }

@@ -1,31 +1,32 @@
-/* Executor: the tasks of one request, spread over the workers that have nothing else to do.
+/* Executor: lends idle workers to the parallel tasks of one job.
  *
- *     struct server_executor executor;
- *     gd_executor_run(server_executor_of(&executor, workers, deadline_ns), task, context, count);
+ *     const struct gd_executor *executor = server_executor_start(workers, width, deadline_ns);
+ *     ... gd_field_build(mesh, &request, control, executor, &field, NULL) ...
+ *     server_executor_stop(executor);
  *
- * DESIGN. The thread that runs the executor does tasks itself, one after the other. Beside it there
- * are helpers, jobs in the workers' queue; each does one task and queues up again, behind whatever
- * came meanwhile: so a request of many tasks never holds up others by more than one task on each of
- * the other threads. A helper that is refused is gone; the thread itself always gets to the end.
+ * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
+ * all runs until the stop: a field build has thousands of runs, and queueing a job costs as much as
+ * one of them. Between runs a helper spins for some microseconds, then it sleeps.
  *
- * Tasks are handed out under a lock. The run is over when none is left and none is running: a
- * helper that still waits in the queue by then finds nothing and touches nothing of the caller's.
- * What it needs for that is counted, and goes with the last of them. */
+ * A helper that has worked for a millisecond while other jobs wait queues itself again behind them.
+ * So a request of many tasks delays other requests by one task or one millisecond. The caller runs
+ * every task that no helper has begun: it finishes without helpers too.
+ *
+ * Caller and helpers share the executor by reference count: a helper that leaves the queue after
+ * the stop touches no memory of the caller. */
 #ifndef SERVER_WORK_EXECUTOR_H
 #define SERVER_WORK_EXECUTOR_H
 
 #include "gd/executor.h"
 #include "server/work/workers.h"
 
-struct server_executor {
-    struct gd_executor executor; /* its `user` is this struct */
-    struct server_workers *workers;
-    uint64_t deadline_ns; /* of the helpers in the queue */
-};
+/* Returns an executor of at most `width` threads, the caller's included, and no more than there are
+ * workers. NULL, which runs all tasks on the calling thread: this is one thread, or memory is
+ * short. To be called by a job; for its thread only. */
+const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
+                                                uint64_t deadline_ns);
 
-/* Fills in `*out`, which is borrowed by what is returned: an executor as wide as there are workers.
- * To be run by one of them. */
-const struct gd_executor *server_executor_of(struct server_executor *out,
-                                             struct server_workers *workers, uint64_t deadline_ns);
+/* Frees it. NULL is harmless. */
+void server_executor_stop(const struct gd_executor *executor);
 
 #endif

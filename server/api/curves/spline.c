@@ -6,7 +6,7 @@
 #include "server/query/query.h"
 #include "server/surfaces/landmarks.h"
 #include "server/query/api.h"
-#include "server/work/team.h"
+#include "server/work/executor.h"
 
 #define BUILD_SHARE 0.7 /* of the work */
 #define WHAT        "the spline"
@@ -80,12 +80,12 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct server_landmark_set *set = server_landmarks_find(host->api->landmarks, query->surface);
     struct making making = {.drawing = drawing,
                             .part = server_query_monitor(query, 0, BUILD_SHARE)};
-    struct server_team *team = server_team_call(host->workers, query->exchange->job.deadline_ns);
     drawing->located.request.landmarks = set ? set->landmarks : NULL;
-    drawing->located.request.executor = server_team_executor(team);
+    drawing->located.request.executor =
+        server_executor_start(host->workers, 2, query->exchange->job.deadline_ns);
     enum gd_status status = server_query_call(query, &making.part, make, &making,
                                               server_field_build_grant(query->surface->mesh));
-    server_team_dismiss(team);
+    server_executor_stop(drawing->located.request.executor);
     server_landmark_set_release(set);
     if (status && status != GD_BUDGET && making.detail.text[0]) {
         server_query_count(query, status);

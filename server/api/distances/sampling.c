@@ -9,7 +9,7 @@
 #include "server/query/field_build.h"
 #include "server/query/query.h"
 #include "server/query/api.h"
-#include "server/work/team.h"
+#include "server/work/executor.h"
 
 #define BYTES_A_POINT 512 /* of the points, their radii, and the answer's text */
 #define WHAT          "the sampling"
@@ -67,13 +67,13 @@ static enum gd_status choose_points(struct sampling *sampling)
 {
     struct server_host *host = sampling->query.exchange->host;
     struct server_monitor part = server_query_monitor(&sampling->query, 0, 1);
-    struct server_team *team =
-        server_team_call(host->workers, sampling->query.exchange->job.deadline_ns);
-    struct choosing choosing = {sampling, server_team_executor(team)};
+    struct choosing choosing = {
+        sampling,
+        server_executor_start(host->workers, 2, sampling->query.exchange->job.deadline_ns)};
     enum gd_status status =
         server_query_call(&sampling->query, &part, choose, &choosing,
                           server_field_build_grant(sampling->query.surface->mesh));
-    server_team_dismiss(team);
+    server_executor_stop(choosing.executor);
     return status;
 }
 

@@ -26,10 +26,11 @@ static void do_task(void *context, uint32_t index)
 static void execute(struct server_job *job)
 {
     struct run *run = (struct run *)job;
-    struct server_executor executor;
     if (run->start) sem_wait(run->start);
-    gd_executor_run(server_executor_of(&executor, run->workers, UINT64_MAX), do_task, run,
-                    run->count);
+    const struct gd_executor *executor =
+        server_executor_start(run->workers, run->count, UINT64_MAX);
+    gd_executor_run(executor, do_task, run, run->count);
+    server_executor_stop(executor);
     assert_int_equal(atomic_load(&run->at_work), 0);
     test_job_run(job);
 }
@@ -178,6 +179,110 @@ static void helpers_may_be_refused(void **state)
     sem_destroy(&gate);
 }
 
+/* Runs of two tasks, as a field build has them. Each task computes its sum from the other's sum of
+ * the run before, so a task that is skipped, repeated or mixed with another run changes the sums.
+ */
+enum { RUNS = 2000 };
+
+struct sums {
+    uint64_t before[2], after[2];
+    pthread_t thread[2];
+    uint32_t other_thread; /* runs whose tasks were done by two threads */
+};
+
+static void add(void *context, uint32_t index)
+{
+    struct sums *sums = context;
+    sums->after[index] = 3 * sums->before[1 - index] + index + 1;
+    sums->thread[index] = pthread_self();
+    for (uint64_t end = gd_now_ns() + 5000; gd_now_ns() < end;) continue;
+}
+
+static void check_runs(const struct gd_executor *executor, struct sums *sums)
+{
+    uint64_t expected[2] = {0, 0};
+    *sums = (struct sums){0};
+    for (int i = 0; i < RUNS; i++) {
+        gd_executor_run(executor, add, sums, 2);
+        memcpy(sums->before, sums->after, sizeof sums->before);
+        sums->other_thread += !pthread_equal(sums->thread[0], sums->thread[1]);
+        uint64_t first = 3 * expected[1] + 1;
+        expected[1] = 3 * expected[0] + 2;
+        expected[0] = first;
+    }
+    assert_memory_equal(sums->after, expected, sizeof expected);
+}
+
+/* Runs until the helper has taken part, which on a busy machine may take a while: workers come
+ * after all others. */
+static void check_runs_of_two(const struct gd_executor *executor, struct sums *sums)
+{
+    uint64_t end = gd_now_ns() + UINT64_C(20000000000);
+    do check_runs(executor, sums);
+    while (!sums->other_thread && gd_now_ns() < end);
+    assert_true(sums->other_thread > 0);
+}
+
+static void one_executor_serves_many_runs(void **state)
+{
+    (void)state;
+    struct server_workers *workers = server_workers_create(2, 8);
+    const struct gd_executor *executor = server_executor_start(workers, 9, UINT64_MAX);
+    struct sums sums;
+    assert_int_equal(executor->width, 2);
+    check_runs_of_two(executor, &sums);
+    print_message("# %u of %d runs by two threads\n", sums.other_thread, RUNS);
+    const struct timespec pause = {.tv_nsec = 2000000};
+    nanosleep(&pause, NULL); /* the helper sleeps by now */
+    check_runs_of_two(executor, &sums);
+    server_executor_stop(executor);
+    server_workers_destroy(workers);
+}
+
+static void one_thread_needs_no_executor(void **state)
+{
+    (void)state;
+    struct server_workers *one = server_workers_create(1, 8);
+    struct server_workers *two = server_workers_create(2, 8);
+    assert_null(server_executor_start(one, 2, UINT64_MAX));
+    assert_null(server_executor_start(two, 1, UINT64_MAX));
+    server_executor_stop(NULL);
+    server_workers_cancel(two); /* refuses the helper */
+    const struct gd_executor *executor = server_executor_start(two, 2, UINT64_MAX);
+    struct sums sums;
+    check_runs(executor, &sums);
+    assert_int_equal(sums.other_thread, 0);
+    server_executor_stop(executor);
+    server_workers_destroy(one);
+    server_workers_destroy(two);
+}
+
+/* A job that arrives while helpers hold both workers runs soon, and a helper comes back after it.
+ */
+static void helpers_leave_for_a_job_and_come_back(void **state)
+{
+    (void)state;
+    struct server_workers *workers = server_workers_create(2, 8);
+    const struct gd_executor *first = server_executor_start(workers, 2, UINT64_MAX);
+    const struct gd_executor *second = server_executor_start(workers, 2, UINT64_MAX);
+    struct test_job job;
+    struct sums sums = {0};
+    test_job_init(&job, NULL);
+    while (server_workers_load(workers).running < 2) continue;
+    assert_true(server_workers_submit(workers, &job.job));
+    for (uint64_t end = gd_now_ns() + UINT64_C(20000000000);
+         sem_trywait(&job.done) != 0 && gd_now_ns() < end;) {
+        gd_executor_run(first, add, &sums, 2);
+        gd_executor_run(second, add, &sums, 2);
+    }
+    assert_int_equal(job.runs, 1);
+    check_runs_of_two(first, &sums);
+    check_runs_of_two(second, &sums);
+    server_executor_stop(first);
+    server_executor_stop(second);
+    server_workers_destroy(workers);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -187,6 +292,9 @@ int main(void)
         cmocka_unit_test(others_get_their_turn_between_tasks),
         cmocka_unit_test(a_full_queue_does_not_matter),
         cmocka_unit_test(helpers_may_be_refused),
+        cmocka_unit_test(one_executor_serves_many_runs),
+        cmocka_unit_test(one_thread_needs_no_executor),
+        cmocka_unit_test(helpers_leave_for_a_job_and_come_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
