@@ -4,7 +4,7 @@
 #define SERVER_FIELDS_PENDING_BUILDS_H
 
 #include "server/fields/field_key.h"
-#include "server/work/job.h"
+#include "server/work/lanes.h"
 
 struct server_mesh_cache;
 

@@ -1,29 +1,56 @@
-/* Lanes: the jobs that wait for workers, shared fairly by tenants. Each tenant with jobs that wait
- * or run has a lane.
+/* Lanes: jobs, and the queue in which they wait for workers. Each tenant with waiting or running
+ * jobs has a lane.
  *
- * DESIGN. A worker takes the job of the tenant that has the fewest running, and among those of the
- * tenant whose jobs took the least time since it came (start-time fair queueing: a lane that
- * becomes active starts at the least time of the others, so that idle tenants save nothing up).
- * Within a lane jobs are taken in order. Urgent jobs, whose clients wait on the line, go before
- * patient ones; but after TURNS urgent ones a patient one has its turn.
+ * DESIGN. A job has one owner at a time: its maker, this queue, the worker that runs it, or the
+ * list in which it is parked. `next` belongs to the owner. A job ends in one call of `refuse`, or
+ * of a `run` that does not park it.
  *
- * Bounds, for either kind: all lanes together hold `length` jobs. Where tenants share the queue,
- * each takes at most as many places as it leaves free (dynamic thresholds: Choudhury and Hahne,
- * 1998), so that there is room for another tenant, whatever one sends.
+ * A worker takes the job of the tenant with the fewest running jobs, and among those of the tenant
+ * that has used the least time (start-time fair queueing: a lane that becomes active starts at the
+ * least time of the others, so idle tenants save nothing up). A lane is first in, first out. Urgent
+ * jobs, whose clients wait for them, go before patient ones, but a patient job follows every 16
+ * urgent ones.
  *
- * A spare worker is one beyond the number of workers. It takes a job only if that keeps a promise
- * to a tenant: an urgent one while fewer urgent jobs run than there are workers, because patient
- * ones have them, or one whose tenant has none running.
+ * Limits, for each kind: all lanes together hold `length` jobs. Where tenants share the queue, each
+ * takes at most as many places as it leaves free (dynamic thresholds: Choudhury and Hahne, 1998):
+ * one tenant cannot fill the queue.
  *
- * Not thread-safe: the workers' lock guards them. */
+ * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
+ * patient jobs occupy workers, or a job whose tenant has none running.
+ *
+ * Not thread-safe: the lock of the workers guards the lanes. */
 #ifndef SERVER_WORK_LANES_H
 #define SERVER_WORK_LANES_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "server/work/job.h"
 #include "server/store/key.h"
+
+enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_REFUSAL_MEMORY };
+
+struct server_job {
+    struct server_job *next;
+    uint64_t deadline_ns; /* on the clock of gd_now_ns() */
+    /* Whose share of the workers it uses; outlives the job. NULL: that of the job that submits it
+     */
+    const char *tenant;
+    struct server_lane *lane; /* of the workers */
+    bool is_patient;          /* no client waits for it on a connection */
+    atomic_bool is_unwanted;  /* any thread may set it: acts like a deadline that has passed */
+    void (*run)(struct server_job *job);
+    void (*refuse)(struct server_job *job, enum server_refusal why);
+};
+
+/* Is the deadline at most `now_ns`, or the job unwanted? */
+bool server_job_is_late(const struct server_job *job, uint64_t now_ns);
+
+/* Removes the late jobs from a list and returns them as a list. */
+struct server_job *server_jobs_expire(struct server_job **list, uint64_t now_ns);
+
+/* Refuses each job of a list. Call it without a lock: `refuse` may take any. */
+void server_jobs_refuse(struct server_job *list, enum server_refusal why);
 
 enum server_lane_kind { SERVER_LANE_URGENT, SERVER_LANE_PATIENT, SERVER_LANE_KINDS };
 
@@ -35,7 +62,7 @@ struct server_lane {
         uint32_t count;
     } queues[SERVER_LANE_KINDS];
     uint32_t running[SERVER_LANE_KINDS];
-    uint64_t used_ns; /* time of its jobs that have ended, from where it started */
+    uint64_t used_ns; /* by its ended jobs, plus the time at which the lane started */
 };
 
 struct server_lanes {
@@ -44,32 +71,32 @@ struct server_lanes {
     uint32_t queued[SERVER_LANE_KINDS], running[SERVER_LANE_KINDS];
     uint32_t length, workers;
     bool is_shared; /* by tenants */
-    unsigned turns; /* urgent jobs that were taken while a patient one waited */
+    unsigned turns; /* urgent jobs taken since a patient one waits */
 };
 
-/* The initial value of `lanes` is all zero. */
+/* Starts with `*lanes` all zero. */
 void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t length);
 
-/* The lane of a tenant (NULL: ""). It is active, or has to be given a job before another call. */
+/* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
-/* Queues a job in the lane behind all others; false: there is no place. */
+/* Queues a job at the end of the lane. Returns false when the queue is full. */
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane,
                        struct server_job *job);
 
-/* Queues a job ahead of the others of its lane and kind, whether there is a place or not. */
+/* Queues a job ahead of its lane, even into a full queue. */
 void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane,
                              struct server_job *job);
 
-/* Takes the next job, which is running then, until server_lanes_end; NULL: there is none for
- * such a worker. */
+/* Takes the next job, which counts as running until server_lanes_end. NULL: none for this worker.
+ */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
-/* A job of that lane and kind has run for so long. */
+/* Records that a job of that lane and kind has run for `ns`. */
 void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool is_patient,
                       uint64_t ns);
 
-/* Takes the jobs that are late, as a list. */
+/* Removes the late jobs and returns them as a list. */
 struct server_job *server_lanes_expire(struct server_lanes *lanes, uint64_t now_ns);
 
 uint32_t server_lanes_queued(const struct server_lanes *lanes);

@@ -31,40 +31,36 @@ struct server_workers {
     pthread_t threads[];
 };
 
-/* The job that this thread runs, from the queue of those workers: what it submits is of its lane
- * and kind. NULL: none. */
-static _Thread_local const struct server_workers *own_workers;
-static _Thread_local struct server_lane *own_lane;
-static _Thread_local bool own_is_patient;
+/* The queued job that this thread runs; jobs that it submits get its lane and kind. All zero: none.
+ */
+static _Thread_local struct running {
+    const struct server_workers *workers;
+    struct server_lane *lane;
+    bool is_patient;
+} own;
 
 /* --- the queue, under the lock ---------------------------------------------------------------- */
 
-static struct server_lane *lane_for(struct server_workers *workers, struct server_job *job)
+static struct server_lane *workers_lane_for(struct server_workers *workers, struct server_job *job)
 {
-    if (job->tenant || own_workers != workers) return server_lanes_of(&workers->lanes, job->tenant);
-    job->is_patient = own_is_patient;
-    return own_lane;
+    if (job->tenant || own.workers != workers) return server_lanes_of(&workers->lanes, job->tenant);
+    job->is_patient = own.is_patient;
+    return own.lane;
 }
 
-static bool is_all_at_work(const struct server_workers *workers)
+static bool workers_are_all_at_work(const struct server_workers *workers)
 {
     return workers->working == workers->thread_count;
 }
 
-/* A job has come for a thread, or, if all are at work, perhaps for a spare one. */
-static void announce(struct server_workers *workers)
+/* Wakes a thread for a queued job: a spare one if all others are at work. */
+static void workers_wake(struct server_workers *workers)
 {
-    pthread_cond_signal(is_all_at_work(workers) ? &workers->spare_work : &workers->work);
+    pthread_cond_signal(workers_are_all_at_work(workers) ? &workers->spare_work : &workers->work);
 }
 
-static void push_front(struct server_workers *workers, struct server_job *job)
-{
-    server_lanes_push_front(&workers->lanes, lane_for(workers, job), job);
-    announce(workers);
-}
-
-/* Takes the job out of the list; NULL: it is not there. */
-static struct server_job *take_out(struct server_job **list, const struct server_job *job)
+/* Removes the job from the list. Returns NULL if it is not in there. */
+static struct server_job *list_remove(struct server_job **list, const struct server_job *job)
 {
     while (*list && *list != job) list = &(*list)->next;
     struct server_job *found = *list;
@@ -74,12 +70,11 @@ static struct server_job *take_out(struct server_job **list, const struct server
 
 /* --- threads ---------------------------------------------------------------------------------- */
 
-/* of the job at hand; all zero between jobs */
 static _Thread_local struct server_yielding yielding;
 
 /* Perhaps in the middle of another one, which may be behind (server_workers_yield): it stays there,
  * this one does not begin there. */
-static void run_job(struct server_workers *workers, struct server_job *job)
+static void workers_run(struct server_workers *workers, struct server_job *job)
 {
     const struct server_yielding outer = yielding;
     server_place_behind(false);
@@ -134,86 +129,75 @@ bool server_workers_go_on(struct server_workers *workers)
     return !server_workers_cancelled(workers);
 }
 
-/* Under the lock, which is given up meanwhile: a job that was taken. Another one that waits may
- * be a spare thread's now. */
-static void run_taken(struct server_workers *workers, struct server_job *job)
+/* Runs a job that was taken from the lanes. Releases the lock meanwhile. */
+static void workers_run_taken(struct server_workers *workers, struct server_job *job)
 {
-    if (server_lanes_queued(&workers->lanes)) announce(workers);
-    const struct server_workers *outer_workers = own_workers;
-    struct server_lane *outer_lane = own_lane, *lane = job->lane;
-    bool outer_is_patient = own_is_patient, is_patient = job->is_patient;
-    own_workers = workers;
-    own_lane = lane;
-    own_is_patient = is_patient;
+    const struct running outer = own;
+    struct server_lane *lane = job->lane;
+    bool is_patient = job->is_patient;
+    if (server_lanes_queued(&workers->lanes))
+        workers_wake(workers); /* perhaps for a spare thread */
+    own = (struct running){workers, lane, is_patient};
     pthread_mutex_unlock(&workers->lock);
     uint64_t begun_ns = gd_now_ns();
-    run_job(workers, job);
+    workers_run(workers, job);
     uint64_t ns = gd_now_ns() - begun_ns;
     pthread_mutex_lock(&workers->lock);
-    own_workers = outer_workers;
-    own_lane = outer_lane;
-    own_is_patient = outer_is_patient;
+    own = outer;
     server_lanes_end(&workers->lanes, lane, is_patient, ns);
 }
 
-static bool may_host(const struct server_workers *workers)
-{
-    return workers->background && !workers->is_hosting;
-}
-
-/* Under the lock, which is given up meanwhile. */
-static void host(struct server_workers *workers)
+/* Runs the latest background job. Releases the lock meanwhile. */
+static void workers_run_background(struct server_workers *workers)
 {
     struct server_job *job = workers->background;
     workers->background = job->next;
     workers->is_hosting = true;
     pthread_mutex_unlock(&workers->lock);
-    run_job(workers, job);
+    workers_run(workers, job);
     pthread_mutex_lock(&workers->lock);
     workers->is_hosting = false;
 }
 
-/* Under the lock, which is given up meanwhile: runs the next job; false: there is none. */
-static bool work_once(struct server_workers *workers)
+/* Runs the next job, if there is one, and returns whether there was. Releases the lock meanwhile.
+ */
+static bool workers_run_next(struct server_workers *workers)
 {
     struct server_job *job = server_lanes_take(&workers->lanes, false);
-    if (!job && !may_host(workers)) return false;
+    if (!job && (!workers->background || workers->is_hosting)) return false;
     workers->working++;
     if (job)
-        run_taken(workers, job);
+        workers_run_taken(workers, job);
     else
-        host(workers);
+        workers_run_background(workers);
     workers->working--;
     return true;
 }
 
-/* Under the lock, which is given up meanwhile; false: the thread is to end. */
-static bool wait_for_work(struct server_workers *workers)
-{
-    if (!workers->leaving) pthread_cond_wait(&workers->work, &workers->lock);
-    return !workers->leaving;
-}
-
-static void *work(void *user)
+static void *worker_main(void *user)
 {
     struct server_workers *workers = user;
     server_place_worker();
     pthread_mutex_lock(&workers->lock);
-    while (work_once(workers) || wait_for_work(workers)) continue;
+    for (;;) {
+        if (workers_run_next(workers)) continue;
+        if (workers->leaving) break;
+        pthread_cond_wait(&workers->work, &workers->lock);
+    }
     pthread_mutex_unlock(&workers->lock);
     return NULL;
 }
 
-static void *work_as_spare(void *user)
+static void *spare_main(void *user)
 {
     struct server_workers *workers = user;
     server_place_worker();
     pthread_mutex_lock(&workers->lock);
     while (!workers->leaving) {
         struct server_job *job =
-            is_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
+            workers_are_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
         if (job)
-            run_taken(workers, job);
+            workers_run_taken(workers, job);
         else
             pthread_cond_wait(&workers->spare_work, &workers->lock);
     }
@@ -231,7 +215,8 @@ struct server_workers *server_workers_create(uint32_t count, uint32_t queue_leng
     pthread_cond_init(&workers->spare_work, NULL);
     server_lanes_init(&workers->lanes, count, queue_length);
     while (workers->thread_count < count) {
-        if (pthread_create(&workers->threads[workers->thread_count], NULL, work, workers) != 0) {
+        if (pthread_create(&workers->threads[workers->thread_count], NULL, worker_main, workers) !=
+            0) {
             server_workers_destroy(workers);
             return NULL;
         }
@@ -244,7 +229,7 @@ bool server_workers_add_spare(struct server_workers *workers, uint32_t count)
 {
     workers->spare = calloc(count, sizeof *workers->spare);
     for (uint32_t i = 0; workers->spare && i < count; i++) {
-        if (pthread_create(&workers->spare[i], NULL, work_as_spare, workers) != 0) break;
+        if (pthread_create(&workers->spare[i], NULL, spare_main, workers) != 0) break;
         pthread_mutex_lock(&workers->lock);
         workers->spare_count++;
         pthread_mutex_unlock(&workers->lock);
@@ -277,43 +262,55 @@ void server_workers_destroy(struct server_workers *workers)
 
 /* --- jobs in and out -------------------------------------------------------------------------- */
 
-bool server_workers_submit(struct server_workers *workers, struct server_job *job)
+enum place { PLACE_LAST, PLACE_FIRST, PLACE_BACKGROUND };
+
+static bool workers_put(struct server_workers *workers, struct server_job *job, enum place place)
+{
+    if (place == PLACE_BACKGROUND) {
+        job->next = workers->background;
+        workers->background = job;
+        pthread_cond_signal(&workers->work);
+        return true;
+    }
+    struct server_lane *lane = workers_lane_for(workers, job);
+    if (place == PLACE_FIRST)
+        server_lanes_push_front(&workers->lanes, lane, job);
+    else if (!server_lanes_push(&workers->lanes, lane, job))
+        return false;
+    workers_wake(workers);
+    return true;
+}
+
+/* Returns false, and leaves the job to the caller, when the queue is full. */
+static bool workers_add(struct server_workers *workers, struct server_job *job, enum place place)
 {
     pthread_mutex_lock(&workers->lock);
-    bool cancelled = atomic_load(&workers->cancelled);
-    bool is_queued = !cancelled && server_lanes_push(&workers->lanes, lane_for(workers, job), job);
-    if (is_queued) announce(workers);
+    bool is_cancelled = atomic_load(&workers->cancelled);
+    bool is_taken = is_cancelled || workers_put(workers, job, place);
     pthread_mutex_unlock(&workers->lock);
-    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
-    return cancelled || is_queued;
+    if (is_cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+    return is_taken;
+}
+
+bool server_workers_submit(struct server_workers *workers, struct server_job *job)
+{
+    return workers_add(workers, job, PLACE_LAST);
 }
 
 void server_workers_resume(struct server_workers *workers, struct server_job *job)
 {
-    pthread_mutex_lock(&workers->lock);
-    bool cancelled = atomic_load(&workers->cancelled);
-    if (!cancelled) push_front(workers, job);
-    pthread_mutex_unlock(&workers->lock);
-    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+    (void)workers_add(workers, job, PLACE_FIRST);
 }
 
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job)
 {
-    pthread_mutex_lock(&workers->lock);
-    bool cancelled = atomic_load(&workers->cancelled);
-    if (!cancelled) {
-        job->next = workers->background;
-        workers->background = job;
-        pthread_cond_signal(&workers->work);
-    }
-    pthread_mutex_unlock(&workers->lock);
-    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+    (void)workers_add(workers, job, PLACE_BACKGROUND);
 }
 
 bool server_workers_withdraw(struct server_workers *workers, struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
-    bool is_found = take_out(&workers->background, job) != NULL;
+    bool is_found = list_remove(&workers->background, job) != NULL;
     pthread_mutex_unlock(&workers->lock);
     return is_found;
 }
@@ -333,8 +330,8 @@ bool server_workers_park(struct server_workers *workers, struct server_job *job)
 void server_workers_unpark(struct server_workers *workers, const struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_job *parked = take_out(&workers->parked, job);
-    if (parked) push_front(workers, parked);
+    struct server_job *parked = list_remove(&workers->parked, job);
+    if (parked) (void)workers_put(workers, parked, PLACE_FIRST);
     pthread_mutex_unlock(&workers->lock);
 }
 
@@ -344,7 +341,7 @@ void server_workers_yield(struct server_workers *workers)
     pthread_mutex_lock(&workers->lock);
     while (server_lanes_running(&workers->lanes) + 1 >= workers->thread_count &&
            (job = server_lanes_take(&workers->lanes, false)))
-        run_taken(workers, job);
+        workers_run_taken(workers, job);
     pthread_mutex_unlock(&workers->lock);
 }
 
@@ -391,7 +388,6 @@ struct server_workers_load server_workers_load(struct server_workers *workers)
     struct server_workers_load load = {.threads = workers->thread_count,
                                        .running = server_lanes_running(lanes),
                                        .queued = server_lanes_queued(lanes),
-                                       .urgent = lanes->queued[SERVER_LANE_URGENT],
                                        .background = workers->is_hosting};
     pthread_mutex_unlock(&workers->lock);
     return load;

@@ -197,6 +197,43 @@ static void late_jobs_are_taken_out_of_all_lanes(void **state)
     assert_null(lanes.active);
 }
 
+/* --- lists of jobs ---------------------------------------------------------------------------- */
+
+static void expire_takes_the_late_jobs(void **state)
+{
+    (void)state;
+    static const uint64_t deadlines[] = {5, 50, 6, 60, 7};
+    struct test_job some[5];
+    struct server_job *list = NULL;
+    for (int i = 4; i >= 0; i--) {
+        test_job_init(&some[i], NULL);
+        some[i].job.deadline_ns = deadlines[i];
+        some[i].job.next = list;
+        list = &some[i].job;
+    }
+    struct server_job *expired = server_jobs_expire(&list, 6);
+    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
+    for (int i = 0; i < 5; i++) assert_int_equal(some[i].refusals, deadlines[i] <= 6);
+    assert_ptr_equal(list, &some[1].job); /* the others stay, in their order */
+    assert_ptr_equal(list->next, &some[3].job);
+    assert_ptr_equal(list->next->next, &some[4].job);
+    assert_null(list->next->next->next);
+}
+
+static void an_unwanted_job_is_late(void **state)
+{
+    (void)state;
+    struct test_job some[2];
+    for (int i = 0; i < 2; i++) test_job_init(&some[i], NULL);
+    some[0].job.next = &some[1].job;
+    some[1].job.next = NULL;
+    struct server_job *list = &some[0].job;
+    assert_null(server_jobs_expire(&list, 6));
+    atomic_store(&some[0].job.is_unwanted, true);
+    assert_ptr_equal(server_jobs_expire(&list, 6), &some[0].job);
+    assert_ptr_equal(list, &some[1].job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -210,6 +247,8 @@ int main(void)
         cmocka_unit_test_setup(alone_it_has_all_places, set_up),
         cmocka_unit_test_setup(a_spare_worker_keeps_promises_only, set_up),
         cmocka_unit_test_setup(late_jobs_are_taken_out_of_all_lanes, set_up),
+        cmocka_unit_test(expire_takes_the_late_jobs),
+        cmocka_unit_test(an_unwanted_job_is_late),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
