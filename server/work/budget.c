@@ -3,15 +3,15 @@
 
 #include <assert.h>
 
-#define SMALL_ANSWER ((size_t)64 << 10) /* bytes that are taken at once */
+#define SMALL_ANSWER ((size_t)64 << 10) /* bytes of one take */
 #define REMEDY       "delete meshes, or raise --memory-budget"
 
-static bool take_text(void *budget, size_t bytes)
+static bool answer_take(void *budget, size_t bytes)
 {
     return server_budget_take_answer(budget, bytes);
 }
 
-static void give_text(void *budget, size_t bytes)
+static void answer_give(void *budget, size_t bytes)
 {
     server_budget_give(budget, SERVER_BUDGET_ANSWERS, bytes);
 }
@@ -20,20 +20,22 @@ void server_budget_init(struct server_budget *budget, size_t limit)
 {
     *budget = (struct server_budget){.limit = limit,
                                      .largest_answer = limit - limit / SERVER_BUDGET_ANSWERS_PART,
-                                     .answers = {take_text, give_text, budget}};
+                                     .answers = {answer_take, answer_give, budget}};
 }
 
-static bool try_take(struct server_budget *budget, size_t bytes)
+bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
+                              size_t bytes)
 {
     size_t total = atomic_load_explicit(&budget->total, memory_order_relaxed);
     do {
         if (bytes > budget->limit || total > budget->limit - bytes) return false;
     } while (!atomic_compare_exchange_weak(&budget->total, &total, total + bytes));
+    atomic_fetch_add(&budget->used[class], bytes);
     return true;
 }
 
-/* How many bytes stand in the way of `bytes` more. */
-static size_t shortage(struct server_budget *budget, size_t bytes)
+/* Bytes to reclaim before `bytes` can be taken. */
+static size_t budget_shortage(struct server_budget *budget, size_t bytes)
 {
     size_t total = atomic_load(&budget->total);
     size_t left = total < budget->limit ? budget->limit - total : 0;
@@ -42,38 +44,23 @@ static size_t shortage(struct server_budget *budget, size_t bytes)
 
 bool server_budget_could_take(struct server_budget *budget, size_t bytes)
 {
-    return shortage(budget, bytes) == 0 || bytes <= server_budget_available(budget);
-}
-
-/* Lets the reclaimers make room, one after the other, until the bytes can be taken. */
-static bool take_by_reclaiming(struct server_budget *budget, size_t bytes)
-{
-    if (bytes > server_budget_available(budget)) return false;
-    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
-        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
-        if (!reclaimer->reclaim) continue;
-        reclaimer->reclaim(reclaimer->user, shortage(budget, bytes));
-        if (try_take(budget, bytes)) return true;
-    }
-    return false;
+    return budget_shortage(budget, bytes) == 0 || bytes <= server_budget_available(budget);
 }
 
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes)
 {
-    if (!try_take(budget, bytes) && !take_by_reclaiming(budget, bytes)) return false;
-    atomic_fetch_add(&budget->used[class], bytes);
-    return true;
+    if (server_budget_take_spare(budget, class, bytes)) return true;
+    if (bytes > server_budget_available(budget)) return false;
+    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
+        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
+        if (!reclaimer->reclaim) continue;
+        reclaimer->reclaim(reclaimer->user, budget_shortage(budget, bytes));
+        if (server_budget_take_spare(budget, class, bytes)) return true;
+    }
+    return false;
 }
 
-bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
-                              size_t bytes)
-{
-    if (!try_take(budget, bytes)) return false;
-    atomic_fetch_add(&budget->used[class], bytes);
-    return true;
-}
-
-/* Answers that grow at the same time may pass their part by a step each, never the limit. */
+/* Answers that grow at the same time may exceed their part by a step each, but not the limit. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
 {
     size_t part =
@@ -86,7 +73,7 @@ bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
 {
-    if (!bytes) return; /* the counters are everybody's: not to be touched for nothing */
+    if (!bytes) return; /* keeps the counters' cache line unshared */
     size_t before = atomic_fetch_sub(&budget->used[class], bytes);
     assert(before >= bytes);
     (void)before;
@@ -100,26 +87,19 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
     atomic_fetch_sub(&budget->used[from], bytes);
 }
 
-/* Bytes of meshes that could be let go of. */
-static size_t reclaimable(struct server_budget *budget)
-{
-    size_t bytes = 0;
-    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
-        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
-        if (reclaimer->holds) bytes += reclaimer->holds(reclaimer->user);
-    }
-    return bytes;
-}
-
 size_t server_budget_available(struct server_budget *budget)
 {
-    size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
-    size_t held = (meshes > spare ? meshes - spare : 0) +
-                  atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_RECORDS]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_JOBS]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
+    static const enum server_budget_class fixed[] = {SERVER_BUDGET_FLIGHT, SERVER_BUDGET_ANSWERS,
+                                                     SERVER_BUDGET_RECORDS, SERVER_BUDGET_JOBS,
+                                                     SERVER_BUDGET_SPARE};
+    size_t unused = 0, held = 0, meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
+    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
+        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
+        if (reclaimer->holds) unused += reclaimer->holds(reclaimer->user);
+    }
+    if (meshes > unused) held = meshes - unused;
+    for (size_t i = 0; i < sizeof fixed / sizeof fixed[0]; i++)
+        held += atomic_load(&budget->used[fixed[i]]);
     return held < budget->limit ? budget->limit - held : 0;
 }
 
