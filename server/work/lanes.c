@@ -1,7 +1,6 @@
 /* See lanes.h. */
 #include "server/work/lanes.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,8 +43,7 @@ void server_jobs_refuse(struct server_job *list, enum server_refusal why)
 
 static void lane_init(struct server_lane *lane, const char *tenant)
 {
-    *lane = (struct server_lane){0};
-    snprintf(lane->tenant, sizeof lane->tenant, "%s", tenant);
+    *lane = (struct server_lane){.tenant = tenant};
     for (int kind = 0; kind < SERVER_LANE_KINDS; kind++)
         lane->queues[kind].tail = &lane->queues[kind].head;
 }
@@ -81,9 +79,9 @@ struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tena
 {
     struct server_lane *lane = lanes_find(lanes, tenant ? tenant : "");
     if (lane) return lane;
-    lane = tenant && *tenant ? malloc(sizeof *lane) : NULL;
+    lane = tenant && *tenant ? malloc(sizeof *lane + strlen(tenant) + 1) : NULL;
     if (lane)
-        lane_init(lane, tenant);
+        lane_init(lane, strcpy((char *)(lane + 1), tenant));
     else if ((lane = lanes_find(lanes, "")))
         return lane;
     else

@@ -26,8 +26,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "server/store/key.h"
-
 enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_REFUSAL_MEMORY };
 
 struct server_job {
@@ -56,7 +54,7 @@ enum server_lane_kind { SERVER_LANE_URGENT, SERVER_LANE_PATIENT, SERVER_LANE_KIN
 
 struct server_lane {
     struct server_lane *next;
-    char tenant[SERVER_TENANT + 1];
+    const char *tenant; /* in the memory of the lane */
     struct server_lane_queue {
         struct server_job *head, **tail; /* `tail` points to the last `next` */
         uint32_t count;
