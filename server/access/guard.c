@@ -6,27 +6,6 @@
 #include <string.h>
 #include <strings.h>
 
-/* Copies the host of "host", "host:port", "[v6]" or "[v6]:port" without brackets and port. False
- * when it is none of these. */
-static bool host_read(const char *text, char host[SERVER_CONFIG_NAME])
-{
-    const char *start = text, *end, *rest;
-    if (*text == '[') {
-        start = text + 1;
-        end = strchr(start, ']');
-        if (!end) return false;
-        rest = end + 1;
-    } else {
-        rest = end = text + strcspn(text, ":");
-    }
-    size_t size = (size_t)(end - start);
-    if (size == 0 || size >= SERVER_CONFIG_NAME) return false;
-    if (*rest && (*rest != ':' || strspn(rest + 1, "0123456789") != strlen(rest + 1))) return false;
-    memcpy(host, start, size);
-    host[size] = '\0';
-    return true;
-}
-
 static bool host_is_loopback(const char *host)
 {
     struct in_addr v4;
@@ -45,8 +24,9 @@ static bool list_has(const struct server_config_list *list, const char *text)
 
 static bool host_is_allowed(const struct server_config *config, const char *text)
 {
-    char host[SERVER_CONFIG_NAME];
-    if (!host_read(text, host)) return false;
+    char host[SERVER_ADDRESS_HOST];
+    const char *port;
+    if (!server_address_split(text, host, &port)) return false;
     if (host_is_loopback(host) || (*config->keys && !config->allowed_hosts.count)) return true;
     return list_has(&config->allowed_hosts, host);
 }

@@ -21,61 +21,41 @@ static bool address_refuse(char *error, size_t error_size, const char *text, con
     return false;
 }
 
-static bool unix_parse(const char *text, struct server_address *out, char *error, size_t error_size)
+bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], const char **port)
 {
-    const char *path = text + strlen(UNIX_PREFIX);
-    struct sockaddr_un name = {.sun_family = AF_UNIX};
-    if (!*path || strlen(path) >= sizeof name.sun_path)
-        return address_refuse(error, error_size, text,
-                              "the path of a unix socket has 1 to 107 characters");
-    strcpy(name.sun_path, path);
-    *out = (struct server_address){.size = sizeof name};
-    memcpy(&out->socket, &name, sizeof name);
-    return true;
-}
-
-/* Splits "host:port" or "[host]:port" at the last colon. */
-static bool split_host_port(const char *text, char host[64], const char **port)
-{
-    const char *colon = strrchr(text, ':');
-    if (!colon || colon == text) return false;
-    size_t size = (size_t)(colon - text);
-    if (text[0] == '[' && size > 2 && text[size - 1] == ']') {
-        text++;
-        size -= 2;
-    } else if (memchr(text, ':', size)) {
+    int end = 0;
+    if ((sscanf(text, "[%127[^]]]%n", host, &end) != 1 || end == 0) &&
+        sscanf(text, "%127[^:[]%n", host, &end) != 1)
         return false;
-    }
-    if (size >= 64) return false;
-    memcpy(host, text, size);
-    host[size] = '\0';
-    *port = colon + 1;
-    return true;
-}
-
-static bool is_port(const char *text)
-{
-    size_t digits = strspn(text, "0123456789");
-    return digits > 0 && digits <= 5 && !text[digits] && atoi(text) <= 65535;
+    *port = text[end] == ':' ? text + end + 1 : text + end;
+    return (text[end] == ':' || !text[end]) && !(*port)[strspn(*port, "0123456789")];
 }
 
 bool server_address_parse(const char *text, struct server_address *out, char *error,
                           size_t error_size)
 {
-    if (strncmp(text, UNIX_PREFIX, strlen(UNIX_PREFIX)) == 0)
-        return unix_parse(text, out, error, error_size);
-    char host[64];
-    const char *port;
-    if (!split_host_port(text, host, &port))
-        return address_refuse(error, error_size, text,
-                              "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
-    if (!is_port(port))
-        return address_refuse(error, error_size, text, "the port is a number from 0 to 65535");
-
+    struct sockaddr_un name = {.sun_family = AF_UNIX};
     struct addrinfo hints = {.ai_family = AF_UNSPEC,
                              .ai_socktype = SOCK_STREAM,
                              .ai_flags = AI_NUMERICHOST | AI_NUMERICSERV};
     struct addrinfo *found = NULL;
+    char host[SERVER_ADDRESS_HOST];
+    const char *port;
+    if (strncmp(text, UNIX_PREFIX, strlen(UNIX_PREFIX)) == 0) {
+        const char *path = text + strlen(UNIX_PREFIX);
+        if (!*path || strlen(path) >= sizeof name.sun_path)
+            return address_refuse(error, error_size, text,
+                                  "the path of a unix socket has 1 to 107 characters");
+        strcpy(name.sun_path, path);
+        *out = (struct server_address){.size = sizeof name};
+        memcpy(&out->socket, &name, sizeof name);
+        return true;
+    }
+    if (!server_address_split(text, host, &port) || !*port)
+        return address_refuse(error, error_size, text,
+                              "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
+    if (strlen(port) > 5 || atoi(port) > 65535)
+        return address_refuse(error, error_size, text, "the port is a number from 0 to 65535");
     if (getaddrinfo(strcmp(host, "localhost") == 0 ? "127.0.0.1" : host, port, &hints, &found) != 0)
         return address_refuse(error, error_size, text,
                               "the address is a numeric one or 'localhost'");
@@ -114,7 +94,7 @@ void server_address_format(const struct server_address *address, char text[SERVE
 
 /* Removes a unix socket that a dead process left. A live one, or any other file, stays and makes
  * bind fail. */
-static void remove_stale_socket(const struct server_address *address)
+static void stale_socket_remove(const struct server_address *address)
 {
     const char *path = ((const struct sockaddr_un *)&address->socket)->sun_path;
     struct stat found;
@@ -136,35 +116,31 @@ static bool listen_refuse(const struct server_address *address, char *error, siz
     return false;
 }
 
-static bool tcp_bind(int descriptor, struct server_address *address)
-{
-    int on = 1;
-    setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0)
-        return false;
-    address->size = sizeof address->socket;
-    return getsockname(descriptor, (struct sockaddr *)&address->socket, &address->size) == 0;
-}
-
 int server_address_bind(struct server_address *address, char *error, size_t error_size)
 {
-    int descriptor =
-        socket(address->socket.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (descriptor >= 0 && (address->socket.ss_family == AF_UNIX || tcp_bind(descriptor, address)))
-        return descriptor;
+    const int on = 1;
+    struct sockaddr *name = (struct sockaddr *)&address->socket;
+    int descriptor = socket(name->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    bool is_bound = descriptor >= 0;
+    if (is_bound && name->sa_family != AF_UNIX) {
+        setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+        is_bound = bind(descriptor, name, address->size) == 0;
+        if (is_bound) address->size = sizeof address->socket;
+        is_bound = is_bound && getsockname(descriptor, name, &address->size) == 0;
+    }
+    if (is_bound) return descriptor;
     (void)listen_refuse(address, error, error_size);
     if (descriptor >= 0) close(descriptor);
     return -1;
 }
 
-/* Gives the socket its mode, which the umask of the daemon's files would narrow. */
+/* The socket gets its mode, whatever the umask of the daemon's files. */
 static bool unix_bind(int descriptor, const struct server_address *address)
 {
-    remove_stale_socket(address);
-    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0)
-        return false;
-    return !address->mode ||
-           chmod(((const struct sockaddr_un *)&address->socket)->sun_path, address->mode) == 0;
+    stale_socket_remove(address);
+    return bind(descriptor, (const struct sockaddr *)&address->socket, address->size) == 0 &&
+           (!address->mode ||
+            chmod(((const struct sockaddr_un *)&address->socket)->sun_path, address->mode) == 0);
 }
 
 bool server_address_listen(int descriptor, const struct server_address *address, char *error,

@@ -14,6 +14,11 @@ struct server_address {
 };
 
 #define SERVER_ADDRESS_TEXT 128
+#define SERVER_ADDRESS_HOST 128
+
+/* Splits "host", "host:port", "[v6]" or "[v6]:port". `*port` points into the text, at digits or the
+ * end. False: it has another form. */
+bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], const char **port);
 
 /* Parses "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or "unix:PATH", without DNS. False with a
  * sentence in `error`. */
