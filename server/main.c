@@ -1,4 +1,4 @@
-/* geodesicd: configuration, signals, and nothing else. */
+/* geodesicd: the program: its commands, signals and sandbox. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -9,20 +9,16 @@
 #include <unistd.h>
 
 #include "gd/cpu.h"
-#include "server/config/config.h"
-#include "server/access/credentials.h"
-#include "server/base/log.h"
 #include "server/access/sandbox.h"
+#include "server/base/version.h"
 #include "server/server.h"
 #include "server/store/local/files.h"
 #include "server/store/postgres/address.h"
 #include "server/store/store.h"
-#include "server/base/version.h"
 
 #define EXIT_USAGE 2
 
-/* Blocks the signals that end the daemon, or have it read keys and certificates again, before any
- * thread is started: they are waited for, not handled. */
+/* Blocks, before any thread starts, the signals that main waits for. */
 static void block_signals(sigset_t *awaited)
 {
     sigemptyset(awaited);
@@ -31,12 +27,11 @@ static void block_signals(sigset_t *awaited)
     sigaddset(awaited, SIGINT);
     pthread_sigmask(SIG_BLOCK, awaited, NULL);
     signal(SIGPIPE, SIG_IGN);
-    /* a limit on the size of files (RLIMIT_FSIZE) is a write that fails */
-    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* beyond RLIMIT_FSIZE a write fails */
 }
 
-/* Descriptors that are closed at the start become /dev/null: else the first file that is opened
- * would get the log. */
+/* Opens /dev/null for closed standard descriptors. Otherwise the next file would receive the log.
+ */
 static void open_standard_descriptors(void)
 {
     int descriptor;
@@ -55,62 +50,64 @@ static void wait_for_end(struct server *server, const sigset_t *awaited)
     server_log_message(SERVER_LOG_INFO, "signal", "%s", strsignal(number));
 }
 
-static void log_address(const struct server_config *config)
+static void log_start(const struct server_config *config)
 {
     char text[SERVER_ADDRESS_TEXT];
     struct server_log_line line;
     server_address_format(&config->listen, text);
-    if (!server_log_begin(&line, SERVER_LOG_INFO, "listening")) return;
-    server_log_text(&line, "address", text);
-    server_log_text(&line, "protocol", *config->tls_cert ? "https" : "http");
-    server_log_text(&line, "version", SERVER_VERSION);
-    server_log_text(&line, "cpu", gd_cpu_name());
-    server_log_end(&line);
+    if (server_log_begin(&line, SERVER_LOG_INFO, "listening")) {
+        server_log_text(&line, "address", text);
+        server_log_text(&line, "protocol", *config->tls_cert ? "https" : "http");
+        server_log_text(&line, "version", SERVER_VERSION);
+        server_log_text(&line, "cpu", gd_cpu_name());
+        server_log_end(&line);
+    }
+    if (*config->keys && !*config->tls_cert && !server_address_is_local(&config->listen))
+        server_log_message(SERVER_LOG_WARN, "keys_in_clear",
+                           "keys come unencrypted: give --tls-cert and --tls-key, or listen behind "
+                           "a proxy that speaks TLS");
 }
 
-static void warn_of_clear_keys(const struct server_config *config)
+/* Runs the command on the store that the flags ask for. False: they ask for none. */
+static bool run_store_command(const struct server_config *config, bool *is_done)
 {
-    if (!*config->keys || *config->tls_cert || server_address_is_local(&config->listen)) return;
-    server_log_message(SERVER_LOG_WARN, "keys_in_clear",
-                       "keys come unencrypted: give --tls-cert and --tls-key, or listen behind a "
-                       "proxy that speaks TLS");
+    if (config->check_store)
+        *is_done = config->store == SERVER_STORE_KIND_POSTGRES
+                       ? server_store_check_postgres(config->store_url, stdout)
+                       : server_store_check(config->data_dir, stdout);
+    else if (*config->backup)
+        *is_done = server_store_backup(config->data_dir, config->backup, stdout);
+    else if (*config->restore)
+        *is_done = server_store_restore(config->data_dir, config->restore, stdout);
+    else
+        return false;
+    return true;
 }
 
-static bool check_store(const struct server_config *config)
-{
-    if (config->store == SERVER_STORE_KIND_POSTGRES)
-        return server_store_check_postgres(config->store_url, stdout);
-    return server_store_check(config->data_dir, stdout);
-}
-
-/* Landlock's rules are for folders that exist: the data folder is made as the store would make it.
- * A failure is found again, and reported, when the store opens the folder. */
-static void make_data_folder(const struct server_config *config)
-{
-    struct server_store_files files;
-    char error[512];
-    if (config->store == SERVER_STORE_KIND_POSTGRES)
-        (void)server_disk_make_folder(config->data_dir);
-    else if (server_files_open(&files, config->data_dir, error, sizeof error))
-        server_files_close(&files);
-}
-
+/* Makes the data folder, as the store does: Landlock's rules need folders that exist. A failure is
+ * reported when the store opens the folder. */
 static struct server_sandbox enter_sandbox(const struct server_config *config)
 {
-    bool has_folder = *config->data_dir && config->store != SERVER_STORE_KIND_MEMORY;
+    bool is_shared = config->store == SERVER_STORE_KIND_POSTGRES,
+         has_folder = *config->data_dir && config->store != SERVER_STORE_KIND_MEMORY;
     const struct server_sandbox_needs needs = {
         .folder = has_folder ? config->data_dir : NULL,
         .files = {config->keys, config->tls_cert, config->tls_key},
         .address = &config->listen,
-        .database = config->store == SERVER_STORE_KIND_POSTGRES ? config->store_url : NULL,
+        .database = is_shared ? config->store_url : NULL,
         .each_port = server_postgres_each_port,
         .each_file = server_postgres_each_file};
+    struct server_store_files files;
+    char error[512];
     if (config->sandbox == SERVER_SANDBOX_OFF) return server_sandbox_enter(NULL);
-    if (has_folder) make_data_folder(config);
+    if (has_folder && is_shared)
+        (void)server_disk_make_folder(config->data_dir);
+    else if (has_folder && server_files_open(&files, config->data_dir, error, sizeof error))
+        server_files_close(&files);
     return server_sandbox_enter(&needs);
 }
 
-/* The sandbox takes the right to bind a port. */
+/* The port is bound before the sandbox forbids that. */
 static struct server *start(struct server_config *config, char *error, size_t error_size)
 {
     int listening = server_address_bind(&config->listen, error, error_size);
@@ -134,24 +131,14 @@ int main(int argc, char *argv[])
     open_standard_descriptors();
     if (argc > 1 && strcmp(argv[1], "keygen") == 0)
         return server_keygen(argc - 2, argv + 2, stdout, stderr) ? EXIT_SUCCESS : EXIT_USAGE;
-    switch (server_config_load(&config, argc, argv, stdout, stderr)) {
-    case SERVER_CONFIG_DONE:
-        return EXIT_SUCCESS;
-    case SERVER_CONFIG_WRONG:
-        return EXIT_USAGE;
-    case SERVER_CONFIG_RUN:
-        break;
-    }
+    enum server_config_outcome outcome = server_config_load(&config, argc, argv, stdout, stderr);
+    if (outcome != SERVER_CONFIG_RUN)
+        return outcome == SERVER_CONFIG_DONE ? EXIT_SUCCESS : EXIT_USAGE;
     /* files of the data folder, and copies of it, are private */
     config.listen.mode = 0777 & ~umask(077);
     server_log_set_level(config.log_level);
-    if (config.check_store) return check_store(&config) ? EXIT_SUCCESS : EXIT_FAILURE;
-    if (*config.backup)
-        return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS
-                                                                           : EXIT_FAILURE;
-    if (*config.restore)
-        return server_store_restore(config.data_dir, config.restore, stdout) ? EXIT_SUCCESS
-                                                                             : EXIT_FAILURE;
+    bool is_done;
+    if (run_store_command(&config, &is_done)) return is_done ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
     struct server *server = start(&config, error, sizeof error);
     if (!server) {
@@ -159,8 +146,7 @@ int main(int argc, char *argv[])
         server_log_stop();
         return EXIT_FAILURE;
     }
-    log_address(&server->config);
-    warn_of_clear_keys(&server->config);
+    log_start(&server->config);
     wait_for_end(server, &awaited);
     server_stop(server);
     server_log_stop();
