@@ -15,28 +15,29 @@
 #define SHARDS     16
 #define CACHE_LINE 64
 
-/* X(upper bound in seconds) of the latency histogram; one more bucket is for the rest. */
+/* Upper bounds in seconds of the latency histogram; one more bucket is for the rest. */
 static const double bounds[] = {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                 0.1,    0.25,    0.5,    1,     2.5,    5,     10,   30};
-#define BUCKETS (sizeof bounds / sizeof *bounds + 1)
-
 static const unsigned statuses[] = {200, 201, 202, 204, 304, 400, 401, 403, 404, 405, 406, 409,
                                     410, 411, 412, 413, 415, 422, 429, 500, 503, 504, 507};
-#define STATUSES (sizeof statuses / sizeof *statuses + 1) /* the last one is for any other */
 
-/* The last code, and so the number of codes. */
-#define PROBLEMS (PROTO_PROBLEM_INSUFFICIENT_STORAGE + 1)
+/* The counters of one route in one shard. */
+enum {
+    STATUSES = sizeof statuses / sizeof *statuses + 1, /* the last one is for any other */
+    FIRST_BUCKET = STATUSES,
+    BUCKETS = sizeof bounds / sizeof *bounds + 1,
+    NANOSECONDS = FIRST_BUCKET + BUCKETS,
+    COUNTERS,
+    PROBLEMS = PROTO_PROBLEM_INSUFFICIENT_STORAGE + 1 /* codes: that is the last one */
+};
 
-/* What is counted for one route by one shard. */
 struct cell {
-    atomic_uint_least64_t by_status[STATUSES];
-    atomic_uint_least64_t by_latency[BUCKETS];
-    atomic_uint_least64_t nanoseconds;
+    atomic_uint_least64_t counters[COUNTERS];
 };
 
 struct server_metrics {
     const struct proto_route *routes;
-    size_t route_count; /* cells are one more: the last is for requests that found no route */
+    size_t route_count; /* a shard has one cell more, for requests without a route */
     struct cell *shards[SHARDS];
     atomic_uint_least64_t failed_checks, searches, windows;
     atomic_uint_least64_t problems[PROBLEMS]; /* by code */
@@ -86,28 +87,17 @@ static void add(atomic_uint_least64_t *counter, uint64_t value)
     atomic_fetch_add_explicit(counter, value, memory_order_relaxed);
 }
 
-static size_t status_index(unsigned status)
-{
-    size_t index = 0;
-    while (index < STATUSES - 1 && statuses[index] != status) index++;
-    return index;
-}
-
-static size_t bucket_index(uint64_t nanoseconds)
-{
-    size_t index = 0;
-    while (index < BUCKETS - 1 && (double)nanoseconds > bounds[index] * 1e9) index++;
-    return index;
-}
-
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, uint64_t nanoseconds)
 {
-    size_t row = route ? (size_t)(route - metrics->routes) : metrics->route_count;
-    struct cell *cell = &metrics->shards[own_shard()][row];
-    add(&cell->by_status[status_index(status)], 1);
-    add(&cell->by_latency[bucket_index(nanoseconds)], 1);
-    add(&cell->nanoseconds, nanoseconds);
+    size_t row = route ? (size_t)(route - metrics->routes) : metrics->route_count, code = 0,
+           bucket = 0;
+    atomic_uint_least64_t *counters = metrics->shards[own_shard()][row].counters;
+    while (code < STATUSES - 1 && statuses[code] != status) code++;
+    while (bucket < BUCKETS - 1 && (double)nanoseconds > bounds[bucket] * 1e9) bucket++;
+    add(&counters[code], 1);
+    add(&counters[FIRST_BUCKET + bucket], 1);
+    add(&counters[NANOSECONDS], nanoseconds);
 }
 
 void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code)
@@ -134,33 +124,14 @@ void server_metrics_count_search(struct server_metrics *metrics)
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static uint64_t sum(const struct server_metrics *metrics, size_t row, size_t offset)
+static uint64_t sum(const struct server_metrics *metrics, size_t row, size_t counter)
 {
     uint64_t total = 0;
-    for (int i = 0; i < SHARDS; i++) {
-        const char *cell = (const char *)&metrics->shards[i][row];
+    for (int i = 0; i < SHARDS; i++)
         total +=
-            atomic_load_explicit((atomic_uint_least64_t *)(cell + offset), memory_order_relaxed);
-    }
+            atomic_load_explicit(&metrics->shards[i][row].counters[counter], memory_order_relaxed);
     return total;
 }
-
-static uint64_t sum_status(const struct server_metrics *metrics, size_t row, size_t status)
-{
-    return sum(metrics, row,
-               offsetof(struct cell, by_status) + status * sizeof(atomic_uint_least64_t));
-}
-
-static uint64_t sum_latency(const struct server_metrics *metrics, size_t row, size_t bucket)
-{
-    return sum(metrics, row,
-               offsetof(struct cell, by_latency) + bucket * sizeof(atomic_uint_least64_t));
-}
-
-static const char *const method_names[] = {[PROTO_METHOD_GET] = "GET",
-                                           [PROTO_METHOD_PUT] = "PUT",
-                                           [PROTO_METHOD_POST] = "POST",
-                                           [PROTO_METHOD_DELETE] = "DELETE"};
 
 void server_metrics_write_head(struct proto_writer *writer, const char *name, const char *kind,
                                const char *help)
@@ -172,9 +143,13 @@ void server_metrics_write_head(struct proto_writer *writer, const char *name, co
 static void write_labels(const struct server_metrics *metrics, size_t row,
                          struct proto_writer *writer)
 {
+    static const char *const methods[] = {[PROTO_METHOD_GET] = "GET",
+                                          [PROTO_METHOD_PUT] = "PUT",
+                                          [PROTO_METHOD_POST] = "POST",
+                                          [PROTO_METHOD_DELETE] = "DELETE"};
     bool found = row < metrics->route_count;
     proto_append_format(writer, "method=\"%s\",route=\"%s\"",
-                        found ? method_names[metrics->routes[row].method] : "",
+                        found ? methods[metrics->routes[row].method] : "",
                         found ? metrics->routes[row].path : "");
 }
 
@@ -184,7 +159,7 @@ static void write_requests(const struct server_metrics *metrics, struct proto_wr
                               "Requests answered, by route and status.");
     for (size_t row = 0; row <= metrics->route_count; row++) {
         for (size_t status = 0; status < STATUSES; status++) {
-            uint64_t count = sum_status(metrics, row, status);
+            uint64_t count = sum(metrics, row, status);
             if (!count) continue;
             proto_append_format(writer, "geodesicd_requests_total{");
             write_labels(metrics, row, writer);
@@ -195,82 +170,73 @@ static void write_requests(const struct server_metrics *metrics, struct proto_wr
     }
 }
 
-static void write_bucket(const struct server_metrics *metrics, size_t row, const char *bound,
-                         uint64_t count, struct proto_writer *writer)
-{
-    proto_append_format(writer, "geodesicd_request_seconds_bucket{");
-    write_labels(metrics, row, writer);
-    proto_append_format(writer, ",le=\"%s\"} %llu\n", bound, (unsigned long long)count);
-}
-
 static void write_histogram(const struct server_metrics *metrics, size_t row,
                             struct proto_writer *writer)
 {
-    uint64_t total = 0;
-    for (size_t bucket = 0; bucket < BUCKETS; bucket++) total += sum_latency(metrics, row, bucket);
+    uint64_t total = 0, count = 0;
+    for (size_t bucket = 0; bucket < BUCKETS; bucket++)
+        total += sum(metrics, row, FIRST_BUCKET + bucket);
     if (!total) return;
-    uint64_t count = 0;
-    for (size_t bucket = 0; bucket < BUCKETS - 1; bucket++) {
-        char bound[32];
-        snprintf(bound, sizeof bound, "%g", bounds[bucket]);
-        count += sum_latency(metrics, row, bucket);
-        write_bucket(metrics, row, bound, count, writer);
+    for (size_t bucket = 0; bucket < BUCKETS; bucket++) {
+        bool is_last = bucket == BUCKETS - 1;
+        count = is_last ? total : count + sum(metrics, row, FIRST_BUCKET + bucket);
+        proto_append_format(writer, "geodesicd_request_seconds_bucket{");
+        write_labels(metrics, row, writer);
+        if (is_last)
+            proto_append_format(writer, ",le=\"+Inf\"} ");
+        else
+            proto_append_format(writer, ",le=\"%g\"} ", bounds[bucket]);
+        proto_append_format(writer, "%llu\n", (unsigned long long)count);
     }
-    write_bucket(metrics, row, "+Inf", total, writer);
     proto_append_format(writer, "geodesicd_request_seconds_sum{");
     write_labels(metrics, row, writer);
     proto_append_format(writer, "} %.9f\ngeodesicd_request_seconds_count{",
-                        (double)sum(metrics, row, offsetof(struct cell, nanoseconds)) / 1e9);
+                        (double)sum(metrics, row, NANOSECONDS) / 1e9);
     write_labels(metrics, row, writer);
     proto_append_format(writer, "} %llu\n", (unsigned long long)total);
 }
 
-void server_metrics_write_value(struct proto_writer *writer, const char *name, const char *kind,
-                                const char *help, double value)
+void server_metrics_write_values(struct proto_writer *writer, const struct server_metric *values,
+                                 size_t count)
 {
-    server_metrics_write_head(writer, name, kind, help);
-    proto_append_format(writer, "geodesicd_%s %.17g\n", name, value);
+    for (const struct server_metric *value = values; value < values + count; value++) {
+        const char *end = strrchr(value->name, '_');
+        bool is_counter = end && strcmp(end, "_total") == 0;
+        server_metrics_write_head(writer, value->name, is_counter ? "counter" : "gauge",
+                                  value->help);
+        proto_append_format(writer, "geodesicd_%s %.17g\n", value->name, value->value);
+    }
 }
 
-static void write_problems(const struct server_metrics *metrics, struct proto_writer *writer)
+void server_metrics_write(const struct server_metrics *metrics, struct proto_writer *writer)
 {
+    const struct server_metric values[] = {
+        {"searches_total", "Searches for a pair of points without a cached field.",
+         (double)atomic_load(&metrics->searches)},
+        {"field_windows_total", "Windows propagated for fields: the engine's work.",
+         (double)atomic_load(&metrics->windows)},
+        {"uptime_seconds", "Time since the start.",
+         (double)(gd_now_ns() - metrics->started_ns) / 1e9},
+        {"failed_checks_total",
+         "Answers withheld because a self-check failed or the work ran away.",
+         (double)atomic_load(&metrics->failed_checks)},
+        {"log_lines_dropped_total", "Lines of the log that nobody read in time.",
+         (double)server_log_dropped()},
+    };
+    write_requests(metrics, writer);
+    server_metrics_write_head(writer, "request_seconds", "histogram",
+                              "Time from the request line to the answer.");
+    for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
     server_metrics_write_head(writer, "problems_total", "counter",
                               "Requests refused or failed, by the code of the problem.");
     for (int code = PROTO_PROBLEM_NONE + 1; code < PROBLEMS; code++)
         proto_append_format(writer, "geodesicd_problems_total{code=\"%s\"} %llu\n",
                             proto_problem_name(code),
                             (unsigned long long)atomic_load(&metrics->problems[code]));
-}
-
-static void write_process(const struct server_metrics *metrics, struct proto_writer *writer)
-{
     server_metrics_write_head(writer, "build_info", "gauge",
                               "The program's version and the instructions that its kernels use.");
     proto_append_format(writer,
                         "geodesicd_build_info{version=\"" SERVER_VERSION "\",cpu=\"%s\"} 1\n",
                         gd_cpu_name());
-    server_metrics_write_value(writer, "uptime_seconds", "gauge", "Time since the start.",
-                               (double)(gd_now_ns() - metrics->started_ns) / 1e9);
-    server_metrics_write_value(writer, "failed_checks_total", "counter",
-                               "Answers withheld because a self-check failed or the work ran away.",
-                               (double)atomic_load(&metrics->failed_checks));
-    server_metrics_write_value(writer, "log_lines_dropped_total", "counter",
-                               "Lines of the log that nobody read in time.",
-                               (double)server_log_dropped());
-}
-
-void server_metrics_write(const struct server_metrics *metrics, struct proto_writer *writer)
-{
-    write_requests(metrics, writer);
-    server_metrics_write_head(writer, "request_seconds", "histogram",
-                              "Time from the request line to the answer.");
-    for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
-    write_problems(metrics, writer);
-    server_metrics_write_value(writer, "searches_total", "counter",
-                               "Pairs that were searched, no field being there.",
-                               (double)atomic_load(&metrics->searches));
-    server_metrics_write_value(writer, "field_windows_total", "counter",
-                               "Windows propagated for fields: the engine's work.",
-                               (double)atomic_load(&metrics->windows));
-    write_process(metrics, writer);
+    server_metrics_write_values(writer, values, sizeof values / sizeof *values);
 }

@@ -1,7 +1,7 @@
-/* Metrics: counters of requests, and the text that Prometheus reads.
+/* Metrics: counters of requests and of the engine's work, and text for Prometheus.
  *
- * Counters are sharded: a thread counts in a shard of its own (up to SHARDS threads) with relaxed
- * atomics, so that HTTP threads don't share cache lines; reading adds the shards up. */
+ * Counters are sharded: each thread counts in its own shard with relaxed atomics, so that HTTP
+ * threads share no cache line; reading adds the shards up. Thread-safe. */
 #ifndef SERVER_HTTP_METRICS_H
 #define SERVER_HTTP_METRICS_H
 
@@ -22,11 +22,10 @@ void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, uint64_t nanoseconds);
 
-/* Counts a problem that was replied; PROTO_PROBLEM_NONE: none was. */
+/* Counts a problem that was sent; PROTO_PROBLEM_NONE: none was. */
 void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code);
 
-/* Counts what the engine answered, if that is a failed self-check, or work that ran away; true: it
- * is. */
+/* Counts an engine's status that is a failed self-check or runaway work. True: it is. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
 /* Counts the windows that a field took to build. */
@@ -38,10 +37,18 @@ void server_metrics_count_search(struct server_metrics *metrics);
 /* Appends the counters as text for Prometheus. */
 void server_metrics_write(const struct server_metrics *metrics, struct proto_writer *writer);
 
-/* Append the head of a metric `geodesicd_name`, and a metric with one value. */
+/* Appends the head of a metric `geodesicd_NAME`. */
 void server_metrics_write_head(struct proto_writer *writer, const char *name, const char *kind,
                                const char *help);
-void server_metrics_write_value(struct proto_writer *writer, const char *name, const char *kind,
-                                const char *help, double value);
+
+/* A metric with one value: a counter if its name ends in _total, else a gauge. */
+struct server_metric {
+    const char *name, *help;
+    double value;
+};
+
+/* Appends metrics with their heads. */
+void server_metrics_write_values(struct proto_writer *writer, const struct server_metric *values,
+                                 size_t count);
 
 #endif
