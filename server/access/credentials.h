@@ -26,14 +26,8 @@
 #define SERVER_CREDENTIAL_PREFIX "gdk_" /* people, and scanners for secrets, recognise it */
 #define SERVER_CREDENTIALS_MOST  10000
 
-/* X(NAME, name): an operator reads, and sees the metrics of all tenants. */
-#define SERVER_ROLES(X) X(READ, read) X(WRITE, write) X(OPERATOR, operator)
-
-enum server_role {
-#define SERVER_ROLE_ENUM(NAME, name) SERVER_ROLE_##NAME,
-    SERVER_ROLES(SERVER_ROLE_ENUM)
-#undef SERVER_ROLE_ENUM
-};
+/* An operator reads, and sees the metrics of all tenants. */
+enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE, SERVER_ROLE_OPERATOR };
 
 struct server_credential {
     char name[SERVER_CREDENTIAL_NAME];   /* [A-Za-z0-9_][A-Za-z0-9._-]* */

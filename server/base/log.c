@@ -28,6 +28,8 @@
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
+const char *const server_log_levels[] = {"debug", "info", "warn", "error", NULL};
+
 static enum server_log_level threshold = SERVER_LOG_INFO;
 
 void server_log_set_level(enum server_log_level level)
@@ -99,11 +101,6 @@ static void thousandths_print(unsigned thousandths, char out[4])
 
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event)
 {
-    static const char *const levels[] = {
-#define LEVEL_NAME(NAME, name) #name,
-        SERVER_LOG_LEVELS(LEVEL_NAME)
-#undef LEVEL_NAME
-    };
     if (level < threshold) return false;
     char thousandths[4];
     struct timespec now;
@@ -114,7 +111,7 @@ bool server_log_begin(struct server_log_line *line, enum server_log_level level,
     thousandths_print((unsigned)(now.tv_nsec / 1000000), thousandths);
     line_append(line, thousandths, sizeof thousandths);
     line_append_string(line, "Z\",\"level\":\"");
-    line_append_string(line, levels[level]);
+    line_append_string(line, server_log_levels[level]);
     line_append_string(line, "\",\"event\":\"");
     line_append_string(line, event);
     line_append_string(line, "\"");

@@ -20,14 +20,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* X(NAME, name), in the order of importance */
-#define SERVER_LOG_LEVELS(X) X(DEBUG, debug) X(INFO, info) X(WARN, warn) X(ERROR, error)
+enum server_log_level { SERVER_LOG_DEBUG, SERVER_LOG_INFO, SERVER_LOG_WARN, SERVER_LOG_ERROR };
 
-enum server_log_level {
-#define SERVER_LOG_ENUM(NAME, name) SERVER_LOG_##NAME,
-    SERVER_LOG_LEVELS(SERVER_LOG_ENUM)
-#undef SERVER_LOG_ENUM
-};
+/* "debug" and so on, by level; NULL-terminated. */
+extern const char *const server_log_levels[];
 
 #define SERVER_LOG_LINE 2048
 

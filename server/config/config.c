@@ -41,11 +41,6 @@ struct option {
     const char *help;
 };
 
-static const char *const level_words[] = {
-#define LEVEL_NAME(NAME, name) #name,
-    SERVER_LOG_LEVELS(LEVEL_NAME)
-#undef LEVEL_NAME
-        NULL};
 const char *const server_config_cpus[] = {"auto", "baseline", "avx2", "avx512", NULL};
 static const char *const sandbox_words[] = {
     [SERVER_SANDBOX_AUTO] = "auto", [SERVER_SANDBOX_OFF] = "off", NULL};
@@ -140,7 +135,8 @@ static const struct option options[] = {
      "(Landlock, seccomp); or off"},
     {"slow-ms", "MS", NUMBER(COUNT, slow_ms, 0, 86400000, "0"),
      "log requests that take so long as slow_request, with a warning; 0: none"},
-    {"log-level", "LEVEL", CHOSEN(log_level, "info", level_words), "debug, info, warn or error"},
+    {"log-level", "LEVEL", CHOSEN(log_level, "info", server_log_levels),
+     "debug, info, warn or error"},
     {"config", "FILE", WITHOUT_MEMBER(CONFIG_FILE),
      "read `name = value` lines from FILE; # begins a comment"},
     {"version", NULL, WITHOUT_MEMBER(SWITCH), "print the version and exit"},
