@@ -2,7 +2,6 @@
 #include "server/base/thread.h"
 
 #include <errno.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -51,29 +50,22 @@ struct server_thread *server_thread_start(void (*run)(void *user, struct server_
                                           void *user)
 {
     struct server_thread *thread = calloc(1, sizeof *thread);
-    pthread_condattr_t attributes;
     if (!thread) return NULL;
     thread->run = run;
     thread->user = user;
     pthread_mutex_init(&thread->lock, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC); /* that of gd_now_ns */
-    pthread_cond_init(&thread->change, &attributes);
-    pthread_condattr_destroy(&attributes);
+    pthread_cond_init(&thread->change, NULL);
     if (pthread_create(&thread->thread, NULL, thread_run, thread) == 0) return thread;
     thread_free(thread);
     return NULL;
 }
 
-/* Under the lock, which it releases meanwhile: waits for a change until a time on the clock of
- * gd_now_ns. False: the time has come. */
-static bool thread_wait(struct server_thread *thread, uint64_t until_ns)
+bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns)
 {
     const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
                                    .tv_nsec = (long)(until_ns % SECOND_NS)};
-    if (until_ns == SERVER_THREAD_FOREVER)
-        return pthread_cond_wait(&thread->change, &thread->lock) == 0;
-    return pthread_cond_timedwait(&thread->change, &thread->lock, &until) != ETIMEDOUT;
+    if (until_ns == SERVER_THREAD_FOREVER) return pthread_cond_wait(condition, lock) == 0;
+    return pthread_cond_clockwait(condition, lock, CLOCK_MONOTONIC, &until) != ETIMEDOUT;
 }
 
 static uint64_t time_after(uint64_t ns)
@@ -88,7 +80,7 @@ static bool thread_rest(struct server_thread *thread, uint64_t ns, bool ends_by_
     bool has_time = true;
     pthread_mutex_lock(&thread->lock);
     while (has_time && !thread->is_stopping && !(ends_by_wake && thread->is_woken))
-        has_time = thread_wait(thread, until_ns);
+        has_time = server_condition_wait(&thread->change, &thread->lock, until_ns);
     if (ends_by_wake) thread->is_woken = false;
     bool goes_on = !thread->is_stopping;
     pthread_mutex_unlock(&thread->lock);
@@ -115,7 +107,8 @@ bool server_thread_stop_within(struct server_thread *thread, uint64_t ns)
     uint64_t until_ns = time_after(ns);
     thread_set(thread, &thread->is_stopping);
     pthread_mutex_lock(&thread->lock);
-    while (!thread->has_ended && thread_wait(thread, until_ns)) continue;
+    while (!thread->has_ended && server_condition_wait(&thread->change, &thread->lock, until_ns))
+        continue;
     bool has_ended = thread->has_ended;
     if (!has_ended) pthread_detach(thread->thread);
     thread->is_abandoned = !has_ended;

@@ -9,6 +9,7 @@
 #ifndef SERVER_BASE_THREAD_H
 #define SERVER_BASE_THREAD_H
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -36,5 +37,9 @@ void server_thread_stop(struct server_thread *thread);
 /* The same, but waits `ns` nanoseconds at most. False: `run` has not returned; the thread is left
  * behind, and frees itself if `run` returns later. */
 bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
+
+/* Under the lock, which it releases meanwhile: waits for a signal until a time of gd_now_ns, or
+ * SERVER_THREAD_FOREVER. False: the time has come. */
+bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns);
 
 #endif
