@@ -1,6 +1,7 @@
 /* See metrics.h. */
 #include "server/http/metrics.h"
 
+#include <stdalign.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,13 +33,13 @@ enum {
 };
 
 struct cell {
-    atomic_uint_least64_t counters[COUNTERS];
+    alignas(CACHE_LINE) atomic_uint_least64_t counters[COUNTERS];
 };
 
 struct server_metrics {
     const struct proto_route *routes;
-    size_t route_count; /* a shard has one cell more, for requests without a route */
-    struct cell *shards[SHARDS];
+    size_t rows;        /* of a shard: the routes, and one for requests without a route */
+    struct cell *cells; /* SHARDS times rows */
     atomic_uint_least64_t failed_checks, searches, windows;
     atomic_uint_least64_t problems[PROBLEMS]; /* by code */
     uint64_t started_ns;
@@ -47,27 +48,22 @@ struct server_metrics {
 struct server_metrics *server_metrics_create(const struct proto_route *routes, size_t route_count)
 {
     struct server_metrics *metrics = calloc(1, sizeof *metrics);
-    if (!metrics) return NULL;
-    metrics->routes = routes;
-    metrics->route_count = route_count;
-    metrics->started_ns = gd_now_ns();
-    size_t bytes = (route_count + 1) * sizeof(struct cell);
-    bytes = (bytes + CACHE_LINE - 1) / CACHE_LINE * CACHE_LINE;
-    for (int i = 0; i < SHARDS; i++) {
-        metrics->shards[i] = aligned_alloc(CACHE_LINE, bytes);
-        if (!metrics->shards[i]) {
-            server_metrics_destroy(metrics);
-            return NULL;
-        }
-        memset(metrics->shards[i], 0, bytes);
+    const size_t bytes = SHARDS * (route_count + 1) * sizeof *metrics->cells;
+    if (metrics) metrics->cells = aligned_alloc(CACHE_LINE, bytes);
+    if (!metrics || !metrics->cells) {
+        free(metrics);
+        return NULL;
     }
+    memset(metrics->cells, 0, bytes);
+    metrics->routes = routes;
+    metrics->rows = route_count + 1;
+    metrics->started_ns = gd_now_ns();
     return metrics;
 }
 
 void server_metrics_destroy(struct server_metrics *metrics)
 {
-    if (!metrics) return;
-    for (int i = 0; i < SHARDS; i++) free(metrics->shards[i]);
+    if (metrics) free(metrics->cells);
     free(metrics);
 }
 
@@ -90,9 +86,9 @@ static void add(atomic_uint_least64_t *counter, uint64_t value)
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, uint64_t nanoseconds)
 {
-    size_t row = route ? (size_t)(route - metrics->routes) : metrics->route_count, code = 0,
+    size_t row = route ? (size_t)(route - metrics->routes) : metrics->rows - 1, code = 0,
            bucket = 0;
-    atomic_uint_least64_t *counters = metrics->shards[own_shard()][row].counters;
+    atomic_uint_least64_t *counters = metrics->cells[own_shard() * metrics->rows + row].counters;
     while (code < STATUSES - 1 && statuses[code] != status) code++;
     while (bucket < BUCKETS - 1 && (double)nanoseconds > bounds[bucket] * 1e9) bucket++;
     add(&counters[code], 1);
@@ -127,9 +123,9 @@ void server_metrics_count_search(struct server_metrics *metrics)
 static uint64_t sum(const struct server_metrics *metrics, size_t row, size_t counter)
 {
     uint64_t total = 0;
-    for (int i = 0; i < SHARDS; i++)
-        total +=
-            atomic_load_explicit(&metrics->shards[i][row].counters[counter], memory_order_relaxed);
+    for (size_t i = 0; i < SHARDS; i++)
+        total += atomic_load_explicit(&metrics->cells[i * metrics->rows + row].counters[counter],
+                                      memory_order_relaxed);
     return total;
 }
 
@@ -147,7 +143,7 @@ static void write_labels(const struct server_metrics *metrics, size_t row,
                                           [PROTO_METHOD_PUT] = "PUT",
                                           [PROTO_METHOD_POST] = "POST",
                                           [PROTO_METHOD_DELETE] = "DELETE"};
-    bool found = row < metrics->route_count;
+    bool found = row < metrics->rows - 1;
     proto_append_format(writer, "method=\"%s\",route=\"%s\"",
                         found ? methods[metrics->routes[row].method] : "",
                         found ? metrics->routes[row].path : "");
@@ -157,7 +153,7 @@ static void write_requests(const struct server_metrics *metrics, struct proto_wr
 {
     server_metrics_write_head(writer, "requests_total", "counter",
                               "Requests answered, by route and status.");
-    for (size_t row = 0; row <= metrics->route_count; row++) {
+    for (size_t row = 0; row < metrics->rows; row++) {
         for (size_t status = 0; status < STATUSES; status++) {
             uint64_t count = sum(metrics, row, status);
             if (!count) continue;
@@ -226,7 +222,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct proto_wri
     write_requests(metrics, writer);
     server_metrics_write_head(writer, "request_seconds", "histogram",
                               "Time from the request line to the answer.");
-    for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
+    for (size_t row = 0; row < metrics->rows; row++) write_histogram(metrics, row, writer);
     server_metrics_write_head(writer, "problems_total", "counter",
                               "Requests refused or failed, by the code of the problem.");
     for (int code = PROTO_PROBLEM_NONE + 1; code < PROBLEMS; code++)
