@@ -108,7 +108,7 @@ static struct server_sandbox enter_sandbox(const struct server_config *config)
 }
 
 /* The port is bound before the sandbox forbids that. */
-static struct server *start(struct server_config *config, char *error, size_t error_size)
+static struct server *daemon_start(struct server_config *config, char *error, size_t error_size)
 {
     int listening = server_address_bind(&config->listen, error, error_size);
     if (listening < 0) return NULL;
@@ -140,7 +140,7 @@ int main(int argc, char *argv[])
     bool is_done;
     if (run_store_command(&config, &is_done)) return is_done ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
-    struct server *server = start(&config, error, sizeof error);
+    struct server *server = daemon_start(&config, error, sizeof error);
     if (!server) {
         server_log_message(SERVER_LOG_ERROR, "start_failed", "%s", error);
         server_log_stop();

@@ -78,8 +78,8 @@ struct reader {
     size_t error_size;
 };
 
-__attribute__((format(printf, 2, 3))) static bool complain(const struct reader *reader,
-                                                           const char *format, ...)
+__attribute__((format(printf, 2, 3))) static bool reader_complain(const struct reader *reader,
+                                                                  const char *format, ...)
 {
     int size = snprintf(reader->error, reader->error_size, "%s:%u: ", reader->path, reader->line);
     va_list arguments;
@@ -95,31 +95,32 @@ static bool setting_read(const struct reader *reader, char *word, struct server_
 {
     char *value = strchr(word, '=');
     if (!value)
-        return complain(
+        return reader_complain(
             reader,
             "'%s' is no setting; write role=, tenant=, expires=, rate= or concurrent=", word);
     *value++ = '\0';
     if (strcmp(word, "role") == 0)
         return server_credentials_parse_role(value, &key->role) ||
-               complain(reader, "a role is read, write or operator");
+               reader_complain(reader, "a role is read, write or operator");
     if (strcmp(word, "tenant") == 0) {
         if (*value && !server_credentials_is_name(value))
-            return complain(reader, "a tenant has the form of a name");
+            return reader_complain(reader, "a tenant has the form of a name");
         strcpy(key->tenant, value);
         return true;
     }
     if (strcmp(word, "expires") == 0)
         return server_credentials_parse_time(value, &key->expires) ||
-               complain(reader, "'%s' is no time; write 2027-01-31 or 2027-01-31T12:00:00Z", value);
+               reader_complain(reader, "'%s' is no time; write 2027-01-31 or 2027-01-31T12:00:00Z",
+                               value);
     if (strcmp(word, "rate") == 0)
         return count_parse(value, SERVER_LIMITS_RATE_MOST, &key->limits.rate) ||
-               complain(reader, "rate is a number of requests a second, 1 to %u",
-                        SERVER_LIMITS_RATE_MOST);
+               reader_complain(reader, "rate is a number of requests a second, 1 to %u",
+                               SERVER_LIMITS_RATE_MOST);
     if (strcmp(word, "concurrent") == 0)
         return count_parse(value, SERVER_LIMITS_CONCURRENT_MOST, &key->limits.concurrent) ||
-               complain(reader, "concurrent is a number of requests at once, 1 to %u",
-                        SERVER_LIMITS_CONCURRENT_MOST);
-    return complain(
+               reader_complain(reader, "concurrent is a number of requests at once, 1 to %u",
+                               SERVER_LIMITS_CONCURRENT_MOST);
+    return reader_complain(
         reader, "there is no setting '%s'; write role, tenant, expires, rate or concurrent", word);
 }
 
@@ -128,13 +129,13 @@ static bool key_read(const struct reader *reader, char *line, struct server_cred
 {
     char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
     if (!server_credentials_is_name(name))
-        return complain(reader,
-                        "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
-                        SERVER_CREDENTIAL_NAME - 1);
+        return reader_complain(
+            reader, "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
+            SERVER_CREDENTIAL_NAME - 1);
     strcpy(out->name, name);
     strcpy(out->tenant, name);
     if (!digest || !digest_parse(digest, out->sha256))
-        return complain(
+        return reader_complain(
             reader,
             "after the name stands sha256: with 64 hexadecimal digits, as geodesicd keygen prints");
     for (char *word; (word = strtok_r(NULL, BLANKS, &rest));)
@@ -160,20 +161,20 @@ static bool key_add(const struct reader *reader, struct server_credentials *keys
     struct server_quota *quota = NULL;
     for (uint32_t i = 0; i < keys->count; i++) {
         if (strcmp(keys->keys[i].name, key->name) == 0)
-            return complain(reader, "the name '%s' stands twice", key->name);
+            return reader_complain(reader, "the name '%s' stands twice", key->name);
         if (strcmp(keys->keys[i].sha256, key->sha256) == 0)
-            return complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name,
-                            key->name);
+            return reader_complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name,
+                                   key->name);
     }
     if (keys->count == SERVER_CREDENTIALS_MOST)
-        return complain(reader, "there are more than %d keys", SERVER_CREDENTIALS_MOST);
+        return reader_complain(reader, "there are more than %d keys", SERVER_CREDENTIALS_MOST);
     for (uint32_t i = 0; before && !quota && i < before->count; i++)
         if (strcmp(before->keys[i].name, key->name) == 0)
             quota = server_quota_retain(before->keys[i].quota);
     if (!quota) quota = server_quota_create();
     if (!quota || !keys_reserve(keys)) {
         server_quota_release(quota);
-        return complain(reader, "the system is out of memory");
+        return reader_complain(reader, "the system is out of memory");
     }
     keys->keys[keys->count] = *key;
     keys->keys[keys->count++].quota = quota;
@@ -187,13 +188,15 @@ static bool keys_read(struct reader *reader, FILE *file, struct server_credentia
     while (fgets(line, sizeof line, file)) {
         struct server_credential key = {.role = SERVER_ROLE_READ};
         reader->line++;
-        if (!strchr(line, '\n') && !feof(file)) return complain(reader, "the line is too long");
+        if (!strchr(line, '\n') && !feof(file))
+            return reader_complain(reader, "the line is too long");
         line[strcspn(line, "#")] = '\0';
         if (!line[strspn(line, BLANKS)]) continue;
         if (!key_read(reader, line, &key) || !key_add(reader, keys, &key, before)) return false;
     }
-    if (ferror(file)) return complain(reader, "it can't be read: %s", strerror(errno));
-    return keys->count > 0 || complain(reader, "the file holds no key; geodesicd keygen makes one");
+    if (ferror(file)) return reader_complain(reader, "it can't be read: %s", strerror(errno));
+    return keys->count > 0 ||
+           reader_complain(reader, "the file holds no key; geodesicd keygen makes one");
 }
 
 struct server_credentials *server_credentials_load(const char *path,

@@ -19,7 +19,7 @@ static const char usage[] =
     "usage: geodesicd keygen NAME [--role read|write|operator] [--tenant NAME] "
     "[--expires 2027-01-31|90d] [--rate N] [--concurrent N]\n";
 
-static bool complain(FILE *error, const char *sentence)
+static bool keygen_complain(FILE *error, const char *sentence)
 {
     fprintf(error, "geodesicd keygen: %s\n%s", sentence, usage);
     return false;
@@ -50,17 +50,18 @@ static bool values_check(const char *values[FLAGS], char expires[EXPIRY_TEXT], F
 {
     enum server_role role;
     if (!server_credentials_parse_role(values[ROLE], &role))
-        return complain(error,
-                        "a role is read, write or operator, which sees the metrics of all tenants");
+        return keygen_complain(
+            error, "a role is read, write or operator, which sees the metrics of all tenants");
     if (values[TENANT] && *values[TENANT] && !server_credentials_is_name(values[TENANT]))
-        return complain(error, "a tenant has the form of a name");
+        return keygen_complain(error, "a tenant has the form of a name");
     if (values[EXPIRES] && !expiry_read(values[EXPIRES], expires))
-        return complain(error, "--expires takes a time, as 2027-01-31 or 2027-01-31T12:00:00Z, or "
+        return keygen_complain(error,
+                               "--expires takes a time, as 2027-01-31 or 2027-01-31T12:00:00Z, or "
                                "days, as 90d");
     if (values[EXPIRES]) values[EXPIRES] = expires;
     for (int flag = RATE; flag <= CONCURRENT; flag++)
         if (values[flag] && !is_count(values[flag]))
-            return complain(error, "--rate and --concurrent take a number, 1 to 999999");
+            return keygen_complain(error, "--rate and --concurrent take a number, 1 to 999999");
     return true;
 }
 
@@ -72,9 +73,9 @@ static bool flags_read(int argc, char *const argv[], const char *values[FLAGS], 
                (strncmp(argv[at], "--", 2) != 0 || strcmp(argv[at] + 2, flags[flag]) != 0))
             flag++;
         if (flag == FLAGS)
-            return complain(error,
-                            "flags are --role, --tenant, --expires, --rate and --concurrent");
-        if (at + 1 == argc) return complain(error, "the last flag has no value");
+            return keygen_complain(
+                error, "flags are --role, --tenant, --expires, --rate and --concurrent");
+        if (at + 1 == argc) return keygen_complain(error, "the last flag has no value");
         values[flag] = argv[at + 1];
     }
     return true;
@@ -101,13 +102,13 @@ bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error)
         key[sizeof SERVER_CREDENTIAL_PREFIX + TEXT_BYTES] = SERVER_CREDENTIAL_PREFIX;
     if (argc == 1 && strcmp(argv[0], "--help") == 0) return fputs(usage, out) >= 0;
     if (argc < 1 || !server_credentials_is_name(argv[0]))
-        return complain(
+        return keygen_complain(
             error,
             "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
     if (!flags_read(argc, argv, values, error) || !values_check(values, expires, error))
         return false;
     if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes)
-        return complain(error, "the system gives no random numbers");
+        return keygen_complain(error, "the system gives no random numbers");
     key_encode(bytes, key + strlen(SERVER_CREDENTIAL_PREFIX));
     server_sha256(key, strlen(key), sha256);
     fputs("The key, which is shown only now, and the line for the file that --keys names:\n",

@@ -191,8 +191,8 @@ struct loader {
 };
 
 /* Prints a sentence after the value's origin. Returns false. */
-__attribute__((format(printf, 2, 3))) static bool complain(const struct loader *loader,
-                                                           const char *format, ...)
+__attribute__((format(printf, 2, 3))) static bool loader_complain(const struct loader *loader,
+                                                                  const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -233,13 +233,13 @@ static bool number_set(const struct loader *loader, const struct option *option,
     uint64_t number;
     const char *rest;
     if (option->kind == BYTES && !bytes_parse(value, &number))
-        return complain(loader, "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB",
-                        value);
+        return loader_complain(
+            loader, "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB", value);
     if (option->kind == COUNT && (!count_parse(value, &number, &rest) || *rest))
-        return complain(loader, "'%s' is no whole number", value);
+        return loader_complain(loader, "'%s' is no whole number", value);
     if (number < option->least || number > option->most)
-        return complain(loader, "%s is outside %llu to %llu", value,
-                        (unsigned long long)option->least, (unsigned long long)option->most);
+        return loader_complain(loader, "%s is outside %llu to %llu", value,
+                               (unsigned long long)option->least, (unsigned long long)option->most);
     *member = number;
     return true;
 }
@@ -260,18 +260,19 @@ static bool names_add(const struct loader *loader, const struct option *option, 
     char list[TEXT_LIMIT], *rest;
     snprintf(list, sizeof list, "%s", value);
     for (char *name = strtok_r(list, ", ", &rest); name; name = strtok_r(NULL, ", ", &rest)) {
-        if (strlen(name) >= SERVER_CONFIG_NAME) return complain(loader, "'%s' is too long", name);
+        if (strlen(name) >= SERVER_CONFIG_NAME)
+            return loader_complain(loader, "'%s' is too long", name);
         if (option->kind == ORIGIN && !is_origin(name))
-            return complain(loader,
-                            "'%s' is no origin; write scheme, host and port as in "
-                            "https://maps.example:8443",
-                            name);
+            return loader_complain(loader,
+                                   "'%s' is no origin; write scheme, host and port as in "
+                                   "https://maps.example:8443",
+                                   name);
         if (option->kind == HOST && strpbrk(name, "/\t"))
-            return complain(loader,
-                            "'%s' is no host name; write it as in a URL, without scheme and path",
-                            name);
+            return loader_complain(
+                loader, "'%s' is no host name; write it as in a URL, without scheme and path",
+                name);
         if (member->count == SERVER_CONFIG_NAMES)
-            return complain(loader, "at most %d can be listed", SERVER_CONFIG_NAMES);
+            return loader_complain(loader, "at most %d can be listed", SERVER_CONFIG_NAMES);
         strcpy(member->name[member->count++], name);
     }
     return true;
@@ -289,13 +290,13 @@ static bool choice_set(const struct loader *loader, const struct option *option,
         const char *before = i == 0 ? "" : option->words[i + 1] ? ", " : " or ";
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", before, option->words[i]);
     }
-    return complain(loader, "'%s' is none of the choices; write %s", value, list);
+    return loader_complain(loader, "'%s' is none of the choices; write %s", value, list);
 }
 
 static bool path_set(const struct loader *loader, const char *value, char *member)
 {
     if (!*value || strlen(value) >= SERVER_CONFIG_PATH)
-        return complain(loader, "a path has 1 to %d bytes", SERVER_CONFIG_PATH - 1);
+        return loader_complain(loader, "a path has 1 to %d bytes", SERVER_CONFIG_PATH - 1);
     strcpy(member, value);
     for (size_t size = strlen(member); size > 1 && member[size - 1] == '/'; size--)
         member[size - 1] = '\0';
@@ -309,10 +310,10 @@ static bool store_set(const struct loader *loader, const char *value)
     bool is_url =
         strncmp(value, "postgresql://", 13) == 0 || strncmp(value, "postgres://", 11) == 0;
     if (strlen(value) >= sizeof config->store_url)
-        return complain(loader, "the address is too long");
+        return loader_complain(loader, "the address is too long");
     if (!is_url && strcmp(value, "local") != 0 && strcmp(value, "memory") != 0)
-        return complain(loader,
-                        "write local, memory, or an address postgresql://user@host/database");
+        return loader_complain(
+            loader, "write local, memory, or an address postgresql://user@host/database");
     config->store = is_url          ? SERVER_STORE_KIND_POSTGRES
                     : *value == 'l' ? SERVER_STORE_KIND_LOCAL
                                     : SERVER_STORE_KIND_MEMORY;
@@ -331,7 +332,7 @@ static bool option_set(const struct loader *loader, const struct option *option,
         return number_set(loader, option, value, member);
     case ADDRESS:
         return server_address_parse(value, member, sentence, sizeof sentence) ||
-               complain(loader, "%s", sentence);
+               loader_complain(loader, "%s", sentence);
     case HOST:
     case ORIGIN:
         return names_add(loader, option, value, member);
@@ -344,7 +345,7 @@ static bool option_set(const struct loader *loader, const struct option *option,
     case BOOLEAN:
         *(bool *)member = strcmp(value, "true") == 0;
         return *(bool *)member || strcmp(value, "false") == 0 ||
-               complain(loader, "write true or false");
+               loader_complain(loader, "write true or false");
     case CONFIG_FILE:
     case SWITCH:
         break;
@@ -380,13 +381,13 @@ static bool load_line(struct loader *loader, char *line)
     char *name = text_trim(line);
     if (!*name) return true;
     char *equals = strchr(name, '=');
-    if (!equals) return complain(loader, "write `name = value`");
+    if (!equals) return loader_complain(loader, "write `name = value`");
     *equals = '\0';
     name = text_trim(name);
     const struct option *option = option_find(name, strlen(name));
     if (!option || option->kind == SWITCH || option->kind == CONFIG_FILE)
-        return complain(loader, "there is no setting '%s'; did you mean '%s'?", name,
-                        name_nearest(name, strlen(name)));
+        return loader_complain(loader, "there is no setting '%s'; did you mean '%s'?", name,
+                               name_nearest(name, strlen(name)));
     return option_set(loader, option, text_trim(equals + 1));
 }
 
@@ -395,7 +396,7 @@ static bool load_file(struct loader *loader, const char *path)
     int descriptor = server_disk_open(path);
     FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
     snprintf(loader->origin, sizeof loader->origin, "--config");
-    if (!file) return complain(loader, "can't read '%s': %s", path, server_disk_why());
+    if (!file) return loader_complain(loader, "can't read '%s': %s", path, server_disk_why());
     char line[1024];
     bool ok = true;
     for (unsigned number = 1; ok && fgets(line, sizeof line, file); number++) {
@@ -435,21 +436,22 @@ static bool flag_read(struct loader *loader, char *const argv[], int *at, struct
 {
     const char *text = argv[(*at)++];
     snprintf(loader->origin, sizeof loader->origin, "%s", text);
-    if (strncmp(text, "--", 2) != 0) return complain(loader, "flags begin with --; try --help");
+    if (strncmp(text, "--", 2) != 0)
+        return loader_complain(loader, "flags begin with --; try --help");
     size_t size = strcspn(text + 2, "=");
     out->option = option_find(text + 2, size);
     if (!out->option)
-        return complain(loader, "there is no such flag; did you mean --%s?",
-                        name_nearest(text + 2, size));
+        return loader_complain(loader, "there is no such flag; did you mean --%s?",
+                               name_nearest(text + 2, size));
     out->value = text[2 + size] ? text + 3 + size : NULL;
     if (out->option->kind == SWITCH)
-        return !out->value || complain(loader, "this flag takes no value");
+        return !out->value || loader_complain(loader, "this flag takes no value");
     if (out->value) return true;
     if (out->option->kind == BOOLEAN)
         out->value = "true";
     else if (argv[*at])
         out->value = argv[(*at)++];
-    return out->value || complain(loader, "a value is missing: %s", out->option->argument);
+    return out->value || loader_complain(loader, "a value is missing: %s", out->option->argument);
 }
 
 static bool load_flags(struct loader *loader, int argc, char *const argv[])
@@ -482,8 +484,8 @@ static void print_help(FILE *out)
 }
 
 /* Looks for --help and --version, which win over everything, and for the file to read. */
-static enum server_config_outcome look_ahead(struct loader *loader, int argc, char *const argv[],
-                                             FILE *out, const char **file)
+static enum server_config_outcome flags_look_ahead(struct loader *loader, int argc,
+                                                   char *const argv[], FILE *out, const char **file)
 {
     char name[TEXT_LIMIT];
     struct flag flag;
@@ -518,47 +520,50 @@ static bool find_data_dir(struct server_config *config)
 }
 
 /* Complains under the name of a flag. */
-static bool complain_of(struct loader *loader, const char *flag, const char *sentence)
+static bool loader_complain_of(struct loader *loader, const char *flag, const char *sentence)
 {
     snprintf(loader->origin, sizeof loader->origin, "%s", flag);
-    return complain(loader, "%s", sentence);
+    return loader_complain(loader, "%s", sentence);
 }
 
-static bool validate(struct loader *loader)
+static bool config_validate(struct loader *loader)
 {
     struct server_config *config = loader->config;
     bool copies = *config->backup || *config->restore;
     if (config->store == SERVER_STORE_KIND_LOCAL && !*config->data_dir && !find_data_dir(config))
-        return complain_of(
+        return loader_complain_of(
             loader, "--data-dir",
             "there is no home folder to keep meshes in: name a folder, or use --store memory");
     if (config->store == SERVER_STORE_KIND_POSTGRES && copies)
-        return complain_of(loader, "--store",
-                           "a database is copied by its own means (pg_dump): leave out --backup "
-                           "and --restore");
+        return loader_complain_of(
+            loader, "--store",
+            "a database is copied by its own means (pg_dump): leave out --backup "
+            "and --restore");
     if (config->store == SERVER_STORE_KIND_POSTGRES && config->persist_fields && !*config->data_dir)
-        return complain_of(loader, "--store",
-                           "--persist-fields wants a folder beside the database: give --data-dir");
+        return loader_complain_of(
+            loader, "--store",
+            "--persist-fields wants a folder beside the database: give --data-dir");
     if (config->store == SERVER_STORE_KIND_MEMORY &&
         (config->persist_fields || config->check_store || copies))
-        return complain_of(loader, "--store",
-                           "a store in memory keeps nothing: leave out --persist-fields, "
-                           "--check-store, --backup and --restore");
+        return loader_complain_of(loader, "--store",
+                                  "a store in memory keeps nothing: leave out --persist-fields, "
+                                  "--check-store, --backup and --restore");
     if (!*config->tls_cert != !*config->tls_key)
-        return complain_of(loader, "--tls-cert",
-                           "--tls-cert and --tls-key belong together: give both or none");
+        return loader_complain_of(loader, "--tls-cert",
+                                  "--tls-cert and --tls-key belong together: give both or none");
     if (!*config->keys && !server_address_is_local(&config->listen)) {
         char address[SERVER_ADDRESS_TEXT];
         server_address_format(&config->listen, address);
         snprintf(loader->origin, sizeof loader->origin, "--listen");
-        return complain(loader,
-                        "refusing to listen on %s: without keys everyone who reaches the address "
-                        "could read and delete every mesh; give --keys, or listen on a loopback "
-                        "address or a unix socket",
-                        address);
+        return loader_complain(
+            loader,
+            "refusing to listen on %s: without keys everyone who reaches the address "
+            "could read and delete every mesh; give --keys, or listen on a loopback "
+            "address or a unix socket",
+            address);
     }
     return config->max_body <= config->memory_budget ||
-           complain_of(loader, "--max-body", "it can't be larger than --memory-budget");
+           loader_complain_of(loader, "--max-body", "it can't be larger than --memory-budget");
 }
 
 enum server_config_outcome server_config_load(struct server_config *config, int argc,
@@ -567,9 +572,10 @@ enum server_config_outcome server_config_load(struct server_config *config, int 
     struct loader loader = {.config = config, .error = error};
     const char *file;
     *config = (struct server_config){0};
-    enum server_config_outcome outcome = look_ahead(&loader, argc, argv, out, &file);
+    enum server_config_outcome outcome = flags_look_ahead(&loader, argc, argv, out, &file);
     if (outcome != SERVER_CONFIG_RUN) return outcome;
     bool ok = load_defaults(&loader) && (!file || load_file(&loader, file)) &&
-              load_environment(&loader) && load_flags(&loader, argc, argv) && validate(&loader);
+              load_environment(&loader) && load_flags(&loader, argc, argv) &&
+              config_validate(&loader);
     return ok ? SERVER_CONFIG_RUN : SERVER_CONFIG_WRONG;
 }

@@ -78,7 +78,7 @@ static unsigned own_shard(void)
     return shard;
 }
 
-static void add(atomic_uint_least64_t *counter, uint64_t value)
+static void counter_add(atomic_uint_least64_t *counter, uint64_t value)
 {
     atomic_fetch_add_explicit(counter, value, memory_order_relaxed);
 }
@@ -91,36 +91,36 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
     atomic_uint_least64_t *counters = metrics->cells[own_shard() * metrics->rows + row].counters;
     while (code < STATUSES - 1 && statuses[code] != status) code++;
     while (bucket < BUCKETS - 1 && (double)nanoseconds > bounds[bucket] * 1e9) bucket++;
-    add(&counters[code], 1);
-    add(&counters[FIRST_BUCKET + bucket], 1);
-    add(&counters[NANOSECONDS], nanoseconds);
+    counter_add(&counters[code], 1);
+    counter_add(&counters[FIRST_BUCKET + bucket], 1);
+    counter_add(&counters[NANOSECONDS], nanoseconds);
 }
 
 void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code)
 {
-    if (code != PROTO_PROBLEM_NONE) add(&metrics->problems[code], 1);
+    if (code != PROTO_PROBLEM_NONE) counter_add(&metrics->problems[code], 1);
 }
 
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status)
 {
     bool has_failed = status == GD_INTERNAL || status == GD_RUNAWAY;
-    if (has_failed) add(&metrics->failed_checks, 1);
+    if (has_failed) counter_add(&metrics->failed_checks, 1);
     return has_failed;
 }
 
 void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows)
 {
-    add(&metrics->windows, windows);
+    counter_add(&metrics->windows, windows);
 }
 
 void server_metrics_count_search(struct server_metrics *metrics)
 {
-    add(&metrics->searches, 1);
+    counter_add(&metrics->searches, 1);
 }
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static uint64_t sum(const struct server_metrics *metrics, size_t row, size_t counter)
+static uint64_t counter_sum(const struct server_metrics *metrics, size_t row, size_t counter)
 {
     uint64_t total = 0;
     for (size_t i = 0; i < SHARDS; i++)
@@ -155,7 +155,7 @@ static void write_requests(const struct server_metrics *metrics, struct proto_wr
                               "Requests answered, by route and status.");
     for (size_t row = 0; row < metrics->rows; row++) {
         for (size_t status = 0; status < STATUSES; status++) {
-            uint64_t count = sum(metrics, row, status);
+            uint64_t count = counter_sum(metrics, row, status);
             if (!count) continue;
             proto_append_format(writer, "geodesicd_requests_total{");
             write_labels(metrics, row, writer);
@@ -171,11 +171,11 @@ static void write_histogram(const struct server_metrics *metrics, size_t row,
 {
     uint64_t total = 0, count = 0;
     for (size_t bucket = 0; bucket < BUCKETS; bucket++)
-        total += sum(metrics, row, FIRST_BUCKET + bucket);
+        total += counter_sum(metrics, row, FIRST_BUCKET + bucket);
     if (!total) return;
     for (size_t bucket = 0; bucket < BUCKETS; bucket++) {
         bool is_last = bucket == BUCKETS - 1;
-        count = is_last ? total : count + sum(metrics, row, FIRST_BUCKET + bucket);
+        count = is_last ? total : count + counter_sum(metrics, row, FIRST_BUCKET + bucket);
         proto_append_format(writer, "geodesicd_request_seconds_bucket{");
         write_labels(metrics, row, writer);
         if (is_last)
@@ -187,7 +187,7 @@ static void write_histogram(const struct server_metrics *metrics, size_t row,
     proto_append_format(writer, "geodesicd_request_seconds_sum{");
     write_labels(metrics, row, writer);
     proto_append_format(writer, "} %.9f\ngeodesicd_request_seconds_count{",
-                        (double)sum(metrics, row, NANOSECONDS) / 1e9);
+                        (double)counter_sum(metrics, row, NANOSECONDS) / 1e9);
     write_labels(metrics, row, writer);
     proto_append_format(writer, "} %llu\n", (unsigned long long)total);
 }
