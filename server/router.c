@@ -5,6 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "server/access/guard.h"
 #include "server/http/framing.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
@@ -60,15 +61,15 @@ static void identify(struct server_exchange *exchange)
 
 static bool admit(struct server_exchange *exchange, struct proto_problem *problem)
 {
-    const struct server_guard *guard = exchange->host->api->guard;
+    const struct server_config *config = exchange->host->api->config;
     const struct server_guard_request request = {
         .host = server_exchange_header(exchange, "Host"),
         .origin = server_exchange_header(exchange, "Origin"),
         .fetch_site = server_exchange_header(exchange, "Sec-Fetch-Site"),
         .is_http10 = exchange->is_http10,
     };
-    if (!server_guard_admit(guard, &request, problem)) return false;
-    if (server_guard_lists(guard, request.origin)) exchange->cors_origin = request.origin;
+    if (!server_guard_admit(config, &request, problem)) return false;
+    if (server_guard_lists(config, request.origin)) exchange->cors_origin = request.origin;
     return true;
 }
 

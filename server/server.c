@@ -150,7 +150,6 @@ void server_connect(struct server *server)
     };
     server->api = (struct server_api){
         .config = config,
-        .guard = &server->guard,
         .access = server->access,
         .registry = server->registry,
         .cache = server->cache,
@@ -168,7 +167,6 @@ void server_connect(struct server *server)
 static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
-    server->guard.config = config;
     server_budget_init(&server->budget, config->memory_budget);
     if (config->max_answer < server->budget.largest_answer)
         server->budget.largest_answer = config->max_answer;

@@ -24,7 +24,6 @@
 #include "server/config/config.h"
 #include "server/query/api.h"
 #include "server/surfaces/discretizations.h"
-#include "server/access/guard.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/pending_loads.h"
 #include "server/http/metrics.h"
@@ -48,7 +47,6 @@ struct server {
     struct server_host host; /* what requests use */
     struct server_api api;   /* what their handlers use besides */
     struct server_config config;
-    struct server_guard guard;
     struct server_access *access; /* NULL: there are no keys */
     struct server_tls *tls;       /* NULL: HTTP without it */
     struct server_budget budget;

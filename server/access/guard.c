@@ -31,21 +31,21 @@ static bool host_is_allowed(const struct server_config *config, const char *text
     return list_has(&config->allowed_hosts, host);
 }
 
-bool server_guard_lists(const struct server_guard *guard, const char *origin)
+bool server_guard_lists(const struct server_config *config, const char *origin)
 {
-    return origin && list_has(&guard->config->cors_origins, origin);
+    return origin && list_has(&config->cors_origins, origin);
 }
 
-bool server_guard_admit(const struct server_guard *guard,
+bool server_guard_admit(const struct server_config *config,
                         const struct server_guard_request *request, struct proto_problem *problem)
 {
     if (!request->host && !request->is_http10)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "send a Host header");
-    if (request->host && !host_is_allowed(guard->config, request->host))
+    if (request->host && !host_is_allowed(config, request->host))
         return proto_problem_set(
             problem, PROTO_PROBLEM_FORBIDDEN,
             "the Host header names neither this machine nor a host that --allowed-host lists");
-    if (server_guard_lists(guard, request->origin)) return true;
+    if (server_guard_lists(config, request->origin)) return true;
     /* the origin of an own page names the host and port that the request is sent to */
     const char *authority = request->origin ? strstr(request->origin, "://") : NULL;
     if (request->origin &&
@@ -53,8 +53,7 @@ bool server_guard_admit(const struct server_guard *guard,
         return proto_problem_set(
             problem, PROTO_PROBLEM_FORBIDDEN,
             "pages of another origin can't use this service unless --cors-origin lists it");
-    if (!*guard->config->keys && request->fetch_site &&
-        strcasecmp(request->fetch_site, "cross-site") == 0)
+    if (!*config->keys && request->fetch_site && strcasecmp(request->fetch_site, "cross-site") == 0)
         return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
                                  "pages of another site can't use this service");
     return true;

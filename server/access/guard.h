@@ -11,10 +11,6 @@
 #include "proto/problem.h"
 #include "server/config/config.h"
 
-struct server_guard {
-    const struct server_config *config; /* borrowed */
-};
-
 /* Headers; NULL where absent. */
 struct server_guard_request {
     const char *host, *origin, *fetch_site;
@@ -22,10 +18,10 @@ struct server_guard_request {
 };
 
 /* Whether --cors-origin lists the origin. NULL: false. Thread-safe. */
-bool server_guard_lists(const struct server_guard *guard, const char *origin);
+bool server_guard_lists(const struct server_config *config, const char *origin);
 
 /* False with forbidden, or with invalid_request when HTTP/1.1 names no host. Thread-safe. */
-bool server_guard_admit(const struct server_guard *guard,
+bool server_guard_admit(const struct server_config *config,
                         const struct server_guard_request *request, struct proto_problem *problem);
 
 #endif

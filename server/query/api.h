@@ -3,7 +3,6 @@
 #ifndef SERVER_QUERY_API_H
 #define SERVER_QUERY_API_H
 
-#include "server/access/guard.h"
 #include "server/config/config.h"
 #include "server/fields/cache.h"
 #include "server/http/exchange.h"
@@ -20,7 +19,6 @@ struct server_jobs;
 
 struct server_api {
     const struct server_config *config;
-    const struct server_guard *guard;
     struct server_access *access; /* NULL: there are no keys */
     struct server_registry *registry;
     struct server_cache *cache;

@@ -50,7 +50,6 @@ static inline void daemon_start(struct server_store *store)
                                             .queue_length = 10,
                                             .job_ttl_s = 60,
                                             .max_jobs = 10};
-    server->guard.config = &server->config;
     server_budget_init(&server->budget, 64 << 20);
     server->workspaces = server_workspaces_create(&server->budget, 1);
     server->workers = server_workers_create(1, 10);

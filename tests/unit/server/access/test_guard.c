@@ -5,9 +5,8 @@
 static bool admit(const struct server_guard_request *request)
 {
     struct server_config config = {.allowed_hosts = {.name = {"meshes.example"}, .count = 1}};
-    struct server_guard guard = {&config};
     struct proto_problem problem;
-    return server_guard_admit(&guard, request, &problem);
+    return server_guard_admit(&config, request, &problem);
 }
 
 /* The same of a daemon with keys, and of pages of a listed origin. */
@@ -15,11 +14,10 @@ static bool admit_with(const char *keys, const char *host,
                        const struct server_guard_request *request)
 {
     struct server_config config = {.cors_origins = {.name = {"https://maps.example"}, .count = 1}};
-    struct server_guard guard = {&config};
     struct proto_problem problem;
     strcpy(config.keys, keys);
     if (host) strcpy(config.allowed_hosts.name[config.allowed_hosts.count++], host);
-    return server_guard_admit(&guard, request, &problem);
+    return server_guard_admit(&config, request, &problem);
 }
 
 #define ADMIT_WITH(keys, host, ...)                                                                \
