@@ -29,7 +29,7 @@
 #include "server/http/metrics.h"
 #include "server/surfaces/registry.h"
 #include "server/work/workers.h"
-#include "server/work/workspaces.h"
+#include "server/work/budgeted_call.h"
 
 struct server_access;
 struct server_batches;

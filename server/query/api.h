@@ -11,7 +11,7 @@
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/pending_loads.h"
 #include "server/surfaces/registry.h"
-#include "server/work/workspaces.h"
+#include "server/work/budgeted_call.h"
 
 struct server;
 struct server_batches;

@@ -1,66 +1,149 @@
-/* See budgeted_call.h.
- *
- * How much memory a call takes is not known before it is made. So it is granted what most need,
- * taken from the budget in full before it begins, and made again with several times as much when
- * that was too little: the work done in vain is a fraction of the last attempt's. */
+/* See budgeted_call.h. */
 #include "server/work/budgeted_call.h"
 
-#define GRANT_FACTOR 4
+#include <pthread.h>
+#include <stdlib.h>
 
-static bool take(struct server_workspaces *workspaces, const struct server_budgeted_call *call,
-                 size_t bytes)
+#define GRANT_FACTOR 4 /* from one attempt to the next */
+
+struct space {
+    struct gd_workspace *workspace; /* NULL: no memory; the call allocates its own */
+    size_t bytes;                   /* that the budget counts for it */
+};
+
+struct server_workspaces {
+    struct server_budget *budget;
+    pthread_mutex_t lock;
+    uint32_t count, most;
+    struct space idle[]; /* [count - 1] was used last */
+};
+
+/* --- workspaces ------------------------------------------------------------------------------- */
+
+static void space_destroy(struct server_workspaces *workspaces, struct space space)
 {
-    return call->is_modest ? server_budget_take_spare(server_workspaces_budget(workspaces),
-                                                      SERVER_BUDGET_FLIGHT, bytes)
-                           : server_budget_take(server_workspaces_budget(workspaces),
-                                                SERVER_BUDGET_FLIGHT, bytes);
+    gd_workspace_destroy(space.workspace);
+    server_budget_give(workspaces->budget, SERVER_BUDGET_WORKSPACES, space.bytes);
 }
 
-/* The workspace's bytes are in flight beside the grant: what it holds from before and what the call
- * may take overlap, but by how much only the engine knows. */
-static enum gd_status make_within(struct server_workspaces *workspaces,
-                                  const struct server_budgeted_call *call, struct server_loan *loan,
-                                  size_t grant)
+/* Removes the workspace that was idle for longest. Returns false when there is none. */
+static bool workspaces_take_oldest(struct server_workspaces *workspaces, struct space *out)
+{
+    pthread_mutex_lock(&workspaces->lock);
+    bool found = workspaces->count > 0;
+    if (found) {
+        *out = workspaces->idle[0];
+        workspaces->count--;
+        for (uint32_t i = 0; i < workspaces->count; i++)
+            workspaces->idle[i] = workspaces->idle[i + 1];
+    }
+    pthread_mutex_unlock(&workspaces->lock);
+    return found;
+}
+
+static void workspaces_reclaim(void *user, size_t bytes)
+{
+    struct server_workspaces *workspaces = user;
+    struct space oldest;
+    for (size_t freed = 0; freed < bytes; freed += oldest.bytes) {
+        if (!workspaces_take_oldest(workspaces, &oldest)) return;
+        space_destroy(workspaces, oldest);
+    }
+}
+
+struct server_workspaces *server_workspaces_create(struct server_budget *budget, uint32_t most)
+{
+    struct server_workspaces *workspaces =
+        calloc(1, sizeof *workspaces + most * sizeof workspaces->idle[0]);
+    if (!workspaces) return NULL;
+    pthread_mutex_init(&workspaces->lock, NULL);
+    workspaces->budget = budget;
+    workspaces->most = most;
+    budget->reclaimers[SERVER_RECLAIM_WORKSPACES] =
+        (struct server_reclaimer){workspaces_reclaim, NULL, workspaces};
+    return workspaces;
+}
+
+void server_workspaces_destroy(struct server_workspaces *workspaces)
+{
+    if (!workspaces) return;
+    workspaces->budget->reclaimers[SERVER_RECLAIM_WORKSPACES] = (struct server_reclaimer){0};
+    workspaces_reclaim(workspaces, SIZE_MAX);
+    pthread_mutex_destroy(&workspaces->lock);
+    free(workspaces);
+}
+
+static struct space workspaces_borrow(struct server_workspaces *workspaces)
+{
+    struct space space = {0};
+    pthread_mutex_lock(&workspaces->lock);
+    if (workspaces->count) space = workspaces->idle[--workspaces->count];
+    pthread_mutex_unlock(&workspaces->lock);
+    if (!space.workspace) return (struct space){.workspace = gd_workspace_create()};
+    server_budget_move(workspaces->budget, SERVER_BUDGET_WORKSPACES, SERVER_BUDGET_FLIGHT,
+                       space.bytes);
+    return space;
+}
+
+/* Its bytes count as idle before other threads can see it. */
+static void workspaces_return(struct server_workspaces *workspaces, struct space space)
+{
+    server_budget_move(workspaces->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_WORKSPACES,
+                       space.bytes);
+    pthread_mutex_lock(&workspaces->lock);
+    bool is_kept = space.workspace && workspaces->count < workspaces->most;
+    if (is_kept) workspaces->idle[workspaces->count++] = space;
+    pthread_mutex_unlock(&workspaces->lock);
+    if (!is_kept) space_destroy(workspaces, space);
+}
+
+/* --- calls ------------------------------------------------------------------------------------ */
+
+/* Frees the memory of the workspace only when the budget is too small for the grant otherwise. */
+static bool call_can_take(struct server_budget *budget, struct space *space, size_t grant)
+{
+    if (server_budget_could_take(budget, grant)) return true;
+    if (space->workspace) gd_workspace_trim(space->workspace);
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, space->bytes);
+    space->bytes = 0;
+    return server_budget_could_take(budget, grant);
+}
+
+/* The workspace counts beside the grant: its old memory and what the call allocates overlap, but
+ * only the engine knows by how much. */
+static enum gd_status call_attempt(const struct server_budgeted_call *call,
+                                   struct server_budget *budget, struct space *space, size_t grant)
 {
     struct gd_control control = call->control;
-    size_t kept = 0;
-    /* to the engine, 0 is no limit */
-    if (!grant || !take(workspaces, call, grant + call->aside)) return GD_BUDGET;
+    size_t kept = 0, taken = grant + call->aside;
+    if (!grant) return GD_BUDGET; /* to the engine, 0 is no limit */
+    if (!(call->is_modest ? server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, taken)
+                          : server_budget_take(budget, SERVER_BUDGET_FLIGHT, taken)))
+        return GD_BUDGET;
     control.budget_bytes = grant;
-    control.workspace = loan->workspace;
+    control.workspace = space->workspace;
     enum gd_status status = call->make(call->user, &control, &kept);
-    size_t left = loan->workspace ? gd_workspace_bytes(loan->workspace) : 0;
-    server_budget_adjust(server_workspaces_budget(workspaces), SERVER_BUDGET_FLIGHT,
-                         grant + call->aside + loan->bytes, kept + left);
-    loan->bytes = left;
+    size_t left = space->workspace ? gd_workspace_bytes(space->workspace) : 0;
+    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, taken + space->bytes, kept + left);
+    space->bytes = left;
     return status;
 }
 
-/* The workspace's own memory goes only for a call that would not have enough otherwise. */
-static bool can_grant(struct server_workspaces *workspaces, struct server_loan *loan, size_t grant)
+static enum gd_status call_attempts(const struct server_budgeted_call *call,
+                                    struct server_budget *budget, struct space *space)
 {
-    if (server_budget_could_take(server_workspaces_budget(workspaces), grant)) return true;
-    server_workspaces_trim(workspaces, loan);
-    return server_budget_could_take(server_workspaces_budget(workspaces), grant);
-}
-
-/* Each grant in turn, until one is enough or all that can be had was not. */
-static enum gd_status make(struct server_workspaces *workspaces,
-                           const struct server_budgeted_call *call, struct server_loan *loan)
-{
-    for (size_t grant = call->grant; can_grant(workspaces, loan, grant); grant *= GRANT_FACTOR) {
-        enum gd_status status = make_within(workspaces, call, loan, grant);
+    for (size_t grant = call->grant; call_can_take(budget, space, grant); grant *= GRANT_FACTOR) {
+        enum gd_status status = call_attempt(call, budget, space, grant);
         if (status != GD_BUDGET || call->is_modest) return status;
     }
-    return make_within(workspaces, call, loan,
-                       server_budget_available(server_workspaces_budget(workspaces)));
+    return call_attempt(call, budget, space, server_budget_available(budget));
 }
 
 enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
                                         const struct server_budgeted_call *call)
 {
-    struct server_loan loan = server_workspaces_borrow(workspaces);
-    enum gd_status status = make(workspaces, call, &loan);
-    server_workspaces_return(workspaces, &loan);
+    struct space space = workspaces_borrow(workspaces);
+    enum gd_status status = call_attempts(call, workspaces->budget, &space);
+    workspaces_return(workspaces, space);
     return status;
 }

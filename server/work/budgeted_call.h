@@ -1,25 +1,51 @@
-/* Call: one long call of the engine, with a workspace, within the byte budget. */
+/* Budgeted call: one long call of the engine, in a reused workspace and within the memory budget.
+ *
+ *     const struct server_budgeted_call call = {.make = build, .user = &wanted, .control = …,
+ * .grant = bytes}; enum gd_status status = server_budgeted_call_run(workspaces, &call);
+ *
+ * DESIGN. Nobody knows the memory of a call before the call ends. So a call gets a grant that most
+ * calls of its kind need, taken from the budget before the call starts. A call that fails for lack
+ * of memory runs again with several times as much: the wasted work is a fraction of the last
+ * attempt's.
+ *
+ * Workspaces keep the scratch memory of a call for the next one. They form a stack, at most one per
+ * worker; a call borrows the top one, whose memory was touched last. So an almost idle daemon keeps
+ * the memory of one worker. Only idle workspaces are ever reclaimed, and first of all classes, the
+ * longest idle one first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT, those of an
+ * idle one SERVER_BUDGET_WORKSPACES.
+ *
+ * One mutex guards the stack; workspaces are destroyed without it. All functions are thread-safe.
+ */
 #ifndef SERVER_WORK_BUDGETED_CALL_H
 #define SERVER_WORK_BUDGETED_CALL_H
 
 #include "gd/control.h"
-#include "server/work/workspaces.h"
+#include "gd/workspace.h"
+#include "server/work/budget.h"
+
+struct server_workspaces;
+
+/* Keeps at most `most` idle workspaces. Borrows `budget`, which must outlive them, and registers a
+ * reclaimer there. NULL without memory. */
+struct server_workspaces *server_workspaces_create(struct server_budget *budget, uint32_t most);
+
+/* Call it when no call runs. NULL is harmless. */
+void server_workspaces_destroy(struct server_workspaces *workspaces);
 
 struct server_budgeted_call {
-    /* Makes the call under `control`; on success `*kept` are the bytes of its result that it holds.
-     */
+    /* Makes the call under `control`. On success `*kept` is the size of its result in bytes. */
     enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
     void *user;
-    struct gd_control control; /* who ends it early; its budget and its workspace are filled in */
-    size_t grant;              /* bytes that most such calls need */
-    size_t aside;              /* bytes that it takes besides, without asking its budget */
-    /* makes do with memory that is free: nothing is let go of, and there is one attempt */
-    bool is_modest;
+    struct gd_control
+        control;    /* without budget and workspace, which server_budgeted_call_run sets */
+    size_t grant;   /* bytes that most such calls need */
+    size_t aside;   /* bytes that the call allocates beside its budget */
+    bool is_modest; /* uses free memory only: reclaims nothing, and makes one attempt */
 };
 
-/* On success `*kept` bytes of SERVER_BUDGET_FLIGHT are held for the result, for the caller to pass
- * on or give back. Errors: those of the call; GD_BUDGET: not even all that could be had was enough.
- */
+/* On success the caller owns the `*kept` bytes of SERVER_BUDGET_FLIGHT: it moves them to another
+ * class or gives them back. Errors are those of the call. GD_BUDGET: all available memory was not
+ * enough. */
 GD_MUST_USE enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
                                                     const struct server_budgeted_call *call);
 
