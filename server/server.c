@@ -174,8 +174,7 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     server->workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
     server->workers =
         server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
-    if (server->workers && !server_workers_add_spare(server->workers, (uint32_t)config->workers))
-        return false;
+    if (server->workers && !server_workers_add_spare(server->workers)) return false;
     if (server->workers && server->access) server_workers_share(server->workers);
     if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
     if (server->workers) server->pending_loads = server_pending_loads_create(server->workers);

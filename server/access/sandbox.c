@@ -313,11 +313,11 @@ static int filter_load(scmp_filter_ctx filter, bool connects)
  * (CAP_SYS_RESOURCE), all threads inherit the priority, and workers lower theirs. */
 static void keep_priorities(void)
 {
-    const rlim_t most = 20 - SERVER_PLACE_NICE;
+    const rlim_t most = 20 - SERVER_HTTP_NICE;
     struct rlimit limit;
     if (getrlimit(RLIMIT_NICE, &limit) != 0 || limit.rlim_cur >= most) return;
     limit = (struct rlimit){most, limit.rlim_max > most ? limit.rlim_max : most};
-    if (setrlimit(RLIMIT_NICE, &limit) != 0) (void)setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE);
+    if (setrlimit(RLIMIT_NICE, &limit) != 0) (void)setpriority(PRIO_PROCESS, 0, SERVER_HTTP_NICE);
 }
 
 static const char *drop_capabilities(void)

@@ -39,7 +39,6 @@
 #include "server/router.h"
 #include "server/server.h"
 #include "server/http/tls.h"
-#include "server/work/traffic.h"
 
 /* headers, and the buffer that bodies pass through; cleared at each request */
 #define CONNECTION_MEMORY (16 * 1024)
@@ -182,9 +181,8 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
                       .number = line->wire->requests++};
     if (!server_exchange_begin(&line->exchange, &http->server->host, &line->call.transport, target))
         return NULL;
-    server_traffic_note(line->exchange.started_ns);
-    server_place_http(http->threads, server_workers_are_busy(http->server->workers),
-                      line->exchange.started_ns);
+    server_thread_place(http->threads, server_workers_are_busy(http->server->workers),
+                        line->exchange.started_ns);
     server_connection_ask(line->wire);
     return &line->call;
 }

@@ -8,31 +8,26 @@
 #include <time.h>
 
 #include "gd/control.h"
-#include "server/work/lanes.h"
-#include "server/work/thread_affinity.h"
-#include "server/work/traffic.h"
-#include "server/work/yielding.h"
+#include "server/work/worker_priority.h"
 
-#define WORK_NS 500000 /* between two moments that a thread gives up */
+#define UPDATE_NS 500000 /* between two updates of the priority */
 
 struct server_workers {
     pthread_mutex_t lock;
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
-    uint32_t thread_count, working; /* of the threads that are not spare; those that run a job */
-    struct server_job *parked;      /* see server_workers_park */
-    struct server_job *background;  /* jobs for idle times, the latest first */
-    bool is_hosting;                /* a thread runs one of them */
-    bool leaving;                   /* threads end once the queue is empty */
+    uint32_t thread_count, spare_count;
+    uint32_t working;              /* threads that run a job, without spare ones */
+    struct server_job *parked;     /* see server_workers_park */
+    struct server_job *background; /* jobs for idle times, the latest first */
+    bool is_hosting;               /* a thread runs one of them */
+    bool leaving;                  /* threads end once the queue is empty */
     atomic_bool cancelled;
-    atomic_uint busy; /* threads that run a job, of the queue or of the background */
-    pthread_t *spare;
-    uint32_t spare_count;
-    pthread_t threads[];
+    atomic_uint busy;    /* threads that run a job, of the queue or of the background */
+    pthread_t threads[]; /* first those that are not spare, then as many spare ones */
 };
 
-/* The queued job that this thread runs; jobs that it submits get its lane and kind. All zero: none.
- */
+/* The queued job that this thread runs. Jobs that it submits get its lane and kind. */
 static _Thread_local struct running {
     const struct server_workers *workers;
     struct server_lane *lane;
@@ -70,24 +65,26 @@ static struct server_job *list_remove(struct server_job **list, const struct ser
 
 /* --- threads ---------------------------------------------------------------------------------- */
 
-static _Thread_local struct server_yielding yielding;
+static _Thread_local struct server_priority
+    priority; /* of the thread's job; all zero between jobs */
 
-/* Perhaps in the middle of another one, which may be behind (server_workers_yield): it stays there,
- * this one does not begin there. */
+/* Runs a job, perhaps within a longer one (server_workers_yield), whose priority returns after it.
+ */
 static void workers_run(struct server_workers *workers, struct server_job *job)
 {
-    const struct server_yielding outer = yielding;
-    server_place_behind(false);
-    server_yielding_begin(&yielding, gd_now_ns());
+    const struct server_priority outer = priority;
+    uint64_t now_ns = gd_now_ns();
+    server_worker_set_idle(false);
+    server_priority_begin(&priority, now_ns);
     atomic_fetch_add_explicit(&workers->busy, 1, memory_order_relaxed);
     if (atomic_load(&workers->cancelled))
         job->refuse(job, SERVER_REFUSAL_DRAINING);
-    else if (server_job_is_late(job, gd_now_ns()))
+    else if (server_job_is_late(job, now_ns))
         job->refuse(job, SERVER_REFUSAL_DEADLINE);
     else
         job->run(job);
-    yielding = outer;
-    server_place_behind(yielding.is_behind);
+    priority = outer;
+    server_worker_set_idle(priority.is_idle);
     atomic_fetch_sub_explicit(&workers->busy, 1, memory_order_relaxed);
 }
 
@@ -103,29 +100,14 @@ static uint64_t processor_ns(void)
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
-/* While requests come densely. A thread that sleeps keeps what it is due, where one that yields
- * gives it up: on a machine that others use too, work would starve. */
-static void take_a_nap(uint64_t now_ns)
-{
-    static _Thread_local struct server_traffic traffic;
-    /* and what the kernel's timers add to it: some 50 microseconds */
-    const struct timespec moment = {.tv_nsec = 1};
-    if (server_traffic_is_dense(&traffic, now_ns)) nanosleep(&moment, NULL);
-}
-
-static void give_way(void)
-{
-    static _Thread_local uint64_t gave_ns;
-    uint64_t now = gd_now_ns();
-    if (now - gave_ns < WORK_NS) return;
-    server_place_behind(server_yielding_is_due(&yielding, now, processor_ns()));
-    take_a_nap(now);
-    gave_ns = gd_now_ns();
-}
-
 bool server_workers_go_on(struct server_workers *workers)
 {
-    give_way();
+    static _Thread_local uint64_t updated_ns;
+    uint64_t now_ns = gd_now_ns();
+    if (now_ns - updated_ns >= UPDATE_NS) {
+        server_worker_set_idle(server_priority_update(&priority, now_ns, processor_ns()));
+        updated_ns = now_ns;
+    }
     return !server_workers_cancelled(workers);
 }
 
@@ -177,7 +159,7 @@ static bool workers_run_next(struct server_workers *workers)
 static void *worker_main(void *user)
 {
     struct server_workers *workers = user;
-    server_place_worker();
+    server_worker_lower();
     pthread_mutex_lock(&workers->lock);
     for (;;) {
         if (workers_run_next(workers)) continue;
@@ -191,7 +173,7 @@ static void *worker_main(void *user)
 static void *spare_main(void *user)
 {
     struct server_workers *workers = user;
-    server_place_worker();
+    server_worker_lower();
     pthread_mutex_lock(&workers->lock);
     while (!workers->leaving) {
         struct server_job *job =
@@ -208,15 +190,14 @@ static void *spare_main(void *user)
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length)
 {
     struct server_workers *workers =
-        calloc(1, sizeof *workers + count * sizeof workers->threads[0]);
+        calloc(1, sizeof *workers + 2 * count * sizeof workers->threads[0]);
     if (!workers) return NULL;
     pthread_mutex_init(&workers->lock, NULL);
     pthread_cond_init(&workers->work, NULL);
     pthread_cond_init(&workers->spare_work, NULL);
     server_lanes_init(&workers->lanes, count, queue_length);
-    while (workers->thread_count < count) {
-        if (pthread_create(&workers->threads[workers->thread_count], NULL, worker_main, workers) !=
-            0) {
+    for (pthread_t *thread = workers->threads; workers->thread_count < count; thread++) {
+        if (pthread_create(thread, NULL, worker_main, workers) != 0) {
             server_workers_destroy(workers);
             return NULL;
         }
@@ -225,16 +206,12 @@ struct server_workers *server_workers_create(uint32_t count, uint32_t queue_leng
     return workers;
 }
 
-bool server_workers_add_spare(struct server_workers *workers, uint32_t count)
+bool server_workers_add_spare(struct server_workers *workers)
 {
-    workers->spare = calloc(count, sizeof *workers->spare);
-    for (uint32_t i = 0; workers->spare && i < count; i++) {
-        if (pthread_create(&workers->spare[i], NULL, spare_main, workers) != 0) break;
-        pthread_mutex_lock(&workers->lock);
-        workers->spare_count++;
-        pthread_mutex_unlock(&workers->lock);
-    }
-    return workers->spare_count == count;
+    pthread_t *thread = &workers->threads[workers->thread_count];
+    for (; workers->spare_count < workers->thread_count; workers->spare_count++)
+        if (pthread_create(thread++, NULL, spare_main, workers) != 0) return false;
+    return true;
 }
 
 void server_workers_share(struct server_workers *workers)
@@ -251,9 +228,8 @@ void server_workers_destroy(struct server_workers *workers)
     pthread_cond_broadcast(&workers->work);
     pthread_cond_broadcast(&workers->spare_work);
     pthread_mutex_unlock(&workers->lock);
-    for (uint32_t i = 0; i < workers->thread_count; i++) pthread_join(workers->threads[i], NULL);
-    for (uint32_t i = 0; i < workers->spare_count; i++) pthread_join(workers->spare[i], NULL);
-    free(workers->spare);
+    for (uint32_t i = 0; i < workers->thread_count + workers->spare_count; i++)
+        pthread_join(workers->threads[i], NULL);
     pthread_cond_destroy(&workers->spare_work);
     pthread_cond_destroy(&workers->work);
     pthread_mutex_destroy(&workers->lock);
@@ -354,25 +330,27 @@ void server_workers_refuse_background(struct server_workers *workers, enum serve
     server_jobs_refuse(background, why);
 }
 
-void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
+static void workers_refuse_late(struct server_workers *workers, uint64_t now_ns,
+                                enum server_refusal why)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_job *expired = server_lanes_expire(&workers->lanes, now_ns);
+    struct server_job *queued = server_lanes_expire(&workers->lanes, now_ns);
     struct server_job *parked = server_jobs_expire(&workers->parked, now_ns);
     pthread_mutex_unlock(&workers->lock);
-    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
-    server_jobs_refuse(parked, SERVER_REFUSAL_DEADLINE);
+    server_jobs_refuse(queued, why);
+    server_jobs_refuse(parked, why);
 }
 
+void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
+{
+    workers_refuse_late(workers, now_ns, SERVER_REFUSAL_DEADLINE);
+}
+
+/* A job that is queued later sees the cancel, since that comes before the lock. */
 void server_workers_cancel(struct server_workers *workers)
 {
-    pthread_mutex_lock(&workers->lock);
     atomic_store(&workers->cancelled, true);
-    struct server_job *queued = server_lanes_expire(&workers->lanes, UINT64_MAX);
-    struct server_job *parked = server_jobs_expire(&workers->parked, UINT64_MAX);
-    pthread_mutex_unlock(&workers->lock);
-    server_jobs_refuse(queued, SERVER_REFUSAL_DRAINING);
-    server_jobs_refuse(parked, SERVER_REFUSAL_DRAINING);
+    workers_refuse_late(workers, UINT64_MAX, SERVER_REFUSAL_DRAINING);
     server_workers_refuse_background(workers, SERVER_REFUSAL_DRAINING);
 }
 

@@ -24,8 +24,8 @@ struct server_workers;
  * without memory or threads. */
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length);
 
-/* Starts spare threads (lanes.h), before the first job. Returns false without memory or threads. */
-bool server_workers_add_spare(struct server_workers *workers, uint32_t count);
+/* Starts as many spare threads (lanes.h), before the first job. Returns false if one fails. */
+bool server_workers_add_spare(struct server_workers *workers);
 
 /* Lets tenants share the queue (lanes.h). Call it before the first job. */
 void server_workers_share(struct server_workers *workers);

@@ -423,7 +423,7 @@ static void look_at_capabilities(struct fixture *fixture)
     struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
     struct __user_cap_data_struct held[_LINUX_CAPABILITY_U32S_3];
     bool was_root = geteuid() == 0,
-         could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0;
+         could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_HTTP_NICE) == 0;
     INSIST(setpriority(PRIO_PROCESS, 0, 0) == 0);
     struct server_sandbox sandbox = enter_whatever_is_there(fixture);
     if (!sandbox.is_wanted) _exit(SKIPPED);
@@ -433,7 +433,7 @@ static void look_at_capabilities(struct fixture *fixture)
         INSIST(!held[i].effective && !held[i].permitted && !held[i].inheritable);
     INSIST(!was_root || prctl(PR_CAPBSET_READ, 0, 0, 0, 0) == 0);
     /* without CAP_SYS_NICE */
-    INSIST(!could_come_first || setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0);
+    INSIST(!could_come_first || setpriority(PRIO_PROCESS, 0, SERVER_HTTP_NICE) == 0);
 }
 
 static void there_are_no_capabilities(void **state)

@@ -313,7 +313,7 @@ static struct server_workers *flooded_workers(struct test_job first[2], sem_t *h
                                               bool is_patient)
 {
     struct server_workers *workers = server_workers_create(2, 100);
-    assert_true(server_workers_add_spare(workers, 2));
+    assert_true(server_workers_add_spare(workers));
     sem_init(hold, 0, 0);
     for (int i = 0; i < 2; i++) {
         test_job_init(&first[i], hold);
