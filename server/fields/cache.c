@@ -2,35 +2,232 @@
 #include "server/fields/cache.h"
 
 #include <assert.h>
+#include <pthread.h>
 #include <stdlib.h>
+#include <sys/queue.h>
 
-#include "server/fields/cache_parts.h"
+#include "server/fields/field_key.h"
+#include "server/fields/hot_points.h"
 
-#define FAILURE_NS UINT64_C(1000000000) /* for so long a build that failed is not tried again */
+#define FIRST_BUCKETS 8
+#define FAILURE_NS    UINT64_C(1000000000) /* a build that failed is not repeated for so long */
 
-/* --- eviction, under the lock ----------------------------------------------------------------- */
+struct entry {
+    struct server_cached cached; /* first: a pin is a pointer to it */
+    atomic_uint references;      /* of the mesh cache and of the pins */
+    struct server_mesh_cache *fields;
+    struct server_field_key key; /* owned */
+    struct entry *next_in_bucket;
+    SLIST_ENTRY(entry) next; /* of the removed entries, or of the pinned ones during an eviction */
+};
 
-/* Takes unpinned entries off their mesh caches, in the order of eviction, until they hold `bytes`
- * or none is left. Returns them as a list. */
-static struct server_entry *evict(struct server_cache *cache, size_t bytes)
+SLIST_HEAD(entries, entry);
+
+struct server_pending_build {
+    LIST_ENTRY(server_pending_build) next;
+    struct server_mesh_cache *fields; /* a reference */
+    struct server_field_key key;      /* owned */
+    struct server_job *parked;
+};
+
+struct failure {
+    struct server_field_key key; /* without seeds */
+    uint64_t until_ns;
+    enum gd_status status;
+};
+
+struct server_mesh_cache {
+    atomic_uint references;
+    struct server_cache *cache;
+    bool is_closed;
+    struct entry **buckets;
+    uint32_t bucket_count, count;        /* bucket_count is 0 or a power of two */
+    struct server_hot_points hot_points; /* asked about while they had no field */
+    struct failure failure;              /* the last one */
+};
+
+struct server_cache {
+    struct server_budget *budget;
+    struct server_workers *workers;
+    pthread_mutex_t lock;
+    struct server_eviction eviction;          /* of all entries in mesh caches */
+    LIST_HEAD(, server_pending_build) builds; /* as many as jobs are queued or run, at most */
+    struct server_cache_statistics statistics;
+};
+
+/* --- entries, without the lock ---------------------------------------------------------------- */
+
+/* A pinned entry outside its mesh cache; takes over the field and its bytes of
+ * SERVER_BUDGET_FLIGHT. NULL without memory: then the field is released. */
+static struct entry *entry_create(struct server_mesh_cache *fields,
+                                  const struct server_field_key *key, struct gd_field *field)
 {
-    struct server_entry *evicted = NULL, *pinned = NULL, *first;
-    for (size_t freed = 0;
-         freed < bytes && (first = server_entry_of(server_eviction_first(&cache->eviction)));) {
-        bool is_pinned = atomic_load(&first->references) > 1;
-        struct server_entry **list = is_pinned ? &pinned : &evicted;
-        if (is_pinned) {
-            server_eviction_remove(&cache->eviction, &first->worth);
-        } else {
-            server_eviction_evict(&cache->eviction, &first->worth);
-            server_mesh_cache_remove(first);
-            freed += first->worth.bytes;
-            cache->statistics.evictions++;
-        }
-        first->next = *list;
-        *list = first;
+    struct server_budget *budget = fields->cache->budget;
+    size_t bytes = gd_field_memsize(field);
+    size_t all = bytes + sizeof(struct entry) + key->seed_count * sizeof *key->seeds;
+    struct entry *entry = calloc(1, sizeof *entry);
+    if (!entry || !server_field_key_copy(key, &entry->key)) {
+        free(entry);
+        server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
+        gd_field_release(field);
+        return NULL;
     }
-    for (; pinned; pinned = pinned->next) server_eviction_insert(&cache->eviction, &pinned->worth);
+    server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_FIELDS, bytes);
+    server_budget_adjust(budget, SERVER_BUDGET_FIELDS, bytes, all);
+    atomic_fetch_add(&fields->references, 1);
+    atomic_init(&entry->references, 1);
+    entry->fields = fields;
+    entry->cached.field = field;
+    entry->cached.worth = (struct server_evictable){
+        .cost = (double)gd_field_statistics(field)->build_ns, .bytes = all, .uses = 1};
+    return entry;
+}
+
+static void entry_release(struct entry *entry)
+{
+    if (!entry || atomic_fetch_sub(&entry->references, 1) != 1) return;
+    server_budget_give(entry->fields->cache->budget, SERVER_BUDGET_FIELDS,
+                       entry->cached.worth.bytes);
+    gd_field_release(entry->cached.field);
+    server_mesh_cache_release(entry->fields);
+    server_field_key_free(&entry->key);
+    free(entry);
+}
+
+static void entries_release(struct entries *entries)
+{
+    for (struct entry *entry; (entry = SLIST_FIRST(entries));) {
+        SLIST_REMOVE_HEAD(entries, next);
+        entry_release(entry);
+    }
+}
+
+void server_cache_unpin(const struct server_cached *cached)
+{
+    entry_release((struct entry *)cached);
+}
+
+/* --- a mesh's table of entries, under the lock ------------------------------------------------ */
+
+static struct entry **table_bucket(const struct server_mesh_cache *fields, uint64_t hash)
+{
+    return &fields->buckets[hash & (fields->bucket_count - 1)];
+}
+
+/* The entry of these seeds, of any reach; or NULL. */
+static struct entry *table_find(const struct server_mesh_cache *fields,
+                                const struct server_field_key *key)
+{
+    if (!fields->bucket_count) return NULL;
+    struct entry *entry = *table_bucket(fields, key->hash);
+    while (entry && !server_field_key_equal(&entry->key, key)) entry = entry->next_in_bucket;
+    return entry;
+}
+
+/* The entry of these seeds if it reaches at least as far as `key`. */
+static struct entry *table_find_covering(const struct server_mesh_cache *fields,
+                                         const struct server_field_key *key)
+{
+    struct entry *entry = table_find(fields, key);
+    return entry && server_field_key_covers(&entry->key, key) ? entry : NULL;
+}
+
+static void table_push(struct server_mesh_cache *fields, struct entry *entry)
+{
+    struct entry **bucket = table_bucket(fields, entry->key.hash);
+    entry->next_in_bucket = *bucket;
+    *bucket = entry;
+}
+
+/* Makes room for one more; false without memory. */
+static bool table_reserve(struct server_mesh_cache *fields)
+{
+    if (fields->count < fields->bucket_count) return true;
+    struct entry **before = fields->buckets;
+    uint32_t before_count = fields->bucket_count;
+    uint32_t bucket_count = before_count ? 2 * before_count : FIRST_BUCKETS;
+    struct entry **buckets = calloc(bucket_count, sizeof *buckets);
+    if (!buckets) return false;
+    fields->buckets = buckets;
+    fields->bucket_count = bucket_count;
+    for (uint32_t i = 0; i < before_count; i++) {
+        for (struct entry *entry = before[i], *next; entry; entry = next) {
+            next = entry->next_in_bucket;
+            table_push(fields, entry);
+        }
+    }
+    free(before);
+    return true;
+}
+
+/* Removes an entry that is no longer in the order of eviction; the caller releases it without the
+ * lock. */
+static void table_remove(struct entry *entry)
+{
+    struct entry **link = table_bucket(entry->fields, entry->key.hash);
+    while (*link != entry) link = &(*link)->next_in_bucket;
+    *link = entry->next_in_bucket;
+    entry->fields->count--;
+    entry->fields->cache->statistics.fields--;
+}
+
+/* Removes an entry from table and order; the caller releases it without the lock. */
+static void entry_withdraw(struct entry *entry)
+{
+    server_eviction_remove(&entry->fields->cache->eviction, &entry->cached.worth);
+    table_remove(entry);
+}
+
+/* Adds an entry (NULL is harmless), with one more reference, to table and order, unless the mesh
+ * cache is closed, or has a field of these seeds that reaches as far, or memory is short. Returns
+ * the entry that it replaces, for the caller to release without the lock; or NULL. */
+static struct entry *entry_put(struct entry *entry)
+{
+    if (!entry || entry->fields->is_closed || table_find_covering(entry->fields, &entry->key))
+        return NULL;
+    struct server_cache *cache = entry->fields->cache;
+    if (!table_reserve(entry->fields) || !server_eviction_reserve(&cache->eviction)) return NULL;
+    struct entry *nearer = table_find(entry->fields, &entry->key);
+    if (nearer) {
+        entry->cached.worth.uses += nearer->cached.worth.uses;
+        entry_withdraw(nearer);
+    }
+    atomic_fetch_add(&entry->references, 1);
+    table_push(entry->fields, entry);
+    entry->fields->count++;
+    cache->statistics.fields++;
+    server_eviction_insert(&cache->eviction, &entry->cached.worth);
+    return nearer;
+}
+
+/* --- eviction --------------------------------------------------------------------------------- */
+
+static struct entry *entry_of_worth(struct server_evictable *worth)
+{
+    return worth ? (struct entry *)((char *)worth - offsetof(struct entry, cached.worth)) : NULL;
+}
+
+/* Under the lock: removes unpinned entries in the order of eviction until they hold `bytes` or none
+ * is left. */
+static struct entries evict(struct server_cache *cache, size_t bytes)
+{
+    struct entries evicted = SLIST_HEAD_INITIALIZER(evicted), pinned = evicted;
+    struct server_eviction *eviction = &cache->eviction;
+    struct entry *first;
+    for (size_t freed = 0;
+         freed < bytes && (first = entry_of_worth(server_eviction_first(eviction)));) {
+        if (atomic_load(&first->references) > 1) {
+            server_eviction_remove(eviction, &first->cached.worth);
+            SLIST_INSERT_HEAD(&pinned, first, next);
+            continue;
+        }
+        server_eviction_evict(eviction, &first->cached.worth);
+        table_remove(first);
+        SLIST_INSERT_HEAD(&evicted, first, next);
+        freed += first->cached.worth.bytes;
+        cache->statistics.evictions++;
+    }
+    SLIST_FOREACH(first, &pinned, next) server_eviction_insert(eviction, &first->cached.worth);
     return evicted;
 }
 
@@ -38,12 +235,12 @@ static void reclaim(void *user, size_t bytes)
 {
     struct server_cache *cache = user;
     pthread_mutex_lock(&cache->lock);
-    struct server_entry *evicted = evict(cache, bytes);
+    struct entries evicted = evict(cache, bytes);
     pthread_mutex_unlock(&cache->lock);
-    server_entries_release(evicted);
+    entries_release(&evicted);
 }
 
-/* --- the cache -------------------------------------------------------------------------------- */
+/* --- cache and mesh caches -------------------------------------------------------------------- */
 
 struct server_cache *server_cache_create(struct server_budget *budget,
                                          struct server_workers *workers)
@@ -60,7 +257,7 @@ struct server_cache *server_cache_create(struct server_budget *budget,
 void server_cache_destroy(struct server_cache *cache)
 {
     if (!cache) return;
-    assert(!cache->eviction.order.size && !cache->builds.first);
+    assert(!cache->eviction.order.size && LIST_EMPTY(&cache->builds));
     cache->budget->reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){0};
     pthread_mutex_destroy(&cache->lock);
     server_eviction_free(&cache->eviction);
@@ -75,17 +272,81 @@ struct server_cache_statistics server_cache_statistics(struct server_cache *cach
     return statistics;
 }
 
-/* --- find and drop ---------------------------------------------------------------------------- */
+struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache)
+{
+    struct server_mesh_cache *fields = calloc(1, sizeof *fields);
+    if (!fields) return NULL;
+    fields->references = 1;
+    fields->cache = cache;
+    return fields;
+}
 
-static const struct server_cached *find(struct server_mesh_cache *fields,
-                                        const struct server_field_key *key)
+void server_mesh_cache_release(struct server_mesh_cache *fields)
+{
+    if (atomic_fetch_sub(&fields->references, 1) != 1) return;
+    free(fields->buckets);
+    free(fields);
+}
+
+void server_mesh_cache_close(struct server_mesh_cache *fields)
+{
+    struct entries removed = SLIST_HEAD_INITIALIZER(removed);
+    pthread_mutex_lock(&fields->cache->lock);
+    fields->is_closed = true;
+    for (uint32_t i = 0; i < fields->bucket_count; i++) {
+        for (struct entry *entry; (entry = fields->buckets[i]);) {
+            entry_withdraw(entry);
+            SLIST_INSERT_HEAD(&removed, entry, next);
+        }
+    }
+    pthread_mutex_unlock(&fields->cache->lock);
+    entries_release(&removed);
+}
+
+/* Under the lock. */
+static uint32_t pin_points(struct server_mesh_cache *fields, const struct server_cached **pinned)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < fields->bucket_count; i++) {
+        for (struct entry *entry = fields->buckets[i]; entry; entry = entry->next_in_bucket) {
+            if (!server_field_key_is_point(&entry->key)) continue;
+            atomic_fetch_add(&entry->references, 1);
+            pinned[count++] = &entry->cached;
+        }
+    }
+    return count;
+}
+
+const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cache *fields,
+                                                          uint32_t *count)
+{
+    pthread_mutex_lock(&fields->cache->lock);
+    const struct server_cached **pinned =
+        fields->count ? malloc(fields->count * sizeof(struct server_cached *)) : NULL;
+    *count = pinned ? pin_points(fields, pinned) : 0;
+    pthread_mutex_unlock(&fields->cache->lock);
+    return pinned;
+}
+
+uint32_t server_mesh_cache_count(struct server_mesh_cache *fields)
+{
+    pthread_mutex_lock(&fields->cache->lock);
+    uint32_t count = fields->count;
+    pthread_mutex_unlock(&fields->cache->lock);
+    return count;
+}
+
+/* --- finding ---------------------------------------------------------------------------------- */
+
+static const struct server_cached *find_by_key(struct server_mesh_cache *fields,
+                                               const struct server_field_key *key)
 {
     struct server_cache *cache = fields->cache;
     pthread_mutex_lock(&cache->lock);
-    struct server_entry *entry = server_mesh_cache_find_covering(fields, key);
+    struct entry *entry = table_find_covering(fields, key);
     if (entry) {
         atomic_fetch_add(&entry->references, 1);
-        server_eviction_use(&cache->eviction, &entry->worth);
+        server_eviction_use(&cache->eviction, &entry->cached.worth);
         cache->statistics.hits++;
     } else {
         cache->statistics.misses++;
@@ -98,7 +359,7 @@ const struct server_cached *server_cache_find_field(struct server_mesh_cache *fi
                                                     const struct gd_field_request *request)
 {
     struct server_field_key key = server_field_key_of(request);
-    return find(fields, &key);
+    return find_by_key(fields, &key);
 }
 
 const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
@@ -106,27 +367,21 @@ const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
 {
     struct gd_seed seed;
     struct server_field_key key = server_field_key_of_point(source, &seed);
-    return find(fields, &key);
-}
-
-void server_cache_unpin(const struct server_cached *cached)
-{
-    if (cached) server_entry_release((struct server_entry *)cached);
+    return find_by_key(fields, &key);
 }
 
 void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_request *request)
 {
-    struct server_cache *cache = fields->cache;
     struct server_field_key key = server_field_key_of(request);
-    pthread_mutex_lock(&cache->lock);
-    struct server_entry *entry = server_mesh_cache_find(fields, &key);
-    if (entry && entry->slot.key.radius != key.radius) entry = NULL;
-    if (entry) server_mesh_cache_withdraw(entry);
-    pthread_mutex_unlock(&cache->lock);
-    if (entry) server_entry_release(entry);
+    pthread_mutex_lock(&fields->cache->lock);
+    struct entry *entry = table_find(fields, &key);
+    if (entry && entry->key.radius != key.radius) entry = NULL;
+    if (entry) entry_withdraw(entry);
+    pthread_mutex_unlock(&fields->cache->lock);
+    entry_release(entry);
 }
 
-/* --- who builds ------------------------------------------------------------------------------- */
+/* --- claiming a build ------------------------------------------------------------------------- */
 
 void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *point)
 {
@@ -137,30 +392,49 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
     pthread_mutex_unlock(&fields->cache->lock);
 }
 
-/* AGAIN or WAIT if the field is there or on its way, or one is that it can be resumed from; else
- * SEARCH. */
-static enum server_cache_turn board(struct server_mesh_cache *fields,
-                                    const struct server_field_key *key, struct server_job *job)
+/* Under the lock: of the builds of these seeds that reach no farther, the one that reaches
+ * farthest; or NULL. */
+static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
+                                                 const struct server_field_key *key)
 {
-    struct server_cache *cache = fields->cache;
-    if (server_mesh_cache_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
-    struct server_pending_build *build = server_pending_builds_find(&cache->builds, fields, key);
+    struct server_pending_build *build, *found = NULL;
+    LIST_FOREACH(build, &fields->cache->builds, next)
+    {
+        if (build->fields != fields || !server_field_key_equal(&build->key, key)) continue;
+        if (!server_field_key_covers(key, &build->key)) continue;
+        if (!found || server_field_key_covers(&build->key, &found->key)) found = build;
+    }
+    return found;
+}
+
+/* Under the lock: AGAIN, or WAIT for a build of this field or of one that it can be resumed from;
+ * else SEARCH. */
+static enum server_cache_turn join_build(struct server_mesh_cache *fields,
+                                         const struct server_field_key *key, struct server_job *job)
+{
+    if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
+    struct server_pending_build *build = pending_find(fields, key);
     if (!build) return SERVER_CACHE_SEARCH;
-    server_pending_build_park(build, job);
-    cache->statistics.waits++;
+    job->next = build->parked;
+    build->parked = job;
+    fields->cache->statistics.waits++;
     return SERVER_CACHE_WAIT;
 }
 
-/* BUILD, or SEARCH without memory. */
-static enum server_cache_turn start(struct server_mesh_cache *fields,
-                                    const struct server_field_key *key,
-                                    struct server_pending_build **out)
+/* Under the lock: BUILD, or SEARCH without memory. */
+static enum server_cache_turn begin_build(struct server_mesh_cache *fields,
+                                          const struct server_field_key *key,
+                                          struct server_pending_build **out)
 {
-    struct server_cache *cache = fields->cache;
-    struct server_pending_build *build = server_pending_builds_start(&cache->builds, fields, key);
-    if (!build) return SERVER_CACHE_SEARCH;
+    struct server_pending_build *build = calloc(1, sizeof *build);
+    if (!build || !server_field_key_copy(key, &build->key)) {
+        free(build);
+        return SERVER_CACHE_SEARCH;
+    }
+    build->fields = fields;
     atomic_fetch_add(&fields->references, 1);
-    cache->statistics.builds++;
+    LIST_INSERT_HEAD(&fields->cache->builds, build, next);
+    fields->cache->statistics.builds++;
     *out = build;
     return SERVER_CACHE_BUILD;
 }
@@ -172,10 +446,10 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
     struct gd_seed seed;
     struct server_field_key key = server_field_key_of_point(source, &seed);
     pthread_mutex_lock(&fields->cache->lock);
-    enum server_cache_turn turn = board(fields, &key, job);
+    enum server_cache_turn turn = join_build(fields, &key, job);
     if (turn == SERVER_CACHE_SEARCH &&
         server_hot_points_count(&fields->hot_points, key.hash) >= SERVER_CACHE_SEARCHES)
-        turn = start(fields, &key, build);
+        turn = begin_build(fields, &key, build);
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;
 }
@@ -187,12 +461,12 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
 {
     struct server_field_key key = server_field_key_of(request);
     pthread_mutex_lock(&fields->cache->lock);
-    const struct server_failure *failure = &fields->failure;
-    const struct server_field_key failed = {.hash = failure->hash, .radius = failure->radius};
-    bool has_failed = failed.hash == key.hash && server_field_key_covers(&key, &failed) &&
+    const struct failure *failure = &fields->failure;
+    bool has_failed = failure->key.hash == key.hash &&
+                      server_field_key_covers(&key, &failure->key) &&
                       gd_now_ns() < failure->until_ns;
-    enum server_cache_turn turn = board(fields, &key, job);
-    if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = start(fields, &key, build);
+    enum server_cache_turn turn = join_build(fields, &key, job);
+    if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = begin_build(fields, &key, build);
     if (turn == SERVER_CACHE_SEARCH) *why = has_failed ? failure->status : GD_NO_MEMORY;
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;
@@ -202,8 +476,8 @@ const struct server_cached *server_cache_find_nearer(struct server_pending_build
 {
     struct server_cache *cache = build->fields->cache;
     pthread_mutex_lock(&cache->lock);
-    struct server_entry *entry = server_mesh_cache_find(build->fields, &build->key);
-    if (entry && server_field_key_covers(&entry->slot.key, &build->key)) entry = NULL;
+    struct entry *entry = table_find(build->fields, &build->key);
+    if (entry && server_field_key_covers(&entry->key, &build->key)) entry = NULL;
     if (entry) {
         atomic_fetch_add(&entry->references, 1);
         cache->statistics.resumed++;
@@ -215,87 +489,95 @@ const struct server_cached *server_cache_find_nearer(struct server_pending_build
 bool server_cache_is_awaited(struct server_pending_build *build)
 {
     pthread_mutex_lock(&build->fields->cache->lock);
-    bool awaited = build->parked != NULL;
+    bool is_awaited = build->parked != NULL;
     pthread_mutex_unlock(&build->fields->cache->lock);
-    return awaited;
+    return is_awaited;
 }
 
-/* --- landing ---------------------------------------------------------------------------------- */
+/* --- ending a build --------------------------------------------------------------------------- */
 
-/* Frees a pending build that has ended and has those who waited look again. */
-static void disperse(struct server_pending_build *build)
+/* Under the lock: after this no job is parked on the build. Only a whole field resets the questions
+ * that were counted. */
+static void pending_remove(struct server_pending_build *build, bool resets_questions)
 {
-    struct server_mesh_cache *fields = build->fields;
-    for (struct server_job *job = server_pending_build_free(build), *next; job; job = next) {
-        next = job->next;
-        server_workers_resume(fields->cache->workers, job);
-    }
-    server_mesh_cache_release(fields);
-}
-
-/* Only the whole field of a point answers what was counted. */
-static void forget(struct server_pending_build *build)
-{
-    if (build->key.radius == 0)
+    LIST_REMOVE(build, next);
+    if (resets_questions && build->key.radius == 0)
         server_hot_points_forget(&build->fields->hot_points, build->key.hash);
+}
+
+/* Frees a removed build and resumes its parked jobs. */
+static void pending_free(struct server_pending_build *build)
+{
+    for (struct server_job *job = build->parked, *next; job; job = next) {
+        next = job->next;
+        server_workers_resume(build->fields->cache->workers, job);
+    }
+    server_mesh_cache_release(build->fields);
+    server_field_key_free(&build->key);
+    free(build);
+}
+
+/* Adds a field, the result of `build` if that is not NULL, and returns it pinned. */
+static const struct server_cached *field_publish(struct server_mesh_cache *fields,
+                                                 const struct server_field_key *key,
+                                                 struct gd_field *field,
+                                                 struct server_pending_build *build)
+{
+    struct entry *entry = entry_create(fields, key, field);
+    pthread_mutex_lock(&fields->cache->lock);
+    if (build) pending_remove(build, true);
+    struct entry *replaced = entry_put(entry);
+    pthread_mutex_unlock(&fields->cache->lock);
+    entry_release(replaced);
+    if (build) pending_free(build);
+    return entry ? &entry->cached : NULL;
 }
 
 const struct server_cached *server_cache_publish(struct server_pending_build *build,
                                                  struct gd_field *field)
 {
-    struct server_cache *cache = build->fields->cache;
-    struct server_entry *entry = server_entry_create(build->fields, &build->key, field);
-    pthread_mutex_lock(&cache->lock);
-    server_pending_builds_end(&cache->builds, build);
-    forget(build);
-    /* without memory it lives as long as its pins */
-    struct server_entry *replaced = server_mesh_cache_put(entry);
-    pthread_mutex_unlock(&cache->lock);
-    if (replaced) server_entry_release(replaced);
-    disperse(build);
-    return entry ? &entry->cached : NULL;
+    return field_publish(build->fields, &build->key, field, build);
 }
 
 void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *field)
 {
-    struct server_cache *cache = fields->cache;
     struct gd_point source;
     struct gd_seed seed;
     if (!gd_field_single_seed(field, &source)) {
-        server_budget_give(cache->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field));
+        server_budget_give(fields->cache->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field));
         gd_field_release(field);
         return;
     }
     struct server_field_key key = server_field_key_of_point(&source, &seed);
-    struct server_entry *entry = server_entry_create(fields, &key, field);
-    if (!entry) return;
-    pthread_mutex_lock(&cache->lock);
-    struct server_entry *replaced = server_mesh_cache_put(entry);
-    pthread_mutex_unlock(&cache->lock);
-    if (replaced) server_entry_release(replaced);
-    server_entry_release(entry);
+    server_cache_unpin(field_publish(fields, &key, field, NULL));
 }
 
 void server_cache_fail(struct server_pending_build *build, enum gd_status status)
 {
     struct server_mesh_cache *fields = build->fields;
     struct server_cache *cache = fields->cache;
-    bool is_worth_another = status == GD_CANCELLED || status == GD_DEADLINE;
+    bool is_final = status != GD_CANCELLED && status != GD_DEADLINE;
     pthread_mutex_lock(&cache->lock);
-    server_pending_builds_end(&cache->builds, build);
-    if (!is_worth_another) {
-        forget(build);
-        fields->failure = (struct server_failure){build->key.hash, gd_now_ns() + FAILURE_NS,
-                                                  build->key.radius, status};
-    }
+    pending_remove(build, is_final);
+    if (is_final)
+        fields->failure =
+            (struct failure){.key = {.hash = build->key.hash, .radius = build->key.radius},
+                             .until_ns = gd_now_ns() + FAILURE_NS,
+                             .status = status};
     pthread_mutex_unlock(&cache->lock);
-    disperse(build);
+    pending_free(build);
 }
 
 void server_cache_expire(struct server_cache *cache, uint64_t now_ns)
 {
+    struct server_job *expired = NULL, **end = &expired;
+    struct server_pending_build *build;
     pthread_mutex_lock(&cache->lock);
-    struct server_job *expired = server_pending_builds_expire(&cache->builds, now_ns);
+    LIST_FOREACH(build, &cache->builds, next)
+    {
+        *end = server_jobs_expire(&build->parked, now_ns);
+        while (*end) end = &(*end)->next;
+    }
     pthread_mutex_unlock(&cache->lock);
     server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
 }

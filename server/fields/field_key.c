@@ -4,34 +4,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint64_t mix(uint64_t hash, uint64_t value)
+static uint64_t hash_add(uint64_t hash, uint64_t value)
 {
     hash = (hash ^ value) * UINT64_C(0x9E3779B97F4A7C15);
     return hash ^ hash >> 29;
 }
 
-static uint64_t mix_number(uint64_t hash, double number)
+static uint64_t hash_add_number(uint64_t hash, double number)
 {
     uint64_t bits;
     memcpy(&bits, &number, sizeof bits);
-    return mix(hash, bits);
+    return hash_add(hash, bits);
 }
 
-static uint64_t mix_point(uint64_t hash, const struct gd_point *point)
+static uint64_t hash_add_point(uint64_t hash, const struct gd_point *point)
 {
-    hash = mix(mix(hash, (uint64_t)point->kind), point->element);
-    for (int i = 0; i < 3; i++) hash = mix_number(hash, point->weight[i]);
+    hash = hash_add(hash_add(hash, (uint64_t)point->kind), point->element);
+    for (int i = 0; i < 3; i++) hash = hash_add_number(hash, point->weight[i]);
     return hash;
 }
 
-static uint64_t mix_seed(uint64_t hash, const struct gd_seed *seed)
+static uint64_t hash_add_seed(uint64_t hash, const struct gd_seed *seed)
 {
-    hash = mix_point(hash, &seed->point);
-    if (seed->is_segment) hash = mix_point(hash, &seed->end);
-    return mix_number(hash, seed->offset);
+    hash = hash_add_point(hash, &seed->point);
+    if (seed->is_segment) hash = hash_add_point(hash, &seed->end);
+    return hash_add_number(hash, seed->offset);
 }
 
-static bool is_same_seed(const struct gd_seed *a, const struct gd_seed *b)
+static bool is_equal_seed(const struct gd_seed *a, const struct gd_seed *b)
 {
     if (!gd_point_equal(&a->point, &b->point) || a->offset != b->offset ||
         a->is_segment != b->is_segment)
@@ -42,7 +42,8 @@ static bool is_same_seed(const struct gd_seed *a, const struct gd_seed *b)
 struct server_field_key server_field_key_of(const struct gd_field_request *request)
 {
     uint64_t hash = request->seed_count;
-    for (uint32_t i = 0; i < request->seed_count; i++) hash = mix_seed(hash, &request->seeds[i]);
+    for (uint32_t i = 0; i < request->seed_count; i++)
+        hash = hash_add_seed(hash, &request->seeds[i]);
     return (struct server_field_key){hash, request->radius, request->seed_count, request->seeds};
 }
 
@@ -50,7 +51,7 @@ bool server_field_key_equal(const struct server_field_key *a, const struct serve
 {
     if (a->hash != b->hash || a->seed_count != b->seed_count) return false;
     for (uint32_t i = 0; i < a->seed_count; i++)
-        if (!is_same_seed(&a->seeds[i], &b->seeds[i])) return false;
+        if (!is_equal_seed(&a->seeds[i], &b->seeds[i])) return false;
     return true;
 }
 

@@ -8,10 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "server/fields/cache.h"
 #include "server/http/events.h"
 #include "server/http/reply.h"
-#include "server/surfaces/surface.h"
 
 /* --- the target ------------------------------------------------------------------------------- */
 
@@ -122,7 +120,7 @@ static void drop_state(struct server_exchange *exchange)
 void server_exchange_end(struct server_exchange *exchange)
 {
     drop_state(exchange);
-    server_surface_release(exchange->surface);
+    if (exchange->surface) exchange->release_surface(exchange->surface);
     server_body_drop(&exchange->body, exchange->host->budget);
     server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_stream_close(exchange->response.stream);
@@ -398,8 +396,7 @@ static bool on_progress(void *user, double fraction)
     double share = monitor->share > 0 ? monitor->share : 1;
     if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
     if (!server_workers_go_on(exchange->host->workers)) return false;
-    return !transport->is_gone(exchange) ||
-           (monitor->build && server_cache_is_awaited(monitor->build));
+    return !transport->is_gone(exchange) || (monitor->build && monitor->is_awaited(monitor->build));
 }
 
 struct gd_control server_exchange_control(struct server_monitor *monitor)

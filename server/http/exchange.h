@@ -150,6 +150,7 @@ struct server_exchange {
     bool (*join)(struct server_exchange *exchange);
     /* loaded for this exchange, which has a reference; NULL: none was */
     struct server_surface *surface;
+    void (*release_surface)(struct server_surface *surface); /* set with `surface` */
     /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
     size_t held;
     /* bytes of it that are for a document which is being decoded (request.h) */
@@ -237,7 +238,8 @@ struct server_exchange *server_exchange_of(struct server_job *job);
  * several threads for one exchange have one monitor each. */
 struct server_monitor {
     struct server_exchange *exchange;
-    struct server_pending_build *build;
+    struct server_pending_build *build; /* the call makes its field; NULL: it makes none */
+    bool (*is_awaited)(struct server_pending_build *build); /* set with `build` */
     /* the call is the part [begun, begun + share] of the work; share 0: it is all of it */
     double begun, share;
 };

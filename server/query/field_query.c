@@ -135,6 +135,7 @@ static enum server_query_turn fly(struct server_field_query *query, struct proto
     struct server_monitor part = server_query_monitor(&query->query, 0, BUILD_SHARE);
     struct gd_field *field;
     part.build = build;
+    part.is_awaited = server_cache_is_awaited;
     query->build = NULL;
     enum gd_status status =
         server_field_build_request(&part, query->query.surface->mesh, &query->request, &field);

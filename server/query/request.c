@@ -146,6 +146,7 @@ bool server_request_follows_first(struct server_exchange *exchange)
 static void rerun(struct server_exchange *exchange, struct server_surface *surface)
 {
     exchange->surface = surface;
+    exchange->release_surface = server_surface_release;
     exchange->match.route->handle(exchange);
 }
 

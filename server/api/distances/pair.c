@@ -190,6 +190,7 @@ static enum server_query_turn fly(struct pair *pair, struct proto_problem *probl
     struct server_monitor monitor = monitor_of(pair);
     struct gd_field *field;
     monitor.build = build;
+    monitor.is_awaited = server_cache_is_awaited;
     pair->build = NULL;
     enum gd_status status =
         server_field_build_request(&monitor, pair->stops.mesh, &request, &field);

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "server/fields/cache_parts.h"
 
 static struct server_pending_build *enter(struct fixture *fixture, uint32_t vertex)
 {
@@ -41,7 +40,7 @@ static void add(struct fixture *fixture, uint32_t vertex)
 static void add_dear(struct fixture *fixture, uint32_t vertex)
 {
     const struct server_cached *cached = land(fixture, enter(fixture, vertex), vertex);
-    ((struct server_entry *)cached)->worth.cost = DEAR;
+    ((struct server_cached *)cached)->worth.cost = DEAR;
     server_cache_unpin(cached);
     /* its place in the order is that of a dear one from this use on */
     server_cache_unpin(find(fixture, vertex));
