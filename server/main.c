@@ -97,12 +97,11 @@ static struct server_sandbox enter_sandbox(const struct server_config *config)
         .database = is_shared ? config->store_url : NULL,
         .each_port = server_postgres_each_port,
         .each_file = server_postgres_each_file};
-    struct server_store_files files;
-    char error[512];
+    struct server_files files;
     if (config->sandbox == SERVER_SANDBOX_OFF) return server_sandbox_enter(NULL);
     if (has_folder && is_shared)
         (void)server_disk_make_folder(config->data_dir);
-    else if (has_folder && server_files_open(&files, config->data_dir, error, sizeof error))
+    else if (has_folder && server_files_open(&files, config->data_dir))
         server_files_close(&files);
     return server_sandbox_enter(&needs);
 }

@@ -260,7 +260,7 @@ static enum server_record_reading text_read(struct server_record *record, char *
     return record->description ? SERVER_RECORD_READ : SERVER_RECORD_NO_MEMORY;
 }
 
-enum server_record_reading server_record_read(const char *text, size_t size,
+enum server_record_reading server_record_read(const char *key, const char *text, size_t size,
                                               struct server_record **out)
 {
     static const char first[] = TITLE FIRST_VERSION "\n", second[] = TITLE VERSION "\n";
@@ -275,22 +275,10 @@ enum server_record_reading server_record_read(const char *text, size_t size,
     if (record) record->references = 1;
     if (record && copy) reading = text_read(record, copy, is_first);
     free(copy);
+    if (!reading && key && strcmp(record->key, key) != 0) reading = SERVER_RECORD_DAMAGED;
     if (reading == SERVER_RECORD_READ)
         *out = record;
     else
         server_record_release(record);
-    return reading;
-}
-
-enum server_record_reading server_record_read_named(const char *key, const char *text, size_t size,
-                                                    struct server_record **out)
-{
-    struct server_record *record = NULL;
-    enum server_record_reading reading = server_record_read(text, size, &record);
-    if (!reading && strcmp(record->key, key) != 0) {
-        server_record_release(record);
-        return SERVER_RECORD_DAMAGED;
-    }
-    if (!reading) *out = record;
     return reading;
 }

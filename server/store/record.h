@@ -118,12 +118,9 @@ enum server_record_reading {
     SERVER_RECORD_NO_MEMORY /* of this process */
 };
 
-/* Parses any bytes, however damaged. On READ the caller has one reference of `*out`. */
-enum server_record_reading server_record_read(const char *text, size_t size,
+/* Parses any bytes, however damaged. DAMAGED also if `key` is not NULL and the record has another
+ * one. On READ the caller has one reference of `*out`. */
+enum server_record_reading server_record_read(const char *key, const char *text, size_t size,
                                               struct server_record **out);
-
-/* Likewise; DAMAGED if the record has another key. */
-enum server_record_reading server_record_read_named(const char *key, const char *text, size_t size,
-                                                    struct server_record **out);
 
 #endif

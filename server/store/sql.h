@@ -23,7 +23,7 @@ struct server_sql_value { /* borrowed; of a row: for the time of a visit */
 /* Visits a row; false ends the visit. */
 typedef bool server_sql_visit(void *user, const struct server_sql_value *row);
 
-struct server_sql_statement {
+struct server_statement {
     const char *text; /* contains each parameter, $1, $2, … */
     const struct server_sql_value *values;
     int count;
@@ -32,7 +32,7 @@ struct server_sql_statement {
 };
 
 /* Pointer to a statement; the last members may be left out. */
-#define SERVER_SQL(...) (&(const struct server_sql_statement){.text = __VA_ARGS__})
+#define SERVER_SQL(...) (&(const struct server_statement){.text = __VA_ARGS__})
 
 static inline struct server_sql_value server_sql_integer(int64_t integer)
 {
@@ -76,7 +76,7 @@ static inline bool server_sql_on_integers(void *user, const struct server_sql_va
 struct server_store_sql {
     /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
     enum server_store_outcome (*run)(struct server_store_sql *sql,
-                                     const struct server_sql_statement *statement);
+                                     const struct server_statement *statement);
     bool is_shared; /* by several daemons */
     /* The end of a statement that locks rows which other daemons may have locked: "" or
      * " FOR UPDATE … SKIP LOCKED". */

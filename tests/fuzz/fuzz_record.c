@@ -13,11 +13,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static void check(const char *text, size_t size)
 {
     struct server_record *record, *again;
-    if (server_record_read(text, size, &record) != SERVER_RECORD_READ) return;
+    if (server_record_read(NULL, text, size, &record) != SERVER_RECORD_READ) return;
     size_t length;
     char *written = server_record_write(record, &length);
     promise(written != NULL);
-    promise(server_record_read(written, length, &again) == SERVER_RECORD_READ);
+    promise(server_record_read(NULL, written, length, &again) == SERVER_RECORD_READ);
     promise(server_record_equal(record, again) &&
             strcmp(record->description, again->description) == 0);
     server_record_release(again);

@@ -18,7 +18,7 @@
 
 struct backup {
     FILE *out;
-    struct server_store_files from, to; /* `from` is not locked */
+    struct server_files from, to; /* `from` is not locked */
     enum server_disk_result (*copy)(const char *path, const char *second);
     enum server_store_outcome outcome;
     unsigned surfaces;
@@ -39,7 +39,7 @@ static bool give_up(struct backup *backup, enum server_store_outcome outcome, co
 static struct server_record *row_read(struct backup *backup, const struct server_row *row)
 {
     struct server_record *record = NULL;
-    if (server_record_read(row->text, row->size, &record) != SERVER_RECORD_READ)
+    if (server_record_read(NULL, row->text, row->size, &record) != SERVER_RECORD_READ)
         (void)give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
     return record;
 }
@@ -151,11 +151,10 @@ static bool store_copy(struct backup *backup)
 
 static bool folder_copy(struct backup *backup, const char *folder, const char *copy)
 {
-    char error[512];
     snprintf(backup->from.folder, sizeof backup->from.folder, "%s", folder);
-    if (server_files_is_unfinished(folder, error, sizeof error) ||
-        !server_files_open_copy(&backup->to, copy, error, sizeof error)) {
-        fprintf(backup->out, "%s\n", error);
+    bool is_unfinished = server_files_is_unfinished(&backup->from);
+    if (is_unfinished || !server_files_open_copy(&backup->to, copy)) {
+        fprintf(backup->out, "%s\n", is_unfinished ? backup->from.error : backup->to.error);
         return false;
     }
     bool is_copied = store_copy(backup);
@@ -173,10 +172,9 @@ bool server_store_backup(const char *folder, const char *copy, FILE *out)
 
 bool server_store_restore(const char *folder, const char *backup, FILE *out)
 {
-    struct server_store_files files;
-    char error[512];
-    if (!server_files_open_existing(&files, backup, error, sizeof error)) {
-        fprintf(out, "%s\n", error);
+    struct server_files files;
+    if (!server_files_open_existing(&files, backup)) {
+        fprintf(out, "%s\n", files.error);
         return false;
     }
     bool is_restored =

@@ -18,7 +18,7 @@ struct object { /* a file under objects/ */
 
 struct check {
     FILE *out;
-    struct server_store_files files;
+    struct server_files files;
     struct server_database *database;
     struct object *objects; /* sorted once all are there */
     size_t object_count, object_capacity;
@@ -196,7 +196,7 @@ static bool on_row(void *user, const struct server_row *row)
 {
     struct check *check = user;
     struct server_record *record = NULL, *manifest = manifest_read(check, row->key);
-    if (server_record_read_named(row->key, row->text, row->size, &record) == SERVER_RECORD_READ)
+    if (server_record_read(row->key, row->text, row->size, &record) == SERVER_RECORD_READ)
         check->rows++;
     else
         fault(check, "the row in the database is damaged", row->key);
@@ -281,9 +281,8 @@ static void print_sums(const struct check *check)
 bool server_store_check(const char *folder, FILE *out)
 {
     struct check check = {.out = out};
-    char error[512];
-    if (!server_files_open_existing(&check.files, folder, error, sizeof error)) {
-        fprintf(out, "%s\n", error);
+    if (!server_files_open_existing(&check.files, folder)) {
+        fprintf(out, "%s\n", check.files.error);
         return false;
     }
     check_folder(&check, "objects", on_object_folder);

@@ -4,7 +4,6 @@
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "server/base/disk.h"
 
@@ -23,21 +22,8 @@ static const char *const schema[] = {
 };
 #define SCHEMA_VERSION ((int)(sizeof schema / sizeof *schema))
 
-enum statement { PUT, REMOVE, COUNT, FIND, NOTE, STATEMENTS };
-
-static const char *const sql[STATEMENTS] = {
-    [PUT] = ("INSERT INTO surfaces (key, file, attachment, record) VALUES (?1, ?2, ?3, ?4)"
-             " ON CONFLICT (key) DO UPDATE SET file = ?2, attachment = ?3, record = ?4"),
-    [REMOVE] = "DELETE FROM surfaces WHERE key = ?1",
-    [COUNT] = ("SELECT (SELECT count(*) FROM surfaces WHERE file = ?1)"
-               " + (SELECT count(*) FROM surfaces WHERE attachment = ?1)"),
-    [FIND] = "SELECT file, attachment FROM surfaces WHERE key = ?1",
-    [NOTE] = "UPDATE surfaces SET uses = ?2, used = ?3 WHERE key = ?1",
-};
-
 struct server_database {
     sqlite3 *connection;
-    sqlite3_stmt *statements[STATEMENTS];
     int log_pages;        /* in the log, after the last commit */
     bool cant_checkpoint; /* one failed: nothing is written any more */
     bool had_no_log;      /* before it was opened to be read: closing removes the log */
@@ -71,7 +57,61 @@ enum server_store_outcome server_sqlite_outcome(int code)
     }
 }
 
-static int sqlite_run(sqlite3 *connection, const char *text)
+static int value_bind(sqlite3_stmt *statement, int number, const struct server_sql_value *value)
+{
+    char name[16];
+    snprintf(name, sizeof name, "$%d", number);
+    int index = sqlite3_bind_parameter_index(statement, name);
+    switch (value->type) {
+    case SERVER_SQL_INTEGER:
+        return sqlite3_bind_int64(statement, index, value->integer);
+    case SERVER_SQL_TEXT:
+        return sqlite3_bind_text64(statement, index, value->bytes, value->size, SQLITE_STATIC,
+                                   SQLITE_UTF8);
+    case SERVER_SQL_BYTES:
+        return sqlite3_bind_blob64(statement, index, value->size ? value->bytes : "", value->size,
+                                   SQLITE_STATIC);
+    case SERVER_SQL_NULL:
+        break;
+    }
+    return sqlite3_bind_null(statement, index);
+}
+
+static struct server_sql_value value_read(sqlite3_stmt *statement, int column)
+{
+    switch (sqlite3_column_type(statement, column)) {
+    case SQLITE_INTEGER:
+        return server_sql_integer(sqlite3_column_int64(statement, column));
+    case SQLITE_TEXT:
+        return server_sql_text((const char *)sqlite3_column_text(statement, column));
+    case SQLITE_BLOB:
+        return server_sql_bytes(sqlite3_column_blob(statement, column),
+                                (size_t)sqlite3_column_bytes(statement, column));
+    default:
+        return (struct server_sql_value){.type = SERVER_SQL_NULL};
+    }
+}
+
+int server_sqlite_run(sqlite3 *connection, const struct server_statement *what)
+{
+    struct server_sql_value row[SERVER_SQL_VALUES] = {0};
+    sqlite3_stmt *statement = NULL;
+    bool visits = what->visit != NULL;
+    int code = sqlite3_prepare_v2(connection, what->text, -1, &statement, NULL);
+    int columns = sqlite3_column_count(statement);
+    for (int i = 0; !code && i < what->count; i++)
+        code = value_bind(statement, i + 1, &what->values[i]);
+    while (!code && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+        for (int i = 0; i < columns && i < SERVER_SQL_VALUES; i++)
+            row[i] = value_read(statement, i);
+        visits = visits && what->visit(what->user, row);
+        code = SQLITE_OK;
+    }
+    (void)sqlite3_finalize(statement);
+    return code == SQLITE_DONE ? SQLITE_OK : code;
+}
+
+static int run_script(sqlite3 *connection, const char *text)
 {
     return sqlite3_exec(connection, text, NULL, NULL, NULL);
 }
@@ -82,33 +122,30 @@ int server_sqlite_open(const char *path, int flags, sqlite3 **out)
     if (code) return code;
     sqlite3_extended_result_codes(*out, 1);
     sqlite3_busy_timeout(*out, BUSY_MS);
-    return sqlite_run(*out, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
+    return run_script(*out, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
                             "PRAGMA temp_store = MEMORY");
 }
 
-static int on_check(void *user, int columns, char **values, char **names)
+static bool on_check(void *user, const struct server_sql_value *row)
 {
-    (void)names;
-    *(bool *)user = columns == 1 && values[0] && strcmp(values[0], "ok") == 0;
-    return 0;
+    *(bool *)user = row[0].type == SERVER_SQL_TEXT && strcmp(row[0].bytes, "ok") == 0;
+    return true;
 }
 
 int server_sqlite_check(sqlite3 *connection)
 {
     bool is_sound = false;
-    int code = sqlite3_exec(connection, "PRAGMA integrity_check(1)", on_check, &is_sound, NULL);
+    int code = server_sqlite_run(
+        connection, SERVER_SQL("PRAGMA integrity_check(1)", NULL, 0, on_check, &is_sound));
     return code || is_sound ? code : SQLITE_CORRUPT;
 }
 
-static int sqlite_version(sqlite3 *connection, int *version)
+static int read_version(sqlite3 *connection, int64_t *version)
 {
-    sqlite3_stmt *statement;
-    int code = sqlite3_prepare_v2(connection, "PRAGMA user_version", -1, &statement, NULL);
-    if (!code && (code = sqlite3_step(statement)) == SQLITE_ROW) {
-        *version = sqlite3_column_int(statement, 0);
-        code = SQLITE_OK;
-    }
-    sqlite3_finalize(statement);
+    struct server_sql_integers found = {0};
+    int code = server_sqlite_run(
+        connection, SERVER_SQL("PRAGMA user_version", NULL, 0, server_sql_on_integers, &found));
+    *version = found.at[0];
     return code;
 }
 
@@ -122,21 +159,22 @@ static int sqlite_copy(sqlite3 *connection, const char *path, sqlite3 **out)
     return sqlite3_extended_errcode(*out);
 }
 
-static int run_steps(sqlite3 *connection, const char *const *steps, int from, int to)
+static int run_steps(sqlite3 *connection, const char *const *steps, int64_t from, int to)
 {
     char mark[64];
-    int code = sqlite_run(connection, "BEGIN IMMEDIATE");
-    for (int i = from; !code && i < to; i++) code = sqlite_run(connection, steps[i]);
+    int code = run_script(connection, "BEGIN IMMEDIATE");
+    for (int64_t i = from; !code && i < to; i++) code = run_script(connection, steps[i]);
     snprintf(mark, sizeof mark, "PRAGMA user_version = %d; COMMIT", to);
-    if (!code) code = sqlite_run(connection, mark);
-    if (code) (void)sqlite_run(connection, "ROLLBACK");
+    if (!code) code = run_script(connection, mark);
+    if (code) (void)run_script(connection, "ROLLBACK");
     return code;
 }
 
 enum server_store_outcome server_sqlite_migrate(sqlite3 *connection, const char *const *steps,
                                                 int version, const char *copy_path)
 {
-    int from = 0, code = sqlite_version(connection, &from);
+    int64_t from;
+    int code = read_version(connection, &from);
     if (code || from == version) return server_sqlite_outcome(code);
     if (from < 0 || from > version) return SERVER_STORE_DAMAGED;
     if (from > 0) {
@@ -156,15 +194,6 @@ static int on_commit(void *user, sqlite3 *connection, const char *name, int page
     return SQLITE_OK;
 }
 
-static int prepare_all(struct server_database *database)
-{
-    int code = SQLITE_OK;
-    for (int i = 0; !code && i < STATEMENTS; i++)
-        code = sqlite3_prepare_v3(database->connection, sql[i], -1, SQLITE_PREPARE_PERSISTENT,
-                                  &database->statements[i], NULL);
-    return code;
-}
-
 static enum server_store_outcome open_to_write(struct server_database *database, const char *path)
 {
     char copy[SERVER_DISK_PATH];
@@ -172,7 +201,7 @@ static enum server_store_outcome open_to_write(struct server_database *database,
         server_sqlite_open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX,
                            &database->connection);
     if (!code)
-        code = sqlite_run(database->connection,
+        code = run_script(database->connection,
                           "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
     if (code) return server_sqlite_outcome(code);
     /* replaces automatic checkpoints */
@@ -182,7 +211,7 @@ static enum server_store_outcome open_to_write(struct server_database *database,
         server_sqlite_outcome(server_sqlite_check(database->connection));
     if (!outcome)
         outcome = server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
-    return outcome ? outcome : server_sqlite_outcome(prepare_all(database));
+    return outcome;
 }
 
 static void database_disconnect(struct server_database *database, bool is_sound)
@@ -194,7 +223,7 @@ static void database_disconnect(struct server_database *database, bool is_sound)
 }
 
 /* Replaces a database of an earlier version by a copy in memory, which is migrated. */
-static int migrate_in_memory(struct server_database *database, int version)
+static int migrate_in_memory(struct server_database *database, int64_t version)
 {
     sqlite3 *copy;
     int code = sqlite_copy(database->connection, ":memory:", &copy);
@@ -212,17 +241,16 @@ static enum server_store_outcome open_to_read(struct server_database *database, 
                                               bool is_store)
 {
     char log[SERVER_DISK_PATH + sizeof "-wal"];
-    int version = 0;
+    int64_t version = 0;
     snprintf(log, sizeof log, "%s-wal", path);
     database->had_no_log = !server_disk_exists(log);
     if (!server_disk_exists(path)) return SERVER_STORE_ABSENT;
     int code = server_sqlite_open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX,
                                   &database->connection);
-    if (!code && is_store) code = sqlite_version(database->connection, &version);
+    if (!code && is_store) code = read_version(database->connection, &version);
     if (!code && is_store && version == 0) return SERVER_STORE_ABSENT;
     if (!code) code = server_sqlite_check(database->connection);
     if (!code && is_store && version < SCHEMA_VERSION) code = migrate_in_memory(database, version);
-    if (!code && is_store) code = prepare_all(database);
     return server_sqlite_outcome(code);
 }
 
@@ -244,7 +272,6 @@ enum server_store_outcome server_database_open(const char *path, enum server_dat
 void server_database_close(struct server_database *database, bool is_sound)
 {
     if (!database) return;
-    for (int i = 0; i < STATEMENTS; i++) sqlite3_finalize(database->statements[i]);
     database_disconnect(database, is_sound);
     free(database);
 }
@@ -261,13 +288,6 @@ const char *server_database_error(struct server_database *database)
 
 /* --- statements ------------------------------------------------------------------------------- */
 
-static sqlite3_stmt *bind_key(struct server_database *database, enum statement which,
-                              const char *key)
-{
-    sqlite3_bind_text(database->statements[which], 1, key, -1, SQLITE_STATIC);
-    return database->statements[which];
-}
-
 /* Moves the log into the database. A failure refuses the next write; the last one is durable. */
 static void checkpoint(struct server_database *database, int mode)
 {
@@ -283,13 +303,10 @@ static void checkpoint_when_due(struct server_database *database)
 }
 
 static enum server_store_outcome run_write(struct server_database *database,
-                                           sqlite3_stmt *statement)
+                                           const struct server_statement *statement)
 {
     if (database->cant_checkpoint) return SERVER_STORE_READ_ONLY;
-    (void)sqlite3_step(statement);
-    int code = sqlite3_reset(statement);
-    sqlite3_clear_bindings(statement);
-    return server_sqlite_outcome(code);
+    return server_sqlite_outcome(server_sqlite_run(database->connection, statement));
 }
 
 enum server_store_outcome server_database_put(struct server_database *database,
@@ -299,12 +316,16 @@ enum server_store_outcome server_database_put(struct server_database *database,
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     struct server_object objects[SERVER_PARTS];
-    sqlite3_stmt *statement = bind_key(database, PUT, record->key);
-    for (int part = 0; part < SERVER_PARTS; part++) /* unbound: NULL */
+    struct server_sql_value values[2 + SERVER_PARTS] = {server_sql_text(record->key),
+                                                        server_sql_text(text)};
+    for (int part = 0; part < SERVER_PARTS; part++)
         if (server_record_object(record, part, &objects[part]))
-            sqlite3_bind_text(statement, 2 + part, objects[part].id, -1, SQLITE_STATIC);
-    sqlite3_bind_text64(statement, 2 + SERVER_PARTS, text, size, SQLITE_STATIC, SQLITE_UTF8);
-    enum server_store_outcome outcome = run_write(database, statement);
+            values[2 + part] = server_sql_text(objects[part].id);
+    enum server_store_outcome outcome = run_write(
+        database,
+        SERVER_SQL("INSERT INTO surfaces (key, record, file, attachment) VALUES ($1, $2, $3, $4)"
+                   " ON CONFLICT (key) DO UPDATE SET record = $2, file = $3, attachment = $4",
+                   values, 2 + SERVER_PARTS));
     free(text);
     if (!outcome) checkpoint_when_due(database);
     return outcome;
@@ -314,7 +335,9 @@ enum server_store_outcome server_database_put(struct server_database *database,
  * nothing would tell of a lost deletion. */
 enum server_store_outcome server_database_remove(struct server_database *database, const char *key)
 {
-    enum server_store_outcome outcome = run_write(database, bind_key(database, REMOVE, key));
+    const struct server_sql_value value = server_sql_text(key);
+    enum server_store_outcome outcome =
+        run_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1", &value, 1));
     if (!outcome) checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
     return outcome;
 }
@@ -322,22 +345,40 @@ enum server_store_outcome server_database_remove(struct server_database *databas
 enum server_store_outcome server_database_count(struct server_database *database,
                                                 const char *object, int64_t *count)
 {
-    sqlite3_stmt *statement = bind_key(database, COUNT, object);
-    if (sqlite3_step(statement) == SQLITE_ROW) *count = sqlite3_column_int64(statement, 0);
-    return server_sqlite_outcome(sqlite3_reset(statement));
+    const struct server_sql_value id = server_sql_text(object);
+    struct server_sql_integers found = {0};
+    int code = server_sqlite_run(
+        database->connection, SERVER_SQL("SELECT (SELECT count(*) FROM surfaces WHERE file = $1)"
+                                         " + (SELECT count(*) FROM surfaces WHERE attachment = $1)",
+                                         &id, 1, server_sql_on_integers, &found));
+    *count = found.at[0];
+    return server_sqlite_outcome(code);
+}
+
+struct finding {
+    char (*objects)[SERVER_OBJECT];
+    bool is_there;
+};
+
+static bool on_objects(void *user, const struct server_sql_value *row)
+{
+    struct finding *finding = user;
+    finding->is_there = true;
+    for (int part = 0; part < SERVER_PARTS; part++)
+        snprintf(finding->objects[part], SERVER_OBJECT, "%s",
+                 row[part].type == SERVER_SQL_TEXT ? row[part].bytes : "");
+    return true;
 }
 
 enum server_store_outcome server_database_find(struct server_database *database, const char *key,
                                                char objects[SERVER_PARTS][SERVER_OBJECT])
 {
-    sqlite3_stmt *statement = bind_key(database, FIND, key);
-    int found = sqlite3_step(statement);
-    for (int part = 0; found == SQLITE_ROW && part < SERVER_PARTS; part++) {
-        const char *id = (const char *)sqlite3_column_text(statement, part);
-        snprintf(objects[part], SERVER_OBJECT, "%s", id ? id : "");
-    }
-    enum server_store_outcome outcome = server_sqlite_outcome(sqlite3_reset(statement));
-    return !outcome && found == SQLITE_DONE ? SERVER_STORE_ABSENT : outcome;
+    const struct server_sql_value value = server_sql_text(key);
+    struct finding finding = {.objects = objects};
+    int code = server_sqlite_run(database->connection,
+                                 SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1",
+                                            &value, 1, on_objects, &finding));
+    return code || finding.is_there ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
 }
 
 enum server_store_outcome server_database_note_uses(struct server_database *database,
@@ -345,42 +386,47 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
                                                     const struct server_store_uses *uses,
                                                     uint32_t count)
 {
-    enum server_store_outcome outcome =
-        server_sqlite_outcome(sqlite_run(database->connection, "BEGIN IMMEDIATE"));
+    enum server_store_outcome outcome = run_write(database, SERVER_SQL("BEGIN IMMEDIATE"));
     for (uint32_t i = 0; !outcome && i < count; i++) {
-        sqlite3_stmt *statement = bind_key(database, NOTE, records[i]->key);
-        sqlite3_bind_int64(statement, 2, (int64_t)uses[i].count);
-        sqlite3_bind_int64(statement, 3, uses[i].last);
-        outcome = run_write(database, statement);
+        const struct server_sql_value values[] = {server_sql_text(records[i]->key),
+                                                  server_sql_integer((int64_t)uses[i].count),
+                                                  server_sql_integer(uses[i].last)};
+        outcome = run_write(
+            database,
+            SERVER_SQL("UPDATE surfaces SET uses = $2, used = $3 WHERE key = $1", values, 3));
     }
-    if (!outcome) outcome = server_sqlite_outcome(sqlite_run(database->connection, "COMMIT"));
+    if (!outcome) outcome = run_write(database, SERVER_SQL("COMMIT"));
     if (!outcome)
         checkpoint_when_due(database);
     else if (!sqlite3_get_autocommit(database->connection))
-        (void)sqlite_run(database->connection, "ROLLBACK");
+        (void)run_script(database->connection, "ROLLBACK");
     return outcome;
 }
 
-enum server_store_outcome
-server_database_each(struct server_database *database,
-                     bool (*visit)(void *user, const struct server_row *row), void *user)
+struct rows {
+    server_row_visit *visit;
+    void *user;
+};
+
+static bool on_row(void *user, const struct server_sql_value *values)
 {
-    sqlite3_stmt *statement;
-    bool go_on = true;
-    int code = sqlite3_prepare_v2(database->connection,
-                                  "SELECT key, record, uses, used FROM surfaces ORDER BY key", -1,
-                                  &statement, NULL);
-    while (!code && go_on && sqlite3_step(statement) == SQLITE_ROW) {
-        const struct server_row row = {
-            .key = (const char *)sqlite3_column_text(statement, 0),
-            .text = sqlite3_column_blob(statement, 1),
-            .size = (size_t)sqlite3_column_bytes(statement, 1),
-            .uses = {.count = (uint64_t)sqlite3_column_int64(statement, 2),
-                     .last = sqlite3_column_int64(statement, 3)}};
-        if (row.key && row.text) go_on = visit(user, &row);
-    }
-    int end = sqlite3_finalize(statement);
-    return server_sqlite_outcome(code ? code : end);
+    const struct rows *rows = user;
+    const struct server_row row = {
+        .key = values[0].bytes,
+        .text = values[1].bytes,
+        .size = values[1].size,
+        .uses = {.count = (uint64_t)values[2].integer, .last = values[3].integer}};
+    return values[0].type != SERVER_SQL_TEXT || !row.text || rows->visit(rows->user, &row);
+}
+
+enum server_store_outcome server_database_each(struct server_database *database,
+                                               server_row_visit *visit, void *user)
+{
+    struct rows rows = {visit, user};
+    return server_sqlite_outcome(
+        server_sqlite_run(database->connection,
+                          SERVER_SQL("SELECT key, record, uses, used FROM surfaces ORDER BY key",
+                                     NULL, 0, on_row, &rows)));
 }
 
 enum server_store_outcome server_database_copy(struct server_database *database, const char *path)

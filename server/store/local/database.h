@@ -7,7 +7,7 @@
 #ifndef SERVER_STORE_LOCAL_DATABASE_H
 #define SERVER_STORE_LOCAL_DATABASE_H
 
-#include "server/store/store.h"
+#include "server/store/sql.h"
 
 struct sqlite3;
 struct server_database;
@@ -34,10 +34,11 @@ struct server_row {         /* borrowed, for the time of a visit */
     struct server_store_uses uses;
 };
 
-/* Visits the rows in the order of keys; `visit` returns false to end it. */
-enum server_store_outcome
-server_database_each(struct server_database *database,
-                     bool (*visit)(void *user, const struct server_row *row), void *user);
+typedef bool server_row_visit(void *user, const struct server_row *row);
+
+/* Visits the rows in the order of keys, until `visit` returns false. */
+enum server_store_outcome server_database_each(struct server_database *database,
+                                               server_row_visit *visit, void *user);
 
 enum server_store_outcome server_database_put(struct server_database *database,
                                               const struct server_record *record);
@@ -70,6 +71,9 @@ const char *server_database_error(struct server_database *database);
 /* Opens a connection and sets what every one of ours needs. Returns a result code; the caller
  * closes `*out` in any case. */
 int server_sqlite_open(const char *path, int flags, struct sqlite3 **out);
+
+/* Runs one statement. All steps are made, even if the visitor wants no more rows. */
+int server_sqlite_run(struct sqlite3 *connection, const struct server_statement *statement);
 
 /* Reads the whole database: SQLITE_CORRUPT if it is damaged. */
 int server_sqlite_check(struct sqlite3 *connection);

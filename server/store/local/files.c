@@ -21,21 +21,14 @@
 
 enum server_store_outcome server_files_outcome(enum server_disk_result result)
 {
-    switch (result) {
-    case SERVER_DISK_DONE:
-        return SERVER_STORE_DONE;
-    case SERVER_DISK_ABSENT:
-        return SERVER_STORE_ABSENT;
-    case SERVER_DISK_FULL:
-        return SERVER_STORE_FULL;
-    case SERVER_DISK_LOST:
-        return SERVER_STORE_READ_ONLY;
-    case SERVER_DISK_NO_MEMORY:
-        return SERVER_STORE_NO_MEMORY;
-    case SERVER_DISK_REFUSED:
-        break;
-    }
-    return SERVER_STORE_REFUSED;
+    static const enum server_store_outcome outcomes[] = {
+        [SERVER_DISK_DONE] = SERVER_STORE_DONE,
+        [SERVER_DISK_ABSENT] = SERVER_STORE_ABSENT,
+        [SERVER_DISK_FULL] = SERVER_STORE_FULL,
+        [SERVER_DISK_REFUSED] = SERVER_STORE_REFUSED,
+        [SERVER_DISK_LOST] = SERVER_STORE_READ_ONLY,
+        [SERVER_DISK_NO_MEMORY] = SERVER_STORE_NO_MEMORY};
+    return outcomes[result];
 }
 
 /* The outcome of writing a file: REFUSED if its folder is missing. */
@@ -46,8 +39,7 @@ static enum server_store_outcome write_outcome(enum server_disk_result result)
 
 /* --- paths ------------------------------------------------------------------------------------ */
 
-struct server_path server_files_path(const struct server_store_files *files, const char *format,
-                                     ...)
+struct server_path server_files_path(const struct server_files *files, const char *format, ...)
 {
     struct server_path path;
     va_list arguments;
@@ -58,18 +50,17 @@ struct server_path server_files_path(const struct server_store_files *files, con
     return path;
 }
 
-struct server_path server_files_object_path(const struct server_store_files *files,
-                                            const char *object)
+struct server_path server_files_object_path(const struct server_files *files, const char *object)
 {
     return server_files_path(files, "objects/%.2s/%s", object, object);
 }
 
-static struct server_path manifest_path(const struct server_store_files *files, const char *key)
+static struct server_path manifest_path(const struct server_files *files, const char *key)
 {
     return server_files_path(files, "manifests/%s" SERVER_MANIFEST, key);
 }
 
-bool server_files_each(const struct server_store_files *files, const char *folder,
+bool server_files_each(const struct server_files *files, const char *folder,
                        void (*visit)(void *user, const char *path, const char *file), void *user)
 {
     const struct server_path path = server_files_path(files, "%s", folder);
@@ -123,16 +114,27 @@ static enum server_disk_result sync_path(const char *folder)
     return result;
 }
 
-static bool refuse_folder(const char *folder, char *error, size_t error_size)
+/* Writes the sentence. Returns false. */
+__attribute__((format(printf, 2, 3))) static bool refuse(struct server_files *files,
+                                                         const char *format, ...)
 {
-    snprintf(error, error_size,
-             "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
-             folder, strerror(errno));
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(files->error, sizeof files->error, format, arguments);
+    va_end(arguments);
     return false;
 }
 
+static bool refuse_folder(struct server_files *files)
+{
+    return refuse(files,
+                  "can't make the data folder '%s': %s; choose another --data-dir, or --store "
+                  "memory",
+                  files->folder, strerror(errno));
+}
+
 /* Creates the folders of the store and makes all their names durable. */
-static bool make_layout(const struct server_store_files *files, char *error, size_t error_size)
+static bool make_layout(struct server_files *files)
 {
     static const char *const folders[] = {"temporary", "manifests", "objects"};
     struct server_path path;
@@ -144,58 +146,53 @@ static bool make_layout(const struct server_store_files *files, char *error, siz
     if (!result) result = sync_path(files->folder);
     if (!result) result = server_disk_sync_folder(files->folder);
     if (!result) result = server_disk_sync_folder(path.text);
-    return !result || refuse_folder(files->folder, error, error_size);
+    return !result || refuse_folder(files);
 }
 
 /* --- open ------------------------------------------------------------------------------------- */
 
-static bool refuse_path(const char *path, char *error, size_t error_size)
+static bool refuse_path(struct server_files *files, const char *path)
 {
-    snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
-    return false;
+    return refuse(files, "can't open '%s': %s", path, strerror(errno));
 }
 
-static bool refuse_second(const struct server_store_files *files, char *error, size_t error_size)
+static bool refuse_second(struct server_files *files)
 {
-    snprintf(error, error_size,
-             "the data folder '%s' is in use by another geodesicd: stop that one, or choose "
-             "another --data-dir",
-             files->folder);
-    return false;
+    return refuse(files,
+                  "the data folder '%s' is in use by another geodesicd: stop that one, or choose "
+                  "another --data-dir",
+                  files->folder);
 }
 
 /* Locks the folder, since a locked file can be removed, and the file, for earlier versions and
  * where folders can't be locked (NFS). */
-static bool lock_both(struct server_store_files *files, int flags, char *error, size_t error_size)
+static bool lock_both(struct server_files *files, int flags)
 {
     const struct server_path path = server_files_path(files, "lock");
     files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (files->held < 0) return refuse_path(files->folder, error, error_size);
+    if (files->held < 0) return refuse_path(files, files->folder);
     if (flock(files->held, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return refuse_second(files, error, error_size);
+        return refuse_second(files);
     files->lock = open(path.text, flags | O_CLOEXEC | O_NONBLOCK, 0600);
     /* without O_CREAT: a copy has no such file yet */
     if (files->lock < 0 && errno == ENOENT) return true;
-    if (files->lock < 0) return refuse_path(path.text, error, error_size);
-    return flock(files->lock, LOCK_EX | LOCK_NB) == 0 || refuse_second(files, error, error_size);
+    if (files->lock < 0) return refuse_path(files, path.text);
+    return flock(files->lock, LOCK_EX | LOCK_NB) == 0 || refuse_second(files);
 }
 
-static bool lock_take(struct server_store_files *files, int flags, char *error, size_t error_size)
+static bool lock_take(struct server_files *files, int flags)
 {
-    if (lock_both(files, flags, error, error_size)) return true;
+    if (lock_both(files, flags)) return true;
     server_files_close(files);
     return false;
 }
 
-static bool set_folder(struct server_store_files *files, const char *folder, char *error,
-                       size_t error_size)
+static bool set_folder(struct server_files *files, const char *folder)
 {
-    *files = (struct server_store_files){.held = -1, .lock = -1};
-    if (strlen(folder) >= sizeof files->folder) {
-        snprintf(error, error_size, "the path of the data folder is longer than %d bytes",
-                 SERVER_STORE_FOLDER - 1);
-        return false;
-    }
+    *files = (struct server_files){.held = -1, .lock = -1};
+    if (strlen(folder) >= sizeof files->folder)
+        return refuse(files, "the path of the data folder is longer than %d bytes",
+                      SERVER_STORE_FOLDER - 1);
     strcpy(files->folder, folder);
     return true;
 }
@@ -209,13 +206,10 @@ static void make_private(void *user, const char *path, const char *file)
         (void)chmod(path, 0600);
 }
 
-bool server_files_open(struct server_store_files *files, const char *folder, char *error,
-                       size_t error_size)
+bool server_files_open(struct server_files *files, const char *folder)
 {
-    if (!set_folder(files, folder, error, error_size) ||
-        server_files_is_unfinished(folder, error, error_size) ||
-        !make_layout(files, error, error_size) ||
-        !lock_take(files, O_RDWR | O_CREAT, error, error_size))
+    if (!set_folder(files, folder) || server_files_is_unfinished(files) || !make_layout(files) ||
+        !lock_take(files, O_RDWR | O_CREAT))
         return false;
     (void)server_disk_each(folder, make_private, NULL);
     return true;
@@ -227,29 +221,26 @@ static bool is_folder(const char *path)
     return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
 }
 
-bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error,
-                                size_t error_size)
+bool server_files_open_existing(struct server_files *files, const char *folder)
 {
-    if (!set_folder(files, folder, error, error_size)) return false;
+    if (!set_folder(files, folder)) return false;
     if (!is_folder(server_files_path(files, "objects").text) ||
         !is_folder(server_files_path(files, "manifests").text)) {
-        snprintf(error, error_size,
-                 "there is no data folder at '%s': name one that a daemon or --backup has made",
-                 folder);
-        return false;
+        return refuse(
+            files, "there is no data folder at '%s': name one that a daemon or --backup has made",
+            folder);
     }
-    return !server_files_is_unfinished(folder, error, error_size) &&
-           lock_take(files, O_RDWR, error, error_size);
+    return !server_files_is_unfinished(files) && lock_take(files, O_RDWR);
 }
 
-void server_files_close(struct server_store_files *files)
+void server_files_close(struct server_files *files)
 {
     if (files->lock >= 0) close(files->lock);
     if (files->held >= 0) close(files->held);
     files->lock = files->held = -1;
 }
 
-bool server_files_are_there(const struct server_store_files *files)
+bool server_files_are_there(const struct server_files *files)
 {
     static const char *const parts[] = {"objects", "manifests", SERVER_STORE_DATABASE};
     struct stat now, held;
@@ -262,16 +253,13 @@ bool server_files_are_there(const struct server_store_files *files)
 
 /* --- copies ----------------------------------------------------------------------------------- */
 
-bool server_files_is_unfinished(const char *folder, char *error, size_t error_size)
+bool server_files_is_unfinished(struct server_files *files)
 {
-    char path[SERVER_DISK_PATH];
-    snprintf(path, sizeof path, "%s/" UNFINISHED, folder);
-    if (!server_disk_exists(path)) return false;
-    snprintf(error, error_size,
-             "'%s' is an unfinished copy: run the --restore or --backup that began it again, or "
-             "delete the folder",
-             folder);
-    return true;
+    return server_disk_exists(server_files_path(files, UNFINISHED).text) &&
+           !refuse(files,
+                   "'%s' is an unfinished copy: run the --restore or --backup that began it again, "
+                   "or delete the folder",
+                   files->folder);
 }
 
 static bool is_of_database(const char *file)
@@ -286,7 +274,7 @@ static void on_data(void *user, const char *path, const char *file)
     *(bool *)user = true;
 }
 
-static bool has_data(const struct server_store_files *files)
+static bool has_data(const struct server_files *files)
 {
     bool has_some = server_disk_exists(server_files_path(files, SERVER_STORE_DATABASE).text) ||
                     server_disk_exists(server_files_path(files, SERVER_SQL_BATCHES).text);
@@ -302,7 +290,7 @@ static void on_left_file(void *user, const char *path, const char *file)
 }
 
 /* Creates the marker, durably. */
-static bool mark_unfinished(const struct server_store_files *files, const char *path)
+static bool mark_unfinished(const struct server_files *files, const char *path)
 {
     int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
     if (file < 0) return false;
@@ -313,31 +301,29 @@ static bool mark_unfinished(const struct server_store_files *files, const char *
 
 /* The marker comes before the lock's file, so that an interrupted copy is no empty folder. What an
  * earlier attempt left is deleted, since it may be of another moment or backup, except objects. */
-bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error,
-                            size_t error_size)
+bool server_files_open_copy(struct server_files *files, const char *folder)
 {
-    if (!set_folder(files, folder, error, error_size)) return false;
-    if (make_folders(folder)) return refuse_folder(folder, error, error_size);
-    bool is_new = !server_files_is_unfinished(folder, error, error_size);
+    if (!set_folder(files, folder)) return false;
+    if (make_folders(folder)) return refuse_folder(files);
+    bool is_new = !server_files_is_unfinished(files);
     if (is_new && has_data(files)) {
-        snprintf(error, error_size, "'%s' holds a data folder already: name a new one", folder);
-        return false;
+        return refuse(files, "'%s' holds a data folder already: name a new one", folder);
     }
     const struct server_path path = server_files_path(files, UNFINISHED);
-    if (!mark_unfinished(files, path.text)) return refuse_path(path.text, error, error_size);
-    if (!lock_take(files, O_RDWR | O_CREAT, error, error_size)) {
+    if (!mark_unfinished(files, path.text)) return refuse_path(files, path.text);
+    if (!lock_take(files, O_RDWR | O_CREAT)) {
         if (is_new) (void)server_disk_remove(folder, path.text);
         return false;
     }
     (void)server_files_each(files, "manifests", on_left_file, NULL);
     (void)server_files_each(files, "temporary", on_left_file, NULL);
     (void)server_disk_each(folder, on_left_file, files);
-    if (make_layout(files, error, error_size)) return true;
+    if (make_layout(files)) return true;
     server_files_close(files);
     return false;
 }
 
-enum server_store_outcome server_files_finish(const struct server_store_files *files)
+enum server_store_outcome server_files_finish(const struct server_files *files)
 {
     enum server_disk_result result = server_disk_sync_folder(files->folder);
     if (!result)
@@ -347,7 +333,7 @@ enum server_store_outcome server_files_finish(const struct server_store_files *f
 
 /* --- objects ---------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_files_read_object(const struct server_store_files *files,
+enum server_store_outcome server_files_read_object(const struct server_files *files,
                                                    const struct server_object *object, void **bytes)
 {
     char found[SERVER_SHA256_HEX];
@@ -365,8 +351,7 @@ enum server_store_outcome server_files_read_object(const struct server_store_fil
     return SERVER_STORE_DONE;
 }
 
-bool server_files_has_object(const struct server_store_files *files,
-                             const struct server_object *object)
+bool server_files_has_object(const struct server_files *files, const struct server_object *object)
 {
     void *bytes = NULL;
     enum server_store_outcome outcome = server_files_read_object(files, object, &bytes);
@@ -391,7 +376,7 @@ static bool on_piece(void *user, const void *bytes, size_t size)
     return !verification->was_ended;
 }
 
-enum server_store_verdict server_files_verify_object(const struct server_store_files *files,
+enum server_store_verdict server_files_verify_object(const struct server_files *files,
                                                      const struct server_object *object,
                                                      server_pace *pace, void *user)
 {
@@ -409,12 +394,12 @@ enum server_store_verdict server_files_verify_object(const struct server_store_f
                : SERVER_VERDICT_DAMAGED;
 }
 
-static struct server_path temporary_path(struct server_store_files *files)
+static struct server_path temporary_path(struct server_files *files)
 {
     return server_files_path(files, "temporary/%u", files->serial++);
 }
 
-enum server_store_outcome server_files_write_object(struct server_store_files *files,
+enum server_store_outcome server_files_write_object(struct server_files *files,
                                                     const struct server_object *object,
                                                     const void *bytes)
 {
@@ -430,7 +415,7 @@ enum server_store_outcome server_files_write_object(struct server_store_files *f
     return write_outcome(result);
 }
 
-void server_files_remove_object(const struct server_store_files *files, const char *object)
+void server_files_remove_object(const struct server_files *files, const char *object)
 {
     /* the next start collects a file that stays */
     (void)server_disk_remove(NULL, server_files_object_path(files, object).text);
@@ -438,7 +423,7 @@ void server_files_remove_object(const struct server_store_files *files, const ch
 
 /* --- manifests -------------------------------------------------------------------------------- */
 
-enum server_record_reading server_files_read_manifest(const struct server_store_files *files,
+enum server_record_reading server_files_read_manifest(const struct server_files *files,
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX])
 {
@@ -447,13 +432,13 @@ enum server_record_reading server_files_read_manifest(const struct server_store_
     enum server_disk_result result = server_disk_read(manifest_path(files, key).text, &text, &size);
     if (result)
         return result == SERVER_DISK_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
-    enum server_record_reading reading = server_record_read_named(key, text, size, out);
+    enum server_record_reading reading = server_record_read(key, text, size, out);
     server_sha256(text, size, sha256);
     free(text);
     return reading;
 }
 
-enum server_store_outcome server_files_write_manifest(struct server_store_files *files,
+enum server_store_outcome server_files_write_manifest(struct server_files *files,
                                                       const struct server_record *record)
 {
     const struct server_path folder = server_files_path(files, "manifests"),
@@ -471,12 +456,12 @@ enum server_store_outcome server_files_write_manifest(struct server_store_files 
     return write_outcome(result);
 }
 
-void server_files_settle_manifest(const struct server_store_files *files)
+void server_files_settle_manifest(const struct server_files *files)
 {
     (void)server_disk_remove(NULL, server_files_path(files, ASIDE).text);
 }
 
-enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files,
+enum server_store_outcome server_files_undo_manifest(const struct server_files *files,
                                                      const char *key)
 {
     const struct server_path folder = server_files_path(files, "manifests"),
@@ -487,7 +472,7 @@ enum server_store_outcome server_files_undo_manifest(const struct server_store_f
                                     : server_disk_remove(folder.text, path.text));
 }
 
-enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files,
+enum server_store_outcome server_files_remove_manifest(const struct server_files *files,
                                                        const char *key)
 {
     enum server_disk_result result = server_disk_remove(server_files_path(files, "manifests").text,
@@ -497,7 +482,7 @@ enum server_store_outcome server_files_remove_manifest(const struct server_store
 
 /* --- ballast ---------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_files_load_ballast(struct server_store_files *files)
+enum server_store_outcome server_files_load_ballast(struct server_files *files)
 {
     const struct server_path path = server_files_path(files, "ballast"),
                              temporary = temporary_path(files);
@@ -510,7 +495,7 @@ enum server_store_outcome server_files_load_ballast(struct server_store_files *f
     return write_outcome(result);
 }
 
-bool server_files_drop_ballast(const struct server_store_files *files)
+bool server_files_drop_ballast(const struct server_files *files)
 {
     return server_disk_remove(NULL, server_files_path(files, "ballast").text) == SERVER_DISK_DONE;
 }

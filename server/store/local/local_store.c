@@ -28,7 +28,7 @@
 
 struct local {
     struct server_store store; /* first */
-    struct server_store_files files;
+    struct server_files files;
     struct server_database *database; /* NULL: it can't be opened or made, and nothing is written */
     struct server_quarantine quarantine;
     struct server_stored *found; /* by the recovery; freed after the first visit */
@@ -325,8 +325,7 @@ static bool on_row(void *user, const struct server_row *row)
     if (!finding) return false;
     finding->has_row = true;
     finding->uses = row->uses;
-    recovery_note(recovery,
-                  server_record_read_named(row->key, row->text, row->size, &finding->row));
+    recovery_note(recovery, server_record_read(row->key, row->text, row->size, &finding->row));
     server_sha256(row->text, row->size, finding->checksum);
     return true;
 }
@@ -561,8 +560,9 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
                                          .close = local_close};
     struct recovery recovery = {.local = local};
     server_quarantine_init(&local->quarantine);
-    bool is_open = server_files_open(&local->files, folder, error, error_size) &&
-                   recover(&recovery, error, error_size);
+    bool is_open = server_files_open(&local->files, folder);
+    if (!is_open) snprintf(error, error_size, "%s", local->files.error);
+    is_open = is_open && recover(&recovery, error, error_size);
     recovery_forget(&recovery);
     free(recovery.findings);
     if (is_open) return &local->store;

@@ -29,21 +29,20 @@ static bool on_row(void *user, const struct server_sql_value *row)
     snprintf(check->last, sizeof check->last, "%s", row[0].bytes);
     check->rows++;
     check->surfaces++;
-    if (server_record_read_named(row[0].bytes, row[1].bytes, row[1].size,
-                                 &check->page[check->count]) == SERVER_RECORD_READ)
+    if (server_record_read(row[0].bytes, row[1].bytes, row[1].size, &check->page[check->count]) ==
+        SERVER_RECORD_READ)
         check->count++;
     else
         fault(check, "its row is damaged, or of a later version", row[0].bytes);
     return true;
 }
 
-static enum server_store_outcome check_object(struct server_postgres_connection *connection,
-                                              struct check *check, const char *key,
-                                              const struct server_object *object)
+static enum server_store_outcome check_object(struct server_pg *pg, struct check *check,
+                                              const char *key, const struct server_object *object)
 {
     void *bytes = malloc(object->size ? object->size : 1);
     if (!bytes) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = server_postgres_read_object(connection, object, bytes);
+    enum server_store_outcome outcome = server_pg_read_object(pg, object, bytes);
     free(bytes);
     check->objects++;
     check->bytes += object->size;
@@ -55,39 +54,37 @@ static enum server_store_outcome check_object(struct server_postgres_connection 
     return SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome check_page(struct server_postgres_connection *connection,
-                                            struct check *check)
+static enum server_store_outcome check_page(struct server_pg *pg, struct check *check)
 {
     const struct server_sql_value last = server_sql_text(check->last);
     struct server_object object;
     check->rows = check->count = 0;
-    enum server_store_outcome outcome = server_postgres_run(
-        connection, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
-                               " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
-                               &last, 1, on_row, check));
+    enum server_store_outcome outcome =
+        server_pg_run(pg, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
+                                     " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
+                                     &last, 1, on_row, check));
     for (uint32_t i = 0; i < check->count; i++) {
         for (int part = 0; !outcome && part < SERVER_PARTS; part++)
             if (server_record_object(check->page[i], part, &object))
-                outcome = check_object(connection, check, check->page[i]->key, &object);
+                outcome = check_object(pg, check, check->page[i]->key, &object);
         server_record_release(check->page[i]);
     }
     return outcome;
 }
 
-static enum server_store_outcome check_all(struct server_postgres_connection *connection,
-                                           void *user)
+static enum server_store_outcome check_all(struct server_pg *pg, void *user)
 {
     struct check *check = user;
     struct server_sql_integers unused = {0};
     enum server_store_outcome outcome;
-    do outcome = check_page(connection, check);
+    do outcome = check_page(pg, check);
     while (!outcome && check->rows == PAGE);
     if (!outcome)
-        outcome = server_postgres_run(
-            connection, SERVER_SQL("SELECT count(*) FROM objects"
-                                   " WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                                   " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
-                                   NULL, 0, server_sql_on_integers, &unused));
+        outcome = server_pg_run(
+            pg, SERVER_SQL("SELECT count(*) FROM objects"
+                           " WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                           " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+                           NULL, 0, server_sql_on_integers, &unused));
     check->unused = unused.at[0];
     return outcome;
 }
@@ -95,11 +92,10 @@ static enum server_store_outcome check_all(struct server_postgres_connection *co
 bool server_store_check_postgres(const char *url, FILE *out)
 {
     struct check check = {.out = out};
-    struct server_postgres *postgres = server_postgres_create(url);
+    struct server_pg_pool *pool = server_pg_pool_create(url);
     enum server_store_outcome outcome =
-        postgres ? server_postgres_read(postgres, PATIENCE_NS, check_all, &check)
-                 : SERVER_STORE_NO_MEMORY;
-    server_postgres_destroy(postgres);
+        pool ? server_pg_read(pool, PATIENCE_NS, check_all, &check) : SERVER_STORE_NO_MEMORY;
+    server_pg_pool_destroy(pool);
     if (outcome)
         fprintf(
             out,

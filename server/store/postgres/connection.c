@@ -37,19 +37,19 @@ static const char settings[] =
     " SELECT set_config('synchronous_commit', 'on', false)"
     " WHERE current_setting('synchronous_commit') IN ('off', 'local')";
 
-struct server_postgres_connection {
+struct server_pg {
     PGconn *link;
     bool is_lost;
     uint64_t longest_ns; /* deadline of a statement */
-    struct server_postgres_connection *next;
-    char error[SERVER_POSTGRES_ERROR]; /* of the last failure, one line */
+    struct server_pg *next;
+    char error[SERVER_PG_ERROR]; /* of the last failure, one line */
 };
 
-struct server_postgres {
+struct server_pg_pool {
     pthread_mutex_t lock;
     pthread_cond_t change;
-    struct server_postgres_connection *idle; /* under the lock */
-    unsigned count;                          /* of connections; under the lock */
+    struct server_pg *idle; /* under the lock */
+    unsigned count;         /* of connections; under the lock */
     atomic_bool is_away;
     char url[];
 };
@@ -57,24 +57,21 @@ struct server_postgres {
 /* --- errors ----------------------------------------------------------------------------------- */
 
 /* Keeps the first line of a message. */
-static void error_note(struct server_postgres_connection *connection, const char *message)
+static void error_note(struct server_pg *pg, const char *message)
 {
-    snprintf(connection->error, sizeof connection->error, "%.*s", (int)strcspn(message, "\n"),
-             message);
+    snprintf(pg->error, sizeof pg->error, "%.*s", (int)strcspn(message, "\n"), message);
 }
 
-static enum server_store_outcome connection_lose(struct server_postgres_connection *connection)
+static enum server_store_outcome connection_lose(struct server_pg *pg)
 {
-    const char *message = PQerrorMessage(connection->link);
-    if (!connection->is_lost)
-        error_note(connection, *message ? message : "it did not answer in time");
-    connection->is_lost = true;
+    const char *message = PQerrorMessage(pg->link);
+    if (!pg->is_lost) error_note(pg, *message ? message : "it did not answer in time");
+    pg->is_lost = true;
     return SERVER_STORE_UNAVAILABLE;
 }
 
 /* The outcome of an error, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
-static enum server_store_outcome error_outcome(struct server_postgres_connection *connection,
-                                               const PGresult *result)
+static enum server_store_outcome error_outcome(struct server_pg *pg, const PGresult *result)
 {
     static const struct {
         const char *state; /* or its beginning */
@@ -89,14 +86,14 @@ static enum server_store_outcome error_outcome(struct server_postgres_connection
     };
     const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
     enum server_store_outcome outcome = SERVER_STORE_REFUSED;
-    error_note(connection, PQresultErrorMessage(result));
-    if (!state && strstr(connection->error, "out of memory")) return SERVER_STORE_NO_MEMORY;
-    if (!state || PQstatus(connection->link) == CONNECTION_BAD) outcome = SERVER_STORE_UNAVAILABLE;
+    error_note(pg, PQresultErrorMessage(result));
+    if (!state && strstr(pg->error, "out of memory")) return SERVER_STORE_NO_MEMORY;
+    if (!state || PQstatus(pg->link) == CONNECTION_BAD) outcome = SERVER_STORE_UNAVAILABLE;
     for (size_t i = 0; outcome == SERVER_STORE_REFUSED && i < sizeof outcomes / sizeof *outcomes;
          i++)
         if (strncmp(state, outcomes[i].state, strlen(outcomes[i].state)) == 0)
             outcome = outcomes[i].outcome;
-    connection->is_lost |= outcome == SERVER_STORE_UNAVAILABLE;
+    pg->is_lost |= outcome == SERVER_STORE_UNAVAILABLE;
     return outcome;
 }
 
@@ -151,37 +148,36 @@ static void rows_visit(const PGresult *result, server_sql_visit *visit, void *us
 }
 
 /* Sends what is queued and visits the rows of all results. */
-static enum server_store_outcome results_receive(struct server_postgres_connection *connection,
-                                                 uint64_t until_ns, server_sql_visit *visit,
-                                                 void *user)
+static enum server_store_outcome results_receive(struct server_pg *pg, uint64_t until_ns,
+                                                 server_sql_visit *visit, void *user)
 {
-    PGconn *link = connection->link;
+    PGconn *link = pg->link;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    if (!send_all(link, until_ns)) return connection_lose(connection);
-    while (!connection->is_lost) {
+    if (!send_all(link, until_ns)) return connection_lose(pg);
+    while (!pg->is_lost) {
         while (PQisBusy(link))
             if (!socket_wait(link, POLLIN, until_ns) || !PQconsumeInput(link))
-                return connection_lose(connection);
+                return connection_lose(pg);
         PGresult *result = PQgetResult(link);
         if (!result) break;
         ExecStatusType status = PQresultStatus(result);
         if (status == PGRES_TUPLES_OK)
             rows_visit(result, visit, user);
         else if (status != PGRES_COMMAND_OK && !outcome)
-            outcome = error_outcome(connection, result);
+            outcome = error_outcome(pg, result);
         PQclear(result);
     }
     return outcome;
 }
 
-enum server_store_outcome server_postgres_run(struct server_postgres_connection *connection,
-                                              const struct server_sql_statement *statement)
+enum server_store_outcome server_pg_run(struct server_pg *pg,
+                                        const struct server_statement *statement)
 {
     Oid types[SERVER_SQL_VALUES];
     const char *values[SERVER_SQL_VALUES];
     int sizes[SERVER_SQL_VALUES], formats[SERVER_SQL_VALUES];
     uint64_t integers[SERVER_SQL_VALUES]; /* big-endian */
-    if (connection->is_lost) return SERVER_STORE_UNAVAILABLE;
+    if (pg->is_lost) return SERVER_STORE_UNAVAILABLE;
     for (int i = 0; i < statement->count; i++) {
         const struct server_sql_value *value = &statement->values[i];
         bool is_integer = value->type == SERVER_SQL_INTEGER;
@@ -193,23 +189,21 @@ enum server_store_outcome server_postgres_run(struct server_postgres_connection 
         sizes[i] = is_integer ? (int)sizeof(uint64_t) : (int)value->size;
         values[i] = is_integer ? (const char *)&integers[i] : value->bytes; /* NULL: NULL */
     }
-    if (!PQsendQueryParams(connection->link, statement->text, statement->count, types, values,
-                           sizes, formats, 1)) {
-        (void)connection_lose(connection);
-        return strstr(connection->error, "memory") ? SERVER_STORE_NO_MEMORY
-                                                   : SERVER_STORE_UNAVAILABLE;
+    if (!PQsendQueryParams(pg->link, statement->text, statement->count, types, values, sizes,
+                           formats, 1)) {
+        (void)connection_lose(pg);
+        return strstr(pg->error, "memory") ? SERVER_STORE_NO_MEMORY : SERVER_STORE_UNAVAILABLE;
     }
-    return results_receive(connection, gd_now_ns() + connection->longest_ns, statement->visit,
-                           statement->user);
+    return results_receive(pg, gd_now_ns() + pg->longest_ns, statement->visit, statement->user);
 }
 
-bool server_postgres_await(struct server_postgres_connection *connection, uint64_t ns)
+bool server_pg_await(struct server_pg *pg, uint64_t ns)
 {
-    PGconn *link = connection->link;
+    PGconn *link = pg->link;
     PGnotify *notice = PQnotifies(link);
-    if (connection->is_lost) return false;
+    if (pg->is_lost) return false;
     if (!notice && socket_wait(link, POLLIN, gd_now_ns() + ns) && !PQconsumeInput(link)) {
-        (void)connection_lose(connection);
+        (void)connection_lose(pg);
         return false;
     }
     do PQfreemem(notice);
@@ -253,142 +247,137 @@ static bool connect_end(PGconn *link, uint64_t until_ns)
     return PQsetnonblocking(link, 1) == 0;
 }
 
-static void connection_close(struct server_postgres_connection *connection)
+static void connection_close(struct server_pg *pg)
 {
-    PQfinish(connection->link);
-    free(connection);
+    PQfinish(pg->link);
+    free(pg);
 }
 
-static enum server_store_outcome connection_set_up(struct server_postgres_connection *connection)
+static enum server_store_outcome connection_set_up(struct server_pg *pg)
 {
-    if (!connect_end(connection->link, gd_now_ns() + CONNECT_NS))
-        return connection_lose(connection);
-    if (!PQsendQuery(connection->link, settings)) return connection_lose(connection);
-    return results_receive(connection, gd_now_ns() + CONNECT_NS, NULL, NULL);
+    if (!connect_end(pg->link, gd_now_ns() + CONNECT_NS)) return connection_lose(pg);
+    if (!PQsendQuery(pg->link, settings)) return connection_lose(pg);
+    return results_receive(pg, gd_now_ns() + CONNECT_NS, NULL, NULL);
 }
 
-static enum server_store_outcome connection_open(const char *url,
-                                                 struct server_postgres_connection **out,
-                                                 char error[SERVER_POSTGRES_ERROR])
+static enum server_store_outcome connection_open(const char *url, struct server_pg **out,
+                                                 char error[SERVER_PG_ERROR])
 {
-    struct server_postgres_connection *connection = calloc(1, sizeof *connection);
-    snprintf(error, SERVER_POSTGRES_ERROR, "out of memory");
-    if (!connection || !(connection->link = connect_begin(url))) {
-        free(connection);
+    struct server_pg *pg = calloc(1, sizeof *pg);
+    snprintf(error, SERVER_PG_ERROR, "out of memory");
+    if (!pg || !(pg->link = connect_begin(url))) {
+        free(pg);
         return SERVER_STORE_NO_MEMORY;
     }
-    PQsetNoticeReceiver(connection->link, on_notice, NULL);
-    connection->longest_ns = CONNECT_NS;
-    enum server_store_outcome outcome = connection_set_up(connection);
+    PQsetNoticeReceiver(pg->link, on_notice, NULL);
+    pg->longest_ns = CONNECT_NS;
+    enum server_store_outcome outcome = connection_set_up(pg);
     if (!outcome) {
-        *out = connection;
+        *out = pg;
         return SERVER_STORE_DONE;
     }
-    snprintf(error, SERVER_POSTGRES_ERROR, "%s", connection->error);
-    connection_close(connection);
+    snprintf(error, SERVER_PG_ERROR, "%s", pg->error);
+    connection_close(pg);
     return outcome == SERVER_STORE_NO_MEMORY ? outcome : SERVER_STORE_UNAVAILABLE;
 }
 
 /* --- the pool --------------------------------------------------------------------------------- */
 
-struct server_postgres *server_postgres_create(const char *url)
+struct server_pg_pool *server_pg_pool_create(const char *url)
 {
     size_t size = strlen(url) + 1;
-    struct server_postgres *postgres = calloc(1, sizeof *postgres + size);
+    struct server_pg_pool *pool = calloc(1, sizeof *pool + size);
     pthread_condattr_t attributes;
-    if (!postgres) return NULL;
-    memcpy(postgres->url, url, size);
-    pthread_mutex_init(&postgres->lock, NULL);
+    if (!pool) return NULL;
+    memcpy(pool->url, url, size);
+    pthread_mutex_init(&pool->lock, NULL);
     pthread_condattr_init(&attributes);
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC); /* that of gd_now_ns */
-    pthread_cond_init(&postgres->change, &attributes);
+    pthread_cond_init(&pool->change, &attributes);
     pthread_condattr_destroy(&attributes);
-    return postgres;
+    return pool;
 }
 
-void server_postgres_destroy(struct server_postgres *postgres)
+void server_pg_pool_destroy(struct server_pg_pool *pool)
 {
-    if (!postgres) return;
-    while (postgres->idle) {
-        struct server_postgres_connection *next = postgres->idle->next;
-        connection_close(postgres->idle);
-        postgres->idle = next;
+    if (!pool) return;
+    while (pool->idle) {
+        struct server_pg *next = pool->idle->next;
+        connection_close(pool->idle);
+        pool->idle = next;
     }
-    pthread_cond_destroy(&postgres->change);
-    pthread_mutex_destroy(&postgres->lock);
-    free(postgres);
+    pthread_cond_destroy(&pool->change);
+    pthread_mutex_destroy(&pool->lock);
+    free(pool);
 }
 
-bool server_postgres_is_away(struct server_postgres *postgres)
+bool server_pg_pool_is_away(struct server_pg_pool *pool)
 {
-    return atomic_load(&postgres->is_away);
+    return atomic_load(&pool->is_away);
 }
 
-void server_postgres_has_answered(struct server_postgres *postgres)
+void server_pg_pool_has_answered(struct server_pg_pool *pool)
 {
-    atomic_store(&postgres->is_away, false);
+    atomic_store(&pool->is_away, false);
 }
 
 /* Takes an idle connection, or reserves a place for a new one (NULL). False: all are in use. */
-static bool pool_reserve(struct server_postgres *postgres, struct server_postgres_connection **out)
+static bool pool_reserve(struct server_pg_pool *pool, struct server_pg **out)
 {
     uint64_t until_ns = gd_now_ns() + TAKE_NS;
     const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
                                    .tv_nsec = (long)(until_ns % SECOND_NS)};
     bool has_time = true;
-    pthread_mutex_lock(&postgres->lock);
-    while (has_time && !postgres->idle && postgres->count >= CONNECTIONS)
-        has_time = pthread_cond_timedwait(&postgres->change, &postgres->lock, &until) == 0;
-    *out = postgres->idle;
-    bool is_reserved = *out || postgres->count < CONNECTIONS;
+    pthread_mutex_lock(&pool->lock);
+    while (has_time && !pool->idle && pool->count >= CONNECTIONS)
+        has_time = pthread_cond_timedwait(&pool->change, &pool->lock, &until) == 0;
+    *out = pool->idle;
+    bool is_reserved = *out || pool->count < CONNECTIONS;
     if (*out)
-        postgres->idle = (*out)->next;
+        pool->idle = (*out)->next;
     else
-        postgres->count += is_reserved;
-    pthread_mutex_unlock(&postgres->lock);
+        pool->count += is_reserved;
+    pthread_mutex_unlock(&pool->lock);
     return is_reserved;
 }
 
 /* Returns an idle connection, or the place of a closed one (NULL). */
-static void pool_return(struct server_postgres *postgres,
-                        struct server_postgres_connection *connection)
+static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
 {
-    pthread_mutex_lock(&postgres->lock);
-    if (connection) {
-        connection->next = postgres->idle;
-        postgres->idle = connection;
+    pthread_mutex_lock(&pool->lock);
+    if (pg) {
+        pg->next = pool->idle;
+        pool->idle = pg;
     } else {
-        postgres->count--;
+        pool->count--;
     }
-    pthread_cond_signal(&postgres->change);
-    pthread_mutex_unlock(&postgres->lock);
+    pthread_cond_signal(&pool->change);
+    pthread_mutex_unlock(&pool->lock);
 }
 
-enum server_store_outcome server_postgres_take(struct server_postgres *postgres,
-                                               struct server_postgres_connection **out,
-                                               char error[SERVER_POSTGRES_ERROR])
+enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
+                                              char error[SERVER_PG_ERROR])
 {
-    snprintf(error, SERVER_POSTGRES_ERROR, "the database is away");
-    if (!pool_reserve(postgres, out)) return SERVER_STORE_UNAVAILABLE;
+    snprintf(error, SERVER_PG_ERROR, "the database is away");
+    if (!pool_reserve(pool, out)) return SERVER_STORE_UNAVAILABLE;
     if (*out) return SERVER_STORE_DONE;
-    enum server_store_outcome outcome = connection_open(postgres->url, out, error);
-    if (outcome) pool_return(postgres, NULL);
-    atomic_store(&postgres->is_away, outcome == SERVER_STORE_UNAVAILABLE);
+    enum server_store_outcome outcome = connection_open(pool->url, out, error);
+    if (outcome) pool_return(pool, NULL);
+    atomic_store(&pool->is_away, outcome == SERVER_STORE_UNAVAILABLE);
     return outcome;
 }
 
-void server_postgres_give(struct server_postgres *postgres,
-                          struct server_postgres_connection *connection)
+void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg)
 {
-    bool is_lost = connection->is_lost;
-    if (is_lost) connection_close(connection);
-    pool_return(postgres, is_lost ? NULL : connection);
+    bool is_lost = pg->is_lost;
+    if (is_lost) connection_close(pg);
+    pool_return(pool, is_lost ? NULL : pg);
 }
 
 /* --- transactions ----------------------------------------------------------------------------- */
 
 struct attempt {
-    server_postgres_body *body;
+    server_pg_body *body;
     void *user;
     bool is_transaction;
     uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
@@ -402,20 +391,18 @@ static bool on_number(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome attempt_make(struct server_postgres_connection *connection,
-                                              struct attempt *attempt)
+static enum server_store_outcome attempt_make(struct server_pg *pg, struct attempt *attempt)
 {
-    if (!attempt->is_transaction) return attempt->body(connection, attempt->user);
-    enum server_store_outcome outcome = server_postgres_run(connection, SERVER_SQL("BEGIN"));
-    if (!outcome) outcome = attempt->body(connection, attempt->user);
+    if (!attempt->is_transaction) return attempt->body(pg, attempt->user);
+    enum server_store_outcome outcome = server_pg_run(pg, SERVER_SQL("BEGIN"));
+    if (!outcome) outcome = attempt->body(pg, attempt->user);
     if (outcome) {
-        if (outcome != SERVER_STORE_UNAVAILABLE)
-            (void)server_postgres_run(connection, SERVER_SQL("ROLLBACK"));
+        if (outcome != SERVER_STORE_UNAVAILABLE) (void)server_pg_run(pg, SERVER_SQL("ROLLBACK"));
         return outcome;
     }
-    outcome = server_postgres_run(
-        connection, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt));
-    if (!outcome) outcome = server_postgres_run(connection, SERVER_SQL("COMMIT"));
+    outcome = server_pg_run(
+        pg, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt));
+    if (!outcome) outcome = server_pg_run(pg, SERVER_SQL("COMMIT"));
     if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0';
     return outcome;
 }
@@ -431,13 +418,12 @@ static bool on_status(void *user, const struct server_sql_value *row)
 
 /* Asks for the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
  * unknown for now, or still in progress. */
-static enum server_store_outcome attempt_ask(struct server_postgres_connection *connection,
-                                             struct attempt *attempt)
+static enum server_store_outcome attempt_ask(struct server_pg *pg, struct attempt *attempt)
 {
     const struct server_sql_value number = server_sql_text(attempt->number);
     enum server_store_outcome found = SERVER_STORE_UNAVAILABLE;
-    if (server_postgres_run(connection, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number,
-                                                   1, on_status, &found)))
+    if (server_pg_run(
+            pg, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number, 1, on_status, &found)))
         return SERVER_STORE_UNAVAILABLE;
     if (found == SERVER_STORE_STALE) attempt->number[0] = '\0';
     return found;
@@ -452,22 +438,20 @@ static bool pause_until(uint64_t until_ns, uint64_t *pause_ns)
     return true;
 }
 
-static enum server_store_outcome attempts_run(struct server_postgres *postgres,
-                                              struct attempt attempt)
+static enum server_store_outcome attempts_run(struct server_pg_pool *pool, struct attempt attempt)
 {
     uint64_t until_ns = gd_now_ns() + attempt.patience_ns, pause_ns = PAUSE_NS;
     enum server_store_outcome outcome;
-    char error[SERVER_POSTGRES_ERROR] = "";
-    if (server_postgres_is_away(postgres)) return SERVER_STORE_UNAVAILABLE;
+    char error[SERVER_PG_ERROR] = "";
+    if (server_pg_pool_is_away(pool)) return SERVER_STORE_UNAVAILABLE;
     do {
-        struct server_postgres_connection *connection;
-        outcome = server_postgres_take(postgres, &connection, error);
+        struct server_pg *pg;
+        outcome = server_pg_pool_take(pool, &pg, error);
         if (outcome) continue;
-        connection->longest_ns = attempt.longest_ns;
-        outcome = attempt.number[0] ? attempt_ask(connection, &attempt)
-                                    : attempt_make(connection, &attempt);
-        if (outcome) snprintf(error, sizeof error, "%s", connection->error);
-        server_postgres_give(postgres, connection);
+        pg->longest_ns = attempt.longest_ns;
+        outcome = attempt.number[0] ? attempt_ask(pg, &attempt) : attempt_make(pg, &attempt);
+        if (outcome) snprintf(error, sizeof error, "%s", pg->error);
+        server_pg_pool_give(pool, pg);
     } while ((outcome == SERVER_STORE_UNAVAILABLE || outcome == SERVER_STORE_STALE) &&
              pause_until(until_ns, &pause_ns));
     if (outcome == SERVER_STORE_STALE) outcome = SERVER_STORE_UNAVAILABLE;
@@ -479,56 +463,53 @@ static enum server_store_outcome attempts_run(struct server_postgres *postgres,
     return outcome;
 }
 
-enum server_store_outcome server_postgres_transact(struct server_postgres *postgres,
-                                                   server_postgres_body *body, void *user)
+enum server_store_outcome server_pg_transact(struct server_pg_pool *pool, server_pg_body *body,
+                                             void *user)
 {
-    return attempts_run(postgres, (struct attempt){.body = body,
-                                                   .user = user,
-                                                   .is_transaction = true,
-                                                   .patience_ns = PATIENCE_NS,
-                                                   .longest_ns = LONGEST_NS});
+    return attempts_run(pool, (struct attempt){.body = body,
+                                               .user = user,
+                                               .is_transaction = true,
+                                               .patience_ns = PATIENCE_NS,
+                                               .longest_ns = LONGEST_NS});
 }
 
-enum server_store_outcome server_postgres_read(struct server_postgres *postgres,
-                                               uint64_t patience_ns, server_postgres_body *body,
-                                               void *user)
+enum server_store_outcome server_pg_read(struct server_pg_pool *pool, uint64_t patience_ns,
+                                         server_pg_body *body, void *user)
 {
-    return attempts_run(postgres, (struct attempt){.body = body,
-                                                   .user = user,
-                                                   .patience_ns = patience_ns,
-                                                   .longest_ns = patience_ns});
+    return attempts_run(pool, (struct attempt){.body = body,
+                                               .user = user,
+                                               .patience_ns = patience_ns,
+                                               .longest_ns = patience_ns});
 }
 
 /* --- statements for the batches (sql.h) ------------------------------------------------------- */
 
-struct sql_postgres {
+struct sql_pg {
     struct server_store_sql sql; /* first */
-    struct server_postgres *postgres;
+    struct server_pg_pool *pool;
 };
 
-static enum server_store_outcome on_statement(struct server_postgres_connection *connection,
-                                              void *user)
+static enum server_store_outcome on_statement(struct server_pg *pg, void *user)
 {
-    return server_postgres_run(connection, *(const struct server_sql_statement **)user);
+    return server_pg_run(pg, *(const struct server_statement **)user);
 }
 
 static enum server_store_outcome sql_run(struct server_store_sql *sql,
-                                         const struct server_sql_statement *statement)
+                                         const struct server_statement *statement)
 {
-    return server_postgres_read(((struct sql_postgres *)sql)->postgres, TAKE_NS, on_statement,
-                                &statement);
+    return server_pg_read(((struct sql_pg *)sql)->pool, TAKE_NS, on_statement, &statement);
 }
 
 static void sql_close(struct server_store_sql *sql)
 {
-    server_postgres_destroy(((struct sql_postgres *)sql)->postgres);
+    server_pg_pool_destroy(((struct sql_pg *)sql)->pool);
     free(sql);
 }
 
 struct server_store_sql *server_store_sql_postgres_open(const char *url)
 {
-    struct sql_postgres *own = calloc(1, sizeof *own);
-    if (!own || !(own->postgres = server_postgres_create(url))) {
+    struct sql_pg *own = calloc(1, sizeof *own);
+    if (!own || !(own->pool = server_pg_pool_create(url))) {
         free(own);
         return NULL;
     }

@@ -1,11 +1,11 @@
 /* Connections to a PostgreSQL database, statements and transactions.
  *
- *     static enum server_store_outcome on_change(struct server_postgres_connection *connection,
+ *     static enum server_store_outcome on_change(struct server_pg *pg,
  *                                                void *user)
  *     {
- *         return server_postgres_run(connection, SERVER_SQL("UPDATE …", values, 2));
+ *         return server_pg_run(pg, SERVER_SQL("UPDATE …", values, 2));
  *     }
- *     outcome = server_postgres_transact(postgres, on_change, user);
+ *     outcome = server_pg_transact(pool, on_change, user);
  *
  * DESIGN. A pool of few connections, each used by one thread at a time, opened on demand. Every
  * wait is bounded: each statement and each attempt to connect has a deadline, and a connection
@@ -26,52 +26,48 @@
 
 #include "server/store/sql.h"
 
-#define SERVER_POSTGRES_ERROR 400 /* bytes of a message */
+#define SERVER_PG_ERROR 400 /* bytes of a message */
 
-struct server_postgres;
-struct server_postgres_connection;
+struct server_pg_pool;
+struct server_pg;
 
 /* Copies the address ("postgresql://user@host/database?…") and connects to nothing yet. NULL
  * without memory. */
-struct server_postgres *server_postgres_create(const char *url);
+struct server_pg_pool *server_pg_pool_create(const char *url);
 /* After all connections are given back; NULL is harmless. */
-void server_postgres_destroy(struct server_postgres *postgres);
+void server_pg_pool_destroy(struct server_pg_pool *pool);
 
 /* Takes an idle connection or opens one, even if the database is away. UNAVAILABLE, NO_MEMORY, with
  * a message. */
-enum server_store_outcome server_postgres_take(struct server_postgres *postgres,
-                                               struct server_postgres_connection **out,
-                                               char error[SERVER_POSTGRES_ERROR]);
+enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
+                                              char error[SERVER_PG_ERROR]);
 /* Gives a connection back; a lost one is closed. */
-void server_postgres_give(struct server_postgres *postgres,
-                          struct server_postgres_connection *connection);
+void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg);
 
 /* True after a failed connect, until a connect succeeds or has_answered is called. */
-bool server_postgres_is_away(struct server_postgres *postgres);
-void server_postgres_has_answered(struct server_postgres *postgres);
+bool server_pg_pool_is_away(struct server_pg_pool *pool);
+void server_pg_pool_has_answered(struct server_pg_pool *pool);
 
 /* Runs one statement. UNAVAILABLE: the connection is lost or missed the deadline; STALE: a
  * conflict, retry the transaction; FULL; NO_MEMORY; REFUSED: any other error. */
-enum server_store_outcome server_postgres_run(struct server_postgres_connection *connection,
-                                              const struct server_sql_statement *statement);
+enum server_store_outcome server_pg_run(struct server_pg *pg,
+                                        const struct server_statement *statement);
 
-typedef enum server_store_outcome
-server_postgres_body(struct server_postgres_connection *connection, void *user);
+typedef enum server_store_outcome server_pg_body(struct server_pg *pg, void *user);
 
 /* Runs the body in a transaction; commits if it returns DONE. The body may run several times. It
  * returns STALE for a retry, and PRECONDITION to end because of another's change. UNAVAILABLE:
  * nothing changed, or the outcome is unknown for now. */
-enum server_store_outcome server_postgres_transact(struct server_postgres *postgres,
-                                                   server_postgres_body *body, void *user);
+enum server_store_outcome server_pg_transact(struct server_pg_pool *pool, server_pg_body *body,
+                                             void *user);
 
 /* Runs the body without a transaction; again if the connection is lost, for `patience_ns` at most,
  * which is also the deadline of each statement. */
-enum server_store_outcome server_postgres_read(struct server_postgres *postgres,
-                                               uint64_t patience_ns, server_postgres_body *body,
-                                               void *user);
+enum server_store_outcome server_pg_read(struct server_pg_pool *pool, uint64_t patience_ns,
+                                         server_pg_body *body, void *user);
 
 /* Blocks for `ns`, or until a notification on a channel that the connection listens to. False: the
  * connection is lost. */
-bool server_postgres_await(struct server_postgres_connection *connection, uint64_t ns);
+bool server_pg_await(struct server_pg *pg, uint64_t ns);
 
 #endif

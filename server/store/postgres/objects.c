@@ -3,7 +3,7 @@
 
 #define CHUNK ((size_t)1 << 20)
 
-uint64_t server_postgres_chunks(const struct server_object *object)
+uint64_t server_pg_chunks(const struct server_object *object)
 {
     return (object->size + CHUNK - 1) / CHUNK;
 }
@@ -16,7 +16,7 @@ static size_t chunk_size(const struct server_object *object, uint64_t number)
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome chunk_write(struct server_postgres_connection *connection,
+static enum server_store_outcome chunk_write(struct server_pg *pg,
                                              const struct server_object *object, uint64_t number,
                                              const char *bytes, bool is_new)
 {
@@ -29,44 +29,41 @@ static enum server_store_outcome chunk_write(struct server_postgres_connection *
     struct server_sql_integers sound = {0};
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     if (!is_new)
-        outcome = server_postgres_run(
-            connection,
+        outcome = server_pg_run(
+            pg,
             SERVER_SQL("SELECT true FROM chunks WHERE object = $1 AND number = $2 AND digest = $3"
                        " AND encode(sha256(bytes), 'hex') = $3",
                        values, 3, server_sql_on_integers, &sound));
     if (outcome || sound.rows) return outcome;
-    return server_postgres_run(
-        connection,
-        SERVER_SQL("INSERT INTO chunks (object, number, digest, bytes) VALUES ($1, $2, $3, $4)"
-                   " ON CONFLICT (object, number) DO UPDATE SET digest = $3, bytes = $4",
-                   values, 4));
+    return server_pg_run(
+        pg, SERVER_SQL("INSERT INTO chunks (object, number, digest, bytes) VALUES ($1, $2, $3, $4)"
+                       " ON CONFLICT (object, number) DO UPDATE SET digest = $3, bytes = $4",
+                       values, 4));
 }
 
 enum server_store_outcome
-server_postgres_write_object(struct server_postgres_connection *connection,
-                             const struct server_object *object, const void *bytes)
+server_pg_write_object(struct server_pg *pg, const struct server_object *object, const void *bytes)
 {
     const struct server_sql_value values[] = {server_sql_text(object->id),
                                               server_sql_integer((int64_t)object->size)};
     struct server_sql_integers made = {0};
     enum server_store_outcome outcome =
-        server_postgres_run(connection, SERVER_SQL("INSERT INTO objects (id, size) VALUES ($1, $2)"
-                                                   " ON CONFLICT (id) DO NOTHING RETURNING true",
-                                                   values, 2, server_sql_on_integers, &made));
-    for (uint64_t i = 0; !outcome && i < server_postgres_chunks(object); i++)
-        outcome = chunk_write(connection, object, i, (const char *)bytes + i * CHUNK, made.rows);
+        server_pg_run(pg, SERVER_SQL("INSERT INTO objects (id, size) VALUES ($1, $2)"
+                                     " ON CONFLICT (id) DO NOTHING RETURNING true",
+                                     values, 2, server_sql_on_integers, &made));
+    for (uint64_t i = 0; !outcome && i < server_pg_chunks(object); i++)
+        outcome = chunk_write(pg, object, i, (const char *)bytes + i * CHUNK, made.rows);
     return outcome;
 }
 
-enum server_store_outcome server_postgres_drop_object(struct server_postgres_connection *connection,
-                                                      const char *object)
+enum server_store_outcome server_pg_drop_object(struct server_pg *pg, const char *object)
 {
     const struct server_sql_value id = server_sql_text(object);
-    return server_postgres_run(
-        connection, SERVER_SQL("DELETE FROM objects WHERE id = $1"
-                               " AND NOT EXISTS (SELECT FROM surfaces WHERE file = $1)"
-                               " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = $1)",
-                               &id, 1));
+    return server_pg_run(pg,
+                         SERVER_SQL("DELETE FROM objects WHERE id = $1"
+                                    " AND NOT EXISTS (SELECT FROM surfaces WHERE file = $1)"
+                                    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = $1)",
+                                    &id, 1));
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -86,46 +83,44 @@ static bool on_chunk(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome chunk_read(struct server_postgres_connection *connection,
-                                            const struct server_object *object, uint64_t number,
-                                            char *bytes)
+static enum server_store_outcome
+chunk_read(struct server_pg *pg, const struct server_object *object, uint64_t number, char *bytes)
 {
     struct chunk_reading reading = {.bytes = bytes, .size = chunk_size(object, number)};
     const struct server_sql_value values[] = {server_sql_text(object->id),
                                               server_sql_integer((int64_t)number)};
-    enum server_store_outcome outcome = server_postgres_run(
-        connection, SERVER_SQL("SELECT bytes FROM chunks WHERE object = $1 AND number = $2", values,
-                               2, on_chunk, &reading));
+    enum server_store_outcome outcome =
+        server_pg_run(pg, SERVER_SQL("SELECT bytes FROM chunks WHERE object = $1 AND number = $2",
+                                     values, 2, on_chunk, &reading));
     if (outcome || reading.fits) return outcome;
     return reading.is_there || number ? SERVER_STORE_DAMAGED : SERVER_STORE_ABSENT;
 }
 
-enum server_store_outcome server_postgres_read_object(struct server_postgres_connection *connection,
-                                                      const struct server_object *object,
-                                                      void *bytes)
+enum server_store_outcome server_pg_read_object(struct server_pg *pg,
+                                                const struct server_object *object, void *bytes)
 {
     char sha256[SERVER_SHA256_HEX];
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    for (uint64_t i = 0; !outcome && i < server_postgres_chunks(object); i++)
-        outcome = chunk_read(connection, object, i, (char *)bytes + i * CHUNK);
+    for (uint64_t i = 0; !outcome && i < server_pg_chunks(object); i++)
+        outcome = chunk_read(pg, object, i, (char *)bytes + i * CHUNK);
     if (outcome) return outcome;
     server_sha256(bytes, object->size, sha256);
     return strncmp(object->id, sha256, strlen(sha256)) == 0 ? SERVER_STORE_DONE
                                                             : SERVER_STORE_DAMAGED;
 }
 
-enum server_store_outcome server_postgres_check_chunk(struct server_postgres_connection *connection,
-                                                      const struct server_object *object,
-                                                      uint64_t number, size_t *size)
+enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
+                                                const struct server_object *object, uint64_t number,
+                                                size_t *size)
 {
     const struct server_sql_value values[] = {server_sql_text(object->id),
                                               server_sql_integer((int64_t)number)};
     struct server_sql_integers found = {0}; /* is the chunk sound; its size */
-    enum server_store_outcome outcome = server_postgres_run(
-        connection, SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
-                               " length(bytes)::bigint FROM chunks"
-                               " WHERE object = $1 AND number = $2",
-                               values, 2, server_sql_on_integers, &found));
+    enum server_store_outcome outcome =
+        server_pg_run(pg, SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
+                                     " length(bytes)::bigint FROM chunks"
+                                     " WHERE object = $1 AND number = $2",
+                                     values, 2, server_sql_on_integers, &found));
     if (outcome) return outcome;
     if (!found.rows) return SERVER_STORE_ABSENT;
     *size = (size_t)found.at[1];

@@ -20,10 +20,10 @@
 
 struct shared {
     struct server_store store; /* first */
-    struct server_postgres *postgres;
+    struct server_pg_pool *pool;
     uint64_t seen; /* last version that was visited; under the follower's lock */
     /* of the thread that calls await: */
-    struct server_postgres_connection *listener; /* NULL: none yet */
+    struct server_pg *listener; /* NULL: none yet */
     bool was_away;
     uint64_t swept_ns; /* time of the last removal of unused objects */
 };
@@ -35,15 +35,14 @@ struct staging {
     const struct server_content *content;
 };
 
-static enum server_store_outcome on_stage(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome on_stage(struct server_pg *pg, void *user)
 {
     const struct staging *staging = user;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
         if (server_record_object(staging->record, part, &object))
-            outcome =
-                server_postgres_write_object(connection, &object, staging->content->parts[part]);
+            outcome = server_pg_write_object(pg, &object, staging->content->parts[part]);
     return outcome;
 }
 
@@ -52,7 +51,7 @@ static enum server_store_outcome shared_stage(struct server_store *store,
                                               const struct server_content *content)
 {
     struct staging staging = {record, content};
-    return server_postgres_transact(((struct shared *)store)->postgres, on_stage, &staging);
+    return server_pg_transact(((struct shared *)store)->pool, on_stage, &staging);
 }
 
 struct change {
@@ -76,24 +75,22 @@ static bool on_current(void *user, const struct server_sql_value *row)
 }
 
 /* PRECONDITION: the key has another version than the registry knows. */
-static enum server_store_outcome change_check(struct server_postgres_connection *connection,
-                                              struct change *change)
+static enum server_store_outcome change_check(struct server_pg *pg, struct change *change)
 {
     const struct server_sql_value key = server_sql_text(change->record->key);
     memset(change->objects, 0, sizeof change->objects);
     change->found = 0;
     enum server_store_outcome outcome =
-        server_postgres_run(connection, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
-                                                   " WHERE key = $1 AND record IS NOT NULL",
-                                                   &key, 1, on_current, change));
+        server_pg_run(pg, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
+                                     " WHERE key = $1 AND record IS NOT NULL",
+                                     &key, 1, on_current, change));
     if (outcome) return outcome;
     return (uint64_t)change->found == change->before ? SERVER_STORE_DONE
                                                      : SERVER_STORE_PRECONDITION;
 }
 
 /* PRECONDITION: a staged object is gone. */
-static enum server_store_outcome change_write(struct server_postgres_connection *connection,
-                                              const struct change *change)
+static enum server_store_outcome change_write(struct server_pg *pg, const struct change *change)
 {
     struct server_object objects[SERVER_PARTS];
     struct server_sql_value values[] = {
@@ -102,25 +99,24 @@ static enum server_store_outcome change_write(struct server_postgres_connection 
     for (int part = 0; change->text && part < SERVER_PARTS; part++)
         if (server_record_object(change->record, part, &objects[part]))
             values[2 + part] = server_sql_text(objects[part].id);
-    enum server_store_outcome outcome = server_postgres_run(
-        connection, change->text
-                        ? SERVER_SQL("INSERT INTO surfaces (key, version, file, attachment, record)"
-                                     " VALUES ($1, $2, $3, $4, $5) ON CONFLICT (key) DO UPDATE"
-                                     " SET version = $2, file = $3, attachment = $4, record = $5",
-                                     values, 5)
-                        : SERVER_SQL("UPDATE surfaces SET version = $2, file = $3, attachment = $4,"
-                                     " record = NULL WHERE key = $1",
-                                     values, 4));
+    enum server_store_outcome outcome = server_pg_run(
+        pg, change->text
+                ? SERVER_SQL("INSERT INTO surfaces (key, version, file, attachment, record)"
+                             " VALUES ($1, $2, $3, $4, $5) ON CONFLICT (key) DO UPDATE"
+                             " SET version = $2, file = $3, attachment = $4, record = $5",
+                             values, 5)
+                : SERVER_SQL("UPDATE surfaces SET version = $2, file = $3, attachment = $4,"
+                             " record = NULL WHERE key = $1",
+                             values, 4));
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_PRECONDITION : outcome;
 }
 
 /* Deletes the rows of removals that are long past. */
-static enum server_store_outcome change_forget(struct server_postgres_connection *connection,
-                                               const struct change *change)
+static enum server_store_outcome change_forget(struct server_pg *pg, const struct change *change)
 {
     const struct server_sql_value version = server_sql_integer(change->version.at[0]);
-    return server_postgres_run(
-        connection,
+    return server_pg_run(
+        pg,
         SERVER_SQL(
             "WITH gone AS (DELETE FROM surfaces WHERE record IS NULL AND version < $1 - " REMEMBERED
             " RETURNING version) UPDATE clock SET forgotten ="
@@ -129,20 +125,18 @@ static enum server_store_outcome change_forget(struct server_postgres_connection
 }
 
 /* The first statement locks the clock: until the transaction ends nobody else changes anything. */
-static enum server_store_outcome on_change(struct server_postgres_connection *connection,
-                                           void *user)
+static enum server_store_outcome on_change(struct server_pg *pg, void *user)
 {
     struct change *change = user;
-    enum server_store_outcome outcome = server_postgres_run(
-        connection, SERVER_SQL("UPDATE clock SET version = version + 1 RETURNING version", NULL, 0,
-                               server_sql_on_integers, &change->version));
-    if (!outcome) outcome = change_check(connection, change);
-    if (!outcome) outcome = change_write(connection, change);
+    enum server_store_outcome outcome =
+        server_pg_run(pg, SERVER_SQL("UPDATE clock SET version = version + 1 RETURNING version",
+                                     NULL, 0, server_sql_on_integers, &change->version));
+    if (!outcome) outcome = change_check(pg, change);
+    if (!outcome) outcome = change_write(pg, change);
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (change->objects[part][0])
-            outcome = server_postgres_drop_object(connection, change->objects[part]);
-    if (!outcome && !change->text) outcome = change_forget(connection, change);
-    return outcome ? outcome : server_postgres_run(connection, SERVER_SQL("NOTIFY " CHANNEL));
+        if (change->objects[part][0]) outcome = server_pg_drop_object(pg, change->objects[part]);
+    if (!outcome && !change->text) outcome = change_forget(pg, change);
+    return outcome ? outcome : server_pg_run(pg, SERVER_SQL("NOTIFY " CHANNEL));
 }
 
 static enum server_store_outcome change_make(struct server_store *store, struct change *change,
@@ -150,7 +144,7 @@ static enum server_store_outcome change_make(struct server_store *store, struct 
 {
     change->before = *version;
     enum server_store_outcome outcome =
-        server_postgres_transact(((struct shared *)store)->postgres, on_change, change);
+        server_pg_transact(((struct shared *)store)->pool, on_change, change);
     if (!outcome) *version = (uint64_t)change->version.at[0];
     return outcome == SERVER_STORE_PRECONDITION ? SERVER_STORE_STALE : outcome;
 }
@@ -184,10 +178,10 @@ struct fetching {
     size_t size;     /* of that chunk */
 };
 
-static enum server_store_outcome on_fetch(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome on_fetch(struct server_pg *pg, void *user)
 {
     const struct fetching *fetching = user;
-    return server_postgres_read_object(connection, &fetching->object, fetching->bytes);
+    return server_pg_read_object(pg, &fetching->object, fetching->bytes);
 }
 
 static enum server_store_outcome shared_fetch(struct server_store *store,
@@ -199,7 +193,7 @@ static enum server_store_outcome shared_fetch(struct server_store *store,
     fetching.bytes = malloc(fetching.object.size ? fetching.object.size : 1);
     if (!fetching.bytes) return SERVER_STORE_NO_MEMORY;
     enum server_store_outcome outcome =
-        server_postgres_read(((struct shared *)store)->postgres, LOAD_NS, on_fetch, &fetching);
+        server_pg_read(((struct shared *)store)->pool, LOAD_NS, on_fetch, &fetching);
     if (outcome)
         free(fetching.bytes);
     else
@@ -207,12 +201,10 @@ static enum server_store_outcome shared_fetch(struct server_store *store,
     return outcome;
 }
 
-static enum server_store_outcome on_verify(struct server_postgres_connection *connection,
-                                           void *user)
+static enum server_store_outcome on_verify(struct server_pg *pg, void *user)
 {
     struct fetching *fetching = user;
-    return server_postgres_check_chunk(connection, &fetching->object, fetching->number,
-                                       &fetching->size);
+    return server_pg_check_chunk(pg, &fetching->object, fetching->number, &fetching->size);
 }
 
 static enum server_store_verdict shared_verify(struct server_store *store,
@@ -221,9 +213,8 @@ static enum server_store_verdict shared_verify(struct server_store *store,
 {
     struct fetching fetching = {.bytes = NULL};
     if (!server_record_object(record, part, &fetching.object)) return SERVER_VERDICT_MISSING;
-    for (; fetching.number < server_postgres_chunks(&fetching.object); fetching.number++) {
-        switch (server_postgres_read(((struct shared *)store)->postgres, LOAD_NS, on_verify,
-                                     &fetching)) {
+    for (; fetching.number < server_pg_chunks(&fetching.object); fetching.number++) {
+        switch (server_pg_read(((struct shared *)store)->pool, LOAD_NS, on_verify, &fetching)) {
         case SERVER_STORE_DONE:
             if (!pace(user, fetching.size)) return SERVER_VERDICT_NONE;
             break;
@@ -258,7 +249,7 @@ static struct server_record *page_record(struct page *page, const struct server_
 {
     struct server_record *record = NULL;
     enum server_record_reading reading =
-        server_record_read_named(row[0].bytes, row[2].bytes, row[2].size, &record);
+        server_record_read(row[0].bytes, row[2].bytes, row[2].size, &record);
     page->is_over |= reading == SERVER_RECORD_NO_MEMORY;
     if (reading == SERVER_RECORD_DAMAGED || reading == SERVER_RECORD_NEWER)
         server_log_message(
@@ -289,20 +280,18 @@ static bool on_page_row(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome read_clock(struct server_postgres_connection *connection,
-                                            void *user)
+static enum server_store_outcome read_clock(struct server_pg *pg, void *user)
 {
-    return server_postgres_run(connection, SERVER_SQL("SELECT version, forgotten FROM clock", NULL,
-                                                      0, server_sql_on_integers, user));
+    return server_pg_run(pg, SERVER_SQL("SELECT version, forgotten FROM clock", NULL, 0,
+                                        server_sql_on_integers, user));
 }
 
 /* After a lost connection it continues with the change after the last one that was visited. */
-static enum server_store_outcome visit_changes(struct server_postgres_connection *connection,
-                                               void *user)
+static enum server_store_outcome visit_changes(struct server_pg *pg, void *user)
 {
     struct page *page = user;
     struct server_sql_integers clock = {0};
-    enum server_store_outcome outcome = read_clock(connection, &clock);
+    enum server_store_outcome outcome = read_clock(pg, &clock);
     if (outcome) return outcome;
     uint64_t now = (uint64_t)clock.at[0], forgotten = (uint64_t)clock.at[1];
     page->is_forgotten = forgotten > page->seen || now < page->seen;
@@ -310,10 +299,10 @@ static enum server_store_outcome visit_changes(struct server_postgres_connection
     do {
         const struct server_sql_value seen = server_sql_integer((int64_t)page->seen);
         page->rows = 0;
-        outcome = server_postgres_run(
-            connection, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE version > $1"
-                                   " ORDER BY version LIMIT " PAGE_TEXT,
-                                   &seen, 1, on_page_row, page));
+        outcome = server_pg_run(
+            pg, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE version > $1"
+                           " ORDER BY version LIMIT " PAGE_TEXT,
+                           &seen, 1, on_page_row, page));
     } while (!outcome && page->rows == PAGE);
     return outcome;
 }
@@ -323,25 +312,23 @@ static enum server_store_outcome shared_follow(struct server_store *store,
 {
     struct shared *own = (struct shared *)store;
     struct page page = {.visit_change = visit, .user = user, .seen = own->seen};
-    enum server_store_outcome outcome =
-        server_postgres_read(own->postgres, FOLLOW_NS, visit_changes, &page);
+    enum server_store_outcome outcome = server_pg_read(own->pool, FOLLOW_NS, visit_changes, &page);
     own->seen = page.seen;
     if (page.is_over) return SERVER_STORE_NO_MEMORY;
     return !outcome && page.is_forgotten ? SERVER_STORE_STALE : outcome;
 }
 
-static enum server_store_outcome visit_all(struct server_postgres_connection *connection,
-                                           void *user)
+static enum server_store_outcome visit_all(struct server_pg *pg, void *user)
 {
     struct page *page = user;
     enum server_store_outcome outcome;
     do {
         const struct server_sql_value last = server_sql_text(page->last);
         page->rows = 0;
-        outcome = server_postgres_run(
-            connection, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE key > $1"
-                                   " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
-                                   &last, 1, on_page_row, page));
+        outcome =
+            server_pg_run(pg, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE key > $1"
+                                         " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
+                                         &last, 1, on_page_row, page));
     } while (!outcome && page->rows == PAGE);
     return outcome;
 }
@@ -353,9 +340,8 @@ static enum server_store_outcome shared_each(struct server_store *store, server_
     struct shared *own = (struct shared *)store;
     struct page page = {.visit_stored = visit, .user = user};
     struct server_sql_integers clock = {0};
-    enum server_store_outcome outcome =
-        server_postgres_read(own->postgres, LOAD_NS, read_clock, &clock);
-    if (!outcome) outcome = server_postgres_read(own->postgres, LOAD_NS, visit_all, &page);
+    enum server_store_outcome outcome = server_pg_read(own->pool, LOAD_NS, read_clock, &clock);
+    if (!outcome) outcome = server_pg_read(own->pool, LOAD_NS, visit_all, &page);
     if (page.is_over) return SERVER_STORE_NO_MEMORY;
     if (!outcome) own->seen = (uint64_t)clock.at[0];
     return outcome;
@@ -375,14 +361,14 @@ static void log_turn(struct shared *own, bool is_away, const char *error)
 
 static bool listen_again(struct shared *own)
 {
-    char error[SERVER_POSTGRES_ERROR];
-    if (server_postgres_take(own->postgres, &own->listener, error)) {
+    char error[SERVER_PG_ERROR];
+    if (server_pg_pool_take(own->pool, &own->listener, error)) {
         own->listener = NULL;
-        log_turn(own, server_postgres_is_away(own->postgres), error);
+        log_turn(own, server_pg_pool_is_away(own->pool), error);
         return false;
     }
-    if (server_postgres_run(own->listener, SERVER_SQL("LISTEN " CHANNEL))) return false;
-    server_postgres_has_answered(own->postgres);
+    if (server_pg_run(own->listener, SERVER_SQL("LISTEN " CHANNEL))) return false;
+    server_pg_pool_has_answered(own->pool);
     log_turn(own, false, error);
     return true;
 }
@@ -396,16 +382,16 @@ static void pause_ns(uint64_t ns)
 
 /* Deletes the objects of uploads that were cut short a day ago. The clock is locked, so that no
  * change can refer to one. */
-static enum server_store_outcome on_sweep(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome on_sweep(struct server_pg *pg, void *user)
 {
     (void)user;
     enum server_store_outcome outcome =
-        server_postgres_run(connection, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
+        server_pg_run(pg, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
     if (outcome) return outcome;
-    return server_postgres_run(
-        connection, SERVER_SQL("DELETE FROM objects WHERE created < now() - interval '1 day'"
-                               " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                               " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"));
+    return server_pg_run(
+        pg, SERVER_SQL("DELETE FROM objects WHERE created < now() - interval '1 day'"
+                       " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                       " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"));
 }
 
 /* Also detects that the database is back. */
@@ -415,20 +401,18 @@ static void shared_await(struct server_store *store, uint64_t ns)
     uint64_t now_ns = gd_now_ns();
     if (!own->swept_ns || now_ns - own->swept_ns >= SWEEP_NS) {
         own->swept_ns = now_ns;
-        (void)server_postgres_transact(own->postgres, on_sweep, NULL);
+        (void)server_pg_transact(own->pool, on_sweep, NULL);
     }
     bool listens = own->listener || listen_again(own);
-    if (listens && !server_postgres_is_away(own->postgres) &&
-        server_postgres_await(own->listener, ns))
-        return;
-    if (own->listener) server_postgres_give(own->postgres, own->listener);
+    if (listens && !server_pg_pool_is_away(own->pool) && server_pg_await(own->listener, ns)) return;
+    if (own->listener) server_pg_pool_give(own->pool, own->listener);
     own->listener = NULL;
     pause_ns(ns);
 }
 
 static const char *shared_health(struct server_store *store)
 {
-    return server_postgres_is_away(((struct shared *)store)->postgres) ? AWAY : NULL;
+    return server_pg_pool_is_away(((struct shared *)store)->pool) ? AWAY : NULL;
 }
 
 /* --- open and close --------------------------------------------------------------------------- */
@@ -436,37 +420,36 @@ static const char *shared_health(struct server_store *store)
 static void shared_close(struct server_store *store)
 {
     struct shared *own = (struct shared *)store;
-    if (own->listener) server_postgres_give(own->postgres, own->listener);
-    server_postgres_destroy(own->postgres);
+    if (own->listener) server_pg_pool_give(own->pool, own->listener);
+    server_pg_pool_destroy(own->pool);
     free(own);
 }
 
 /* Connects, again and again for a while; a refusal is final. */
-static enum server_store_outcome postgres_reach(struct server_postgres *postgres,
-                                                char error[SERVER_POSTGRES_ERROR])
+static enum server_store_outcome postgres_reach(struct server_pg_pool *pool,
+                                                char error[SERVER_PG_ERROR])
 {
-    struct server_postgres_connection *connection;
+    struct server_pg *pg;
     uint64_t until_ns = gd_now_ns() + START_NS;
     enum server_store_outcome outcome;
-    while ((outcome = server_postgres_take(postgres, &connection, error)) ==
-               SERVER_STORE_UNAVAILABLE &&
+    while ((outcome = server_pg_pool_take(pool, &pg, error)) == SERVER_STORE_UNAVAILABLE &&
            gd_now_ns() < until_ns)
         pause_ns(200000000);
-    if (!outcome) server_postgres_give(postgres, connection);
+    if (!outcome) server_pg_pool_give(pool, pg);
     return outcome;
 }
 
 /* False with a sentence. */
-static bool postgres_prepare(struct server_postgres *postgres, char *error, size_t error_size)
+static bool postgres_prepare(struct server_pg_pool *pool, char *error, size_t error_size)
 {
-    char reason[SERVER_POSTGRES_ERROR];
-    if (postgres_reach(postgres, reason)) {
+    char reason[SERVER_PG_ERROR];
+    if (postgres_reach(pool, reason)) {
         snprintf(error, error_size, "the database of --store can't be reached: %s", reason);
         return false;
     }
     uint64_t until_ns = gd_now_ns() + START_NS;
     enum server_store_outcome outcome;
-    do outcome = server_postgres_migrate(postgres);
+    do outcome = server_pg_migrate(pool);
     while (outcome == SERVER_STORE_UNAVAILABLE && gd_now_ns() < until_ns);
     if (outcome)
         snprintf(error, error_size, "%s",
@@ -495,9 +478,9 @@ struct server_store *server_store_postgres_open(const char *url, char *error, si
                                        .note_uses = server_store_nothing.note_uses,
                                        .health = shared_health,
                                        .close = shared_close};
-    own->postgres = server_postgres_create(url);
-    if (own->postgres && postgres_prepare(own->postgres, error, error_size)) return &own->store;
-    server_postgres_destroy(own->postgres);
+    own->pool = server_pg_pool_create(url);
+    if (own->pool && postgres_prepare(own->pool, error, error_size)) return &own->store;
+    server_pg_pool_destroy(own->pool);
     free(own);
     return NULL;
 }

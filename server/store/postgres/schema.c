@@ -50,49 +50,46 @@ static const char *const steps[] = {
 
 /* Creates the schema unless it exists. CREATE … IF NOT EXISTS would need the right to create one
  * even if it exists. */
-static enum server_store_outcome schema_make(struct server_postgres_connection *connection)
+static enum server_store_outcome schema_make(struct server_pg *pg)
 {
     struct server_sql_integers is_there = {0};
-    enum server_store_outcome outcome = server_postgres_run(
-        connection,
-        SERVER_SQL("SELECT (to_regclass('geodesicd.migrations') IS NOT NULL)::int::bigint", NULL, 0,
-                   server_sql_on_integers, &is_there));
+    enum server_store_outcome outcome = server_pg_run(
+        pg, SERVER_SQL("SELECT (to_regclass('geodesicd.migrations') IS NOT NULL)::int::bigint",
+                       NULL, 0, server_sql_on_integers, &is_there));
     if (outcome || is_there.at[0]) return outcome;
-    outcome = server_postgres_run(connection, SERVER_SQL("CREATE SCHEMA IF NOT EXISTS geodesicd"));
+    outcome = server_pg_run(pg, SERVER_SQL("CREATE SCHEMA IF NOT EXISTS geodesicd"));
     if (outcome) return outcome;
-    return server_postgres_run(
-        connection, SERVER_SQL("CREATE TABLE geodesicd.migrations (version bigint PRIMARY KEY,"
-                               " applied timestamptz NOT NULL DEFAULT now())"));
+    return server_pg_run(pg,
+                         SERVER_SQL("CREATE TABLE geodesicd.migrations (version bigint PRIMARY KEY,"
+                                    " applied timestamptz NOT NULL DEFAULT now())"));
 }
 
-static enum server_store_outcome step_make(struct server_postgres_connection *connection,
-                                           int64_t step)
+static enum server_store_outcome step_make(struct server_pg *pg, int64_t step)
 {
     const struct server_sql_value number = server_sql_integer(step + 1);
-    enum server_store_outcome outcome = server_postgres_run(connection, SERVER_SQL(steps[step]));
+    enum server_store_outcome outcome = server_pg_run(pg, SERVER_SQL(steps[step]));
     if (outcome) return outcome;
-    return server_postgres_run(
-        connection, SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)", &number, 1));
+    return server_pg_run(pg,
+                         SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)", &number, 1));
 }
 
-static enum server_store_outcome migrate(struct server_postgres_connection *connection, void *user)
+static enum server_store_outcome migrate(struct server_pg *pg, void *user)
 {
     (void)user;
     struct server_sql_integers version = {0};
     enum server_store_outcome outcome =
-        server_postgres_run(connection, SERVER_SQL("SELECT pg_advisory_xact_lock(" MIGRATING ")"));
-    if (!outcome) outcome = schema_make(connection);
+        server_pg_run(pg, SERVER_SQL("SELECT pg_advisory_xact_lock(" MIGRATING ")"));
+    if (!outcome) outcome = schema_make(pg);
     if (!outcome)
-        outcome = server_postgres_run(connection,
-                                      SERVER_SQL("SELECT coalesce(max(version), 0) FROM migrations",
-                                                 NULL, 0, server_sql_on_integers, &version));
+        outcome = server_pg_run(pg, SERVER_SQL("SELECT coalesce(max(version), 0) FROM migrations",
+                                               NULL, 0, server_sql_on_integers, &version));
     if (!outcome && version.at[0] > STEPS) return SERVER_STORE_PRECONDITION;
     for (int64_t step = version.at[0]; !outcome && step < STEPS; step++)
-        outcome = step_make(connection, step);
+        outcome = step_make(pg, step);
     return outcome;
 }
 
-enum server_store_outcome server_postgres_migrate(struct server_postgres *postgres)
+enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool)
 {
-    return server_postgres_transact(postgres, migrate, NULL);
+    return server_pg_transact(pool, migrate, NULL);
 }

@@ -93,9 +93,8 @@ static struct server_sandbox enter_whatever_is_there(const struct fixture *fixtu
         .folder = config->data_dir,
         .files = {config->keys, config->tls_cert, config->tls_key},
         .address = &config->listen};
-    struct server_store_files files;
-    char error[256];
-    INSIST(server_files_open(&files, config->data_dir, error, sizeof error));
+    struct server_files files;
+    INSIST(server_files_open(&files, config->data_dir));
     server_files_close(&files);
     return server_sandbox_enter(&needs);
 }

@@ -26,7 +26,7 @@ static void comes_back_as_it_was(void **state)
     size_t size;
     char *text = server_record_write(record, &size);
     assert_int_equal(strlen(text), size);
-    assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_READ);
+    assert_int_equal(server_record_read(NULL, text, size, &again), SERVER_RECORD_READ);
     assert_string_equal(again->tenant, "acme");
     assert_ptr_equal(again->kind, &server_kind_mesh);
     assert_string_equal(again->name, "bunny.1");
@@ -72,7 +72,7 @@ static void options_come_back_as_they_were(void **state)
         assert_string_equal(kept, options[i].kept);
         struct server_record *record = new_record_of(mesh_key("a"), kept, "1", NULL);
         char *text = server_record_write(record, &size);
-        assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_READ);
+        assert_int_equal(server_record_read(NULL, text, size, &again), SERVER_RECORD_READ);
         assert_string_equal(again->options, kept);
         assert_string_equal(again->etag, record->etag);
         server_record_release(again);
@@ -119,12 +119,12 @@ static void every_change_of_a_byte_is_seen(void **state)
     for (size_t at = 0; at < size; at++) {
         for (int bit = 0; bit < 8; bit += 3) {
             text[at] = (char)(text[at] ^ 1 << bit);
-            assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_DAMAGED);
+            assert_int_equal(server_record_read(NULL, text, size, &again), SERVER_RECORD_DAMAGED);
             text[at] = (char)(text[at] ^ 1 << bit);
         }
     }
     for (size_t cut = 0; cut < size; cut++)
-        assert_int_equal(server_record_read(text, cut, &again), SERVER_RECORD_DAMAGED);
+        assert_int_equal(server_record_read(NULL, text, cut, &again), SERVER_RECORD_DAMAGED);
     server_record_release(record);
     free(text);
 }
@@ -136,7 +136,7 @@ static enum server_record_reading read_signed(const char *body)
     struct server_record *record;
     server_sha256(body, strlen(body), checksum);
     int size = snprintf(text, sizeof text, "%schecksum %s\n", body, checksum);
-    enum server_record_reading reading = server_record_read(text, (size_t)size, &record);
+    enum server_record_reading reading = server_record_read(NULL, text, (size_t)size, &record);
     if (reading == SERVER_RECORD_READ) server_record_release(record);
     return reading;
 }
@@ -194,8 +194,7 @@ static void version_1_is_a_mesh_of_nobody(void **state)
     struct server_record *record;
     server_sha256(body, strlen(body), checksum);
     int size = snprintf(text, sizeof text, "%schecksum %s\n", body, checksum);
-    assert_int_equal(server_record_read_named("a", text, (size_t)size, &record),
-                     SERVER_RECORD_READ);
+    assert_int_equal(server_record_read("a", text, (size_t)size, &record), SERVER_RECORD_READ);
     assert_ptr_equal(record->kind, &server_kind_mesh);
     assert_string_equal(record->tenant, "");
     assert_string_equal(record->attachment_sha256, "");
@@ -211,7 +210,7 @@ static void nothing_is_left_without_memory(void **state)
     char *text = server_record_write(record, &size);
     size_t before = mallinfo2().uordblks;
     has_no_memory = true;
-    enum server_record_reading reading = server_record_read(text, size, &again);
+    enum server_record_reading reading = server_record_read(NULL, text, size, &again);
     has_no_memory = false;
     assert_int_equal(reading, SERVER_RECORD_NO_MEMORY);
     assert_int_equal(mallinfo2().uordblks, before); /* under a sanitizer its own check of leaks */
@@ -257,7 +256,7 @@ static void a_long_description_is_shortened_when_it_is_read(void **state)
     free(record->description);
     record->description = proto_writer_take(&writer, &size);
     char *text = server_record_write(record, &size);
-    assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_READ);
+    assert_int_equal(server_record_read(NULL, text, size, &again), SERVER_RECORD_READ);
     assert_true(strlen(again->description) < 4096);
     assert_non_null(strstr(again->description, "\"boundary_count\":5000"));
     assert_string_equal(again->etag, record->etag);
