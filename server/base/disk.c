@@ -216,19 +216,35 @@ enum server_disk_result server_disk_size(const char *path, size_t *size)
     return SERVER_DISK_DONE;
 }
 
+struct server_listing server_disk_list(const char *folder)
+{
+    struct server_listing listing = {.directory = opendir(folder)};
+    listing.is_readable = listing.directory != NULL;
+    int size = snprintf(listing.path, sizeof listing.path, "%s/", folder);
+    listing.folder_size = size < (int)sizeof listing.path ? (size_t)size : sizeof listing.path;
+    return listing;
+}
+
+bool server_listing_next(struct server_listing *listing)
+{
+    size_t room = sizeof listing->path - listing->folder_size;
+    listing->name = listing->path + listing->folder_size;
+    for (struct dirent *entry; listing->directory && (entry = readdir(listing->directory));)
+        if (entry->d_name[0] != '.' && strlen(entry->d_name) < room) {
+            strcpy(listing->name, entry->d_name);
+            return true;
+        }
+    if (listing->directory) closedir(listing->directory);
+    listing->directory = NULL;
+    return false;
+}
+
 bool server_disk_each(const char *folder,
                       void (*visit)(void *user, const char *path, const char *name), void *user)
 {
-    char path[SERVER_DISK_PATH];
-    DIR *directory = opendir(folder);
-    if (!directory) return false;
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        if (entry->d_name[0] == '.') continue;
-        int size = snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        if (size > 0 && size < (int)sizeof path) visit(user, path, entry->d_name);
-    }
-    closedir(directory);
-    return true;
+    struct server_listing listing = server_disk_list(folder);
+    while (server_listing_next(&listing)) visit(user, listing.path, listing.name);
+    return listing.is_readable;
 }
 
 /* --- names ------------------------------------------------------------------------------------ */

@@ -50,6 +50,22 @@ enum server_disk_result server_disk_scan(const char *path,
 
 enum server_disk_result server_disk_size(const char *path, size_t *size); /* in bytes */
 
+/* The files and folders in a folder, in no order, except names that begin with a dot:
+ *
+ *     struct server_listing listing = server_disk_list(folder);
+ *     while (server_listing_next(&listing)) unlink(listing.path);
+ *
+ * next closes the listing when it returns false; the loop must not end before. */
+struct server_listing {
+    void *directory;
+    size_t folder_size; /* of the path, with the slash */
+    char path[SERVER_DISK_PATH], *name;
+    bool is_readable; /* false: the folder can't be read */
+};
+
+struct server_listing server_disk_list(const char *folder);
+bool server_listing_next(struct server_listing *listing);
+
 /* Calls `visit` with path and name of each file and folder in a folder, in no order, but for names
  * that begin with a dot. `visit` may remove them. False: the folder can't be read. */
 bool server_disk_each(const char *folder,

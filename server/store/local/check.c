@@ -1,5 +1,6 @@
 /* See store.h: --check-store of a data folder. Reads the files that are named by their checksum,
  * each once; then manifests and rows, which name the files that there must be. */
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@
 #define HEX_DIGITS "0123456789abcdef"
 #define HASH       (SERVER_SHA256_HEX - 1)
 
-struct object { /* a file under objects/ */
+struct object { /* a file under objects/; the tree's order is that of ids */
     char id[SERVER_OBJECT];
     size_t size;
     bool is_sound, is_used;
@@ -20,8 +21,7 @@ struct check {
     FILE *out;
     struct server_files files;
     struct server_database *database;
-    struct object *objects; /* sorted once all are there */
-    size_t object_count, object_capacity;
+    void *objects; /* a tree */
     unsigned faults, rows, manifests, verified, fields, unfinished, leftovers, aside;
     unsigned long long bytes;
 };
@@ -37,12 +37,14 @@ static void fault_foreign(struct check *check, const char *path)
     fault(check, "the file is none of the store's", path);
 }
 
-static void check_folder(struct check *check, const char *folder,
-                         void (*visit)(void *user, const char *path, const char *file))
+/* Lists a folder that must exist. */
+static struct server_listing check_folder(struct check *check, const char *folder)
 {
-    if (!server_files_each(&check->files, folder, visit, check))
+    struct server_listing listing = server_files_list(&check->files, folder);
+    if (!listing.is_readable)
         fault(check, "the folder can't be read",
               server_files_path(&check->files, "%s", folder).text);
+    return listing;
 }
 
 /* --- files that are named by their checksum --------------------------------------------------- */
@@ -58,62 +60,55 @@ static bool file_is_sound(const char *path, const char *file, size_t *size)
     return strncmp(found, file, HASH) == 0;
 }
 
-static struct object *object_add(struct check *check)
-{
-    if (check->object_count == check->object_capacity) {
-        size_t capacity = check->object_capacity ? 2 * check->object_capacity : 64;
-        struct object *objects = realloc(check->objects, capacity * sizeof *objects);
-        if (!objects) return NULL;
-        check->objects = objects;
-        check->object_capacity = capacity;
-    }
-    return &check->objects[check->object_count++];
-}
-
-static void on_object(void *user, const char *path, const char *file)
-{
-    struct check *check = user;
-    const char *folder = path + strlen(path) - strlen(file) - 3;
-    if (!server_files_object_check(file) || strncmp(folder, file, 2) != 0) {
-        fault_foreign(check, path);
-        return;
-    }
-    struct object *object = object_add(check);
-    if (!object) {
-        fault(check, "there is no memory to check the file", path);
-        return;
-    }
-    memset(object, 0, sizeof *object);
-    strcpy(object->id, file);
-    object->is_sound = file_is_sound(path, file, &object->size);
-}
-
-static void on_object_folder(void *user, const char *path, const char *file)
-{
-    if (strlen(file) != 2 || !server_disk_each(path, on_object, user)) fault_foreign(user, path);
-}
-
-static void on_field(void *user, const char *path, const char *file)
-{
-    struct check *check = user;
-    size_t size;
-    if (strspn(file, HEX_DIGITS) != HASH)
-        check->leftovers++;
-    else if (file_is_sound(path, file, &size))
-        check->fields++;
-    else
-        fault(check, "the stored field is damaged; it is computed again when it is wanted", path);
-}
-
-static void on_field_folder(void *user, const char *path, const char *file)
-{
-    (void)file;
-    if (!server_disk_each(path, on_field, user)) fault_foreign(user, path);
-}
-
 static int by_id(const void *a, const void *b)
 {
     return strcmp(((const struct object *)a)->id, ((const struct object *)b)->id);
+}
+
+static void object_read(struct check *check, const struct server_listing *file)
+{
+    const char *folder = file->name - 3; /* "ab/" */
+    if (!server_files_object_check(file->name) || strncmp(folder, file->name, 2) != 0) {
+        fault_foreign(check, file->path);
+        return;
+    }
+    struct object *object = calloc(1, sizeof *object);
+    if (object) strcpy(object->id, file->name);
+    if (!object || !tsearch(object, &check->objects, by_id)) {
+        free(object);
+        fault(check, "there is no memory to check the file", file->path);
+        return;
+    }
+    object->is_sound = file_is_sound(file->path, file->name, &object->size);
+}
+
+static void check_object_files(struct check *check)
+{
+    struct server_listing folders = check_folder(check, "objects");
+    while (server_listing_next(&folders)) {
+        bool is_ours = strlen(folders.name) == 2;
+        struct server_listing objects = server_disk_list(is_ours ? folders.path : "");
+        if (!objects.is_readable) fault_foreign(check, folders.path);
+        while (server_listing_next(&objects)) object_read(check, &objects);
+    }
+}
+
+static void check_fields(struct check *check)
+{
+    size_t size;
+    struct server_listing folders = server_files_list(&check->files, "fields"); /* if any */
+    while (server_listing_next(&folders)) {
+        struct server_listing fields = server_disk_list(folders.path);
+        if (!fields.is_readable) fault_foreign(check, folders.path);
+        while (server_listing_next(&fields))
+            if (strspn(fields.name, HEX_DIGITS) != HASH)
+                check->leftovers++;
+            else if (file_is_sound(fields.path, fields.name, &size))
+                check->fields++;
+            else
+                fault(check, "the stored field is damaged; it is computed again when it is wanted",
+                      fields.path);
+    }
 }
 
 static void check_object(struct check *check, const struct server_record *record,
@@ -128,9 +123,7 @@ static void check_object(struct check *check, const struct server_record *record
     struct object sought;
     if (!server_record_object(record, part, &wanted)) return;
     strcpy(sought.id, wanted.id);
-    struct object *object = check->object_count ? bsearch(&sought, check->objects,
-                                                          check->object_count, sizeof sought, by_id)
-                                                : NULL;
+    struct object **found = tfind(&sought, &check->objects, by_id), *object = found ? *found : NULL;
     if (!object) {
         fault(check, missing[part], record->key);
         return;
@@ -147,15 +140,14 @@ static void check_objects(struct check *check, const struct server_record *recor
     for (int part = 0; part < SERVER_PARTS; part++) check_object(check, record, part);
 }
 
-static void check_unused_objects(struct check *check)
+static void on_object(const void *node, VISIT visit, void *user)
 {
-    for (size_t i = 0; i < check->object_count; i++) {
-        const struct object *object = &check->objects[i];
-        if (object->is_used) continue;
-        check->leftovers++;
-        if (!object->is_sound)
-            fault(check, "the file, which no surface has, is damaged or can't be read", object->id);
-    }
+    const struct object *object = *(const struct object *const *)node;
+    struct check *check = user;
+    if (object->is_used || visit == preorder || visit == endorder) return; /* once, in order */
+    check->leftovers++;
+    if (!object->is_sound)
+        fault(check, "the file, which no surface has, is damaged or can't be read", object->id);
 }
 
 /* --- manifests, rows and batches -------------------------------------------------------------- */
@@ -168,15 +160,14 @@ static struct server_record *manifest_read(const struct check *check, const char
     return record;
 }
 
-static void on_manifest(void *user, const char *path, const char *file)
+static void check_manifest(struct check *check, const struct server_listing *file)
 {
-    struct check *check = user;
     char key[SERVER_KEY_TEXT], objects[SERVER_PARTS][SERVER_OBJECT];
-    if (!server_files_manifest_key(file, key)) {
-        if (strstr(file, SERVER_DISK_ASIDE))
+    if (!server_files_manifest_key(file->name, key)) {
+        if (strstr(file->name, SERVER_DISK_ASIDE))
             check->aside++;
         else
-            fault_foreign(check, path);
+            fault_foreign(check, file->path);
         return;
     }
     struct server_record *record = manifest_read(check, key);
@@ -217,7 +208,8 @@ static void check_database(struct check *check)
     enum server_store_outcome outcome =
         server_database_open(path.text, SERVER_DATABASE_READ, &check->database);
     if (!outcome) outcome = server_database_each(check->database, on_row, check);
-    check_folder(check, "manifests", on_manifest);
+    struct server_listing manifests = check_folder(check, "manifests");
+    while (server_listing_next(&manifests)) check_manifest(check, &manifests);
     if (outcome == SERVER_STORE_ABSENT && check->manifests)
         fault(check, "the database is missing; the next start makes it again from the manifests",
               path.text);
@@ -242,18 +234,6 @@ static void check_batches(struct check *check)
 }
 
 /* --- the whole -------------------------------------------------------------------------------- */
-
-static void on_temporary(void *user, const char *path, const char *file)
-{
-    (void)path, (void)file;
-    ((struct check *)user)->leftovers++;
-}
-
-static void on_file(void *user, const char *path, const char *file)
-{
-    (void)path;
-    ((struct check *)user)->aside += strstr(file, SERVER_DISK_ASIDE) != NULL;
-}
 
 static void print_sums(const struct check *check)
 {
@@ -285,18 +265,18 @@ bool server_store_check(const char *folder, FILE *out)
         fprintf(out, "%s\n", check.files.error);
         return false;
     }
-    check_folder(&check, "objects", on_object_folder);
-    if (check.object_count) qsort(check.objects, check.object_count, sizeof *check.objects, by_id);
-    /* these two folders need not exist */
-    (void)server_files_each(&check.files, "fields", on_field_folder, &check);
-    (void)server_files_each(&check.files, "temporary", on_temporary, &check);
+    check_object_files(&check);
+    check_fields(&check);
     check_database(&check);
     check_batches(&check);
-    check_unused_objects(&check);
-    check_folder(&check, "", on_file);
+    twalk_r(check.objects, on_object, &check);
+    struct server_listing temporary = server_files_list(&check.files, "temporary"), /* if any */
+        all = check_folder(&check, "");
+    while (server_listing_next(&temporary)) check.leftovers++;
+    while (server_listing_next(&all)) check.aside += strstr(all.name, SERVER_DISK_ASIDE) != NULL;
     print_sums(&check);
     server_database_close(check.database, false);
     server_files_close(&check.files);
-    free(check.objects);
+    tdestroy(check.objects, free);
     return check.faults == 0;
 }

@@ -60,11 +60,9 @@ static struct server_path manifest_path(const struct server_files *files, const 
     return server_files_path(files, "manifests/%s" SERVER_MANIFEST, key);
 }
 
-bool server_files_each(const struct server_files *files, const char *folder,
-                       void (*visit)(void *user, const char *path, const char *file), void *user)
+struct server_listing server_files_list(const struct server_files *files, const char *folder)
 {
-    const struct server_path path = server_files_path(files, "%s", folder);
-    return server_disk_each(path.text, visit, user);
+    return server_disk_list(server_files_path(files, "%s", folder).text);
 }
 
 bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT])
@@ -197,21 +195,17 @@ static bool set_folder(struct server_files *files, const char *folder)
     return true;
 }
 
-/* Earlier versions made databases with the rights of umask. */
-static void make_private(void *user, const char *path, const char *file)
-{
-    struct stat facts;
-    (void)user, (void)file;
-    if (lstat(path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077))
-        (void)chmod(path, 0600);
-}
-
 bool server_files_open(struct server_files *files, const char *folder)
 {
+    struct stat facts;
     if (!set_folder(files, folder) || server_files_is_unfinished(files) || !make_layout(files) ||
         !lock_take(files, O_RDWR | O_CREAT))
         return false;
-    (void)server_disk_each(folder, make_private, NULL);
+    /* earlier versions made databases with the rights of umask */
+    struct server_listing listing = server_disk_list(folder);
+    while (server_listing_next(&listing))
+        if (lstat(listing.path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077))
+            (void)chmod(listing.path, 0600);
     return true;
 }
 
@@ -262,31 +256,24 @@ bool server_files_is_unfinished(struct server_files *files)
                    files->folder);
 }
 
-static bool is_of_database(const char *file)
-{
-    return strncmp(file, SERVER_STORE_DATABASE, strlen(SERVER_STORE_DATABASE)) == 0 ||
-           strncmp(file, SERVER_SQL_BATCHES, strlen(SERVER_SQL_BATCHES)) == 0;
-}
-
-static void on_data(void *user, const char *path, const char *file)
-{
-    (void)path, (void)file;
-    *(bool *)user = true;
-}
-
 static bool has_data(const struct server_files *files)
 {
     bool has_some = server_disk_exists(server_files_path(files, SERVER_STORE_DATABASE).text) ||
                     server_disk_exists(server_files_path(files, SERVER_SQL_BATCHES).text);
-    (void)server_files_each(files, "objects", on_data, &has_some);
-    (void)server_files_each(files, "manifests", on_data, &has_some);
+    struct server_listing objects = server_files_list(files, "objects"),
+                          manifests = server_files_list(files, "manifests");
+    while (server_listing_next(&objects)) has_some = true;
+    while (server_listing_next(&manifests)) has_some = true;
     return has_some;
 }
 
-static void on_left_file(void *user, const char *path, const char *file)
+/* Removes the files in a folder whose names begin with a text. */
+static void remove_files(const struct server_files *files, const char *folder,
+                         const char *beginning)
 {
-    bool only_databases = user != NULL;
-    if (!only_databases || is_of_database(file)) (void)unlink(path);
+    struct server_listing listing = server_files_list(files, folder);
+    while (server_listing_next(&listing))
+        if (strncmp(listing.name, beginning, strlen(beginning)) == 0) (void)unlink(listing.path);
 }
 
 /* Creates the marker, durably. */
@@ -306,18 +293,18 @@ bool server_files_open_copy(struct server_files *files, const char *folder)
     if (!set_folder(files, folder)) return false;
     if (make_folders(folder)) return refuse_folder(files);
     bool is_new = !server_files_is_unfinished(files);
-    if (is_new && has_data(files)) {
+    if (is_new && has_data(files))
         return refuse(files, "'%s' holds a data folder already: name a new one", folder);
-    }
     const struct server_path path = server_files_path(files, UNFINISHED);
     if (!mark_unfinished(files, path.text)) return refuse_path(files, path.text);
     if (!lock_take(files, O_RDWR | O_CREAT)) {
         if (is_new) (void)server_disk_remove(folder, path.text);
         return false;
     }
-    (void)server_files_each(files, "manifests", on_left_file, NULL);
-    (void)server_files_each(files, "temporary", on_left_file, NULL);
-    (void)server_disk_each(folder, on_left_file, files);
+    remove_files(files, "manifests", "");
+    remove_files(files, "temporary", "");
+    remove_files(files, "", SERVER_STORE_DATABASE);
+    remove_files(files, "", SERVER_SQL_BATCHES);
     if (make_layout(files)) return true;
     server_files_close(files);
     return false;

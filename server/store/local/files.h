@@ -41,9 +41,8 @@ struct server_path server_files_path(const struct server_files *files, const cha
     __attribute__((format(printf, 2, 3)));
 struct server_path server_files_object_path(const struct server_files *files, const char *object);
 
-/* Visits the files and folders in one of the store's folders. False: it can't be read. */
-bool server_files_each(const struct server_files *files, const char *folder,
-                       void (*visit)(void *user, const char *path, const char *file), void *user);
+/* Lists one of the store's folders. */
+struct server_listing server_files_list(const struct server_files *files, const char *folder);
 
 /* Parses a manifest's file name; false: it is none. */
 bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT]);

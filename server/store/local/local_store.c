@@ -19,18 +19,23 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include "server/base/log.h"
 #include "server/store/local/database.h"
 #include "server/store/local/files.h"
-#include "server/store/local/quarantine.h"
 
 struct local {
     struct server_store store; /* first */
     struct server_files files;
     struct server_database *database; /* NULL: it can't be opened or made, and nothing is written */
-    struct server_quarantine quarantine;
+    struct quarantine {
+        pthread_mutex_t lock;
+        struct condemned *first;
+        uint32_t count;
+        uint64_t turn; /* number of lifts */
+    } quarantine;
     struct server_stored *found; /* by the recovery; freed after the first visit */
     uint32_t found_count;
     /* ids of objects that the last change took from a surface; empty: none */
@@ -84,6 +89,73 @@ static enum server_store_outcome local_judge(struct local *local, enum server_st
     return SERVER_STORE_READ_ONLY;
 }
 
+/* --- quarantine: ids of damaged objects, which are not read again ----------------------------- */
+
+struct condemned {
+    struct condemned *next;
+    char object[SERVER_OBJECT];
+};
+
+/* Under the lock. The pointer to the object's entry, or to the end of the list. */
+static struct condemned **quarantine_find(struct quarantine *quarantine, const char *object)
+{
+    struct condemned **place = &quarantine->first;
+    while (*place && strcmp((*place)->object, object) != 0) place = &(*place)->next;
+    return place;
+}
+
+/* Returns whether the object is in quarantine, and the turn, which a reader takes before it reads
+ * and passes to quarantine_condemn. */
+static bool quarantine_holds(struct local *local, const char *object, uint64_t *turn)
+{
+    struct quarantine *quarantine = &local->quarantine;
+    pthread_mutex_lock(&quarantine->lock);
+    bool is_held = *quarantine_find(quarantine, object) != NULL;
+    *turn = quarantine->turn;
+    pthread_mutex_unlock(&quarantine->lock);
+    return is_held;
+}
+
+/* False: a file was written again since the turn, maybe this one, or there is no memory. The next
+ * reader condemns the object. */
+static bool quarantine_condemn(struct local *local, const char *object, uint64_t turn)
+{
+    struct quarantine *quarantine = &local->quarantine;
+    pthread_mutex_lock(&quarantine->lock);
+    struct condemned **place = quarantine_find(quarantine, object);
+    if (quarantine->turn == turn && !*place && (*place = calloc(1, sizeof **place))) {
+        strcpy((*place)->object, object);
+        quarantine->count++;
+    }
+    bool is_held = quarantine->turn == turn && *place;
+    pthread_mutex_unlock(&quarantine->lock);
+    return is_held;
+}
+
+/* The object was written again, removed, or found sound. */
+static void quarantine_lift(struct local *local, const char *object)
+{
+    struct quarantine *quarantine = &local->quarantine;
+    pthread_mutex_lock(&quarantine->lock);
+    struct condemned **place = quarantine_find(quarantine, object), *lifted = *place;
+    quarantine->turn++;
+    if (lifted) {
+        *place = lifted->next;
+        quarantine->count--;
+    }
+    pthread_mutex_unlock(&quarantine->lock);
+    free(lifted);
+}
+
+static uint32_t local_damaged(struct server_store *store)
+{
+    struct quarantine *quarantine = &((struct local *)store)->quarantine;
+    pthread_mutex_lock(&quarantine->lock);
+    uint32_t count = quarantine->count;
+    pthread_mutex_unlock(&quarantine->lock);
+    return count;
+}
+
 /* --- changes ---------------------------------------------------------------------------------- */
 
 static enum server_store_outcome local_write_objects(struct local *local,
@@ -95,23 +167,27 @@ static enum server_store_outcome local_write_objects(struct local *local,
     for (int part = 0; !outcome && part < SERVER_PARTS; part++) {
         if (!server_record_object(record, part, &object)) continue;
         outcome = server_files_write_object(&local->files, &object, content->parts[part]);
-        if (!outcome) server_quarantine_lift(&local->quarantine, object.id);
+        if (!outcome) quarantine_lift(local, object.id);
     }
     return local_judge(local, outcome, "a surface's file");
 }
 
-/* Removes the objects in `left` that no surface has any more. */
+/* Removes an object that no surface has. */
+static void local_drop(struct local *local, const char *object)
+{
+    int64_t count;
+    if (local->is_read_only || local->lacks_rows ||
+        server_database_count(local->database, object, &count) || count)
+        return;
+    server_files_remove_object(&local->files, object);
+    quarantine_lift(local, object);
+}
+
 static void local_drop_left(struct local *local)
 {
     for (int part = 0; part < SERVER_PARTS; part++) {
-        char *object = local->left[part];
-        int64_t count = 1;
-        if (*object && !local->is_read_only && !local->lacks_rows &&
-            !server_database_count(local->database, object, &count) && !count) {
-            server_files_remove_object(&local->files, object);
-            server_quarantine_lift(&local->quarantine, object);
-        }
-        *object = '\0';
+        if (local->left[part][0]) local_drop(local, local->left[part]);
+        local->left[part][0] = '\0';
     }
 }
 
@@ -220,12 +296,11 @@ static enum server_store_outcome local_fetch(struct server_store *store,
 {
     struct local *local = (struct local *)store;
     struct server_object object;
+    uint64_t turn;
     if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
-    if (server_quarantine_holds(&local->quarantine, object.id)) return SERVER_STORE_DAMAGED;
-    uint64_t turn = server_quarantine_turn(&local->quarantine);
+    if (quarantine_holds(local, object.id, &turn)) return SERVER_STORE_DAMAGED;
     enum server_store_outcome outcome = server_files_read_object(&local->files, &object, bytes);
-    if (outcome == SERVER_STORE_DAMAGED)
-        (void)server_quarantine_condemn(&local->quarantine, object.id, turn);
+    if (outcome == SERVER_STORE_DAMAGED) (void)quarantine_condemn(local, object.id, turn);
     return outcome;
 }
 
@@ -236,21 +311,15 @@ static enum server_store_verdict local_verify(struct server_store *store,
 {
     struct local *local = (struct local *)store;
     struct server_object object;
+    uint64_t turn;
     if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
-    uint64_t turn = server_quarantine_turn(&local->quarantine);
+    bool was_held = quarantine_holds(local, object.id, &turn);
     enum server_store_verdict verdict =
         server_files_verify_object(&local->files, &object, pace, user);
-    if (verdict == SERVER_VERDICT_SOUND && server_quarantine_holds(&local->quarantine, object.id))
-        server_quarantine_lift(&local->quarantine, object.id);
-    if (verdict == SERVER_VERDICT_DAMAGED &&
-        !server_quarantine_condemn(&local->quarantine, object.id, turn))
+    if (verdict == SERVER_VERDICT_SOUND && was_held) quarantine_lift(local, object.id);
+    if (verdict == SERVER_VERDICT_DAMAGED && !quarantine_condemn(local, object.id, turn))
         return SERVER_VERDICT_NONE;
     return verdict;
-}
-
-static uint32_t local_damaged(struct server_store *store)
-{
-    return server_quarantine_count(&((struct local *)store)->quarantine);
 }
 
 static void local_forget_found(struct local *local)
@@ -285,8 +354,6 @@ struct recovery {
     struct local *local;
     struct finding *findings;
     uint32_t count, sorted, capacity; /* the first `sorted` are sorted by key */
-    char (*used)[SERVER_OBJECT];      /* ids of the objects that surfaces have, sorted */
-    size_t used_count;
     bool is_newer, no_memory, lost_some;
 };
 
@@ -330,11 +397,9 @@ static bool on_row(void *user, const struct server_row *row)
     return true;
 }
 
-static void on_manifest(void *user, const char *path, const char *file)
+static void read_manifest(struct recovery *recovery, const char *file)
 {
-    struct recovery *recovery = user;
     char key[SERVER_KEY_TEXT] = "", checksum[SERVER_SHA256_HEX] = "";
-    (void)path;
     if (!server_files_manifest_key(file, key)) return;
     struct finding *finding = recovery->sorted ? bsearch(key, recovery->findings, recovery->sorted,
                                                          sizeof *recovery->findings, by_text)
@@ -471,51 +536,26 @@ static bool repair_all(struct recovery *recovery)
     return true;
 }
 
-static void on_temporary(void *user, const char *path, const char *file)
-{
-    (void)user, (void)file;
-    (void)unlink(path);
-}
-
-static void on_object(void *user, const char *path, const char *file)
-{
-    const struct recovery *recovery = user;
-    (void)path;
-    if (server_files_object_check(file) &&
-        !bsearch(file, recovery->used, recovery->used_count, sizeof *recovery->used, by_text))
-        server_files_remove_object(&recovery->local->files, file);
-}
-
-static void on_object_folder(void *user, const char *path, const char *file)
-{
-    (void)file;
-    (void)server_disk_each(path, on_object, user);
-}
-
 /* Removes the objects that no surface has. */
-static void collect_objects(struct recovery *recovery)
+static void collect_objects(struct local *local)
 {
-    const struct local *local = recovery->local;
-    struct server_object object;
-    recovery->used =
-        malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *recovery->used);
-    if (!recovery->used) return;
-    for (uint32_t i = 0; i < local->found_count; i++)
-        for (int part = 0; part < SERVER_PARTS; part++)
-            if (server_record_object(local->found[i].record, part, &object))
-                strcpy(recovery->used[recovery->used_count++], object.id);
-    qsort(recovery->used, recovery->used_count, sizeof *recovery->used, by_text);
-    (void)server_files_each(&local->files, "objects", on_object_folder, recovery);
-    free(recovery->used);
+    struct server_listing folders = server_files_list(&local->files, "objects");
+    while (server_listing_next(&folders)) {
+        struct server_listing objects = server_disk_list(folders.path);
+        while (server_listing_next(&objects))
+            if (server_files_object_check(objects.name)) local_drop(local, objects.name);
+    }
 }
 
 /* Finds and repairs what the folder holds. False with a sentence. */
 static bool recover(struct recovery *recovery, char *error, size_t error_size)
 {
     struct local *local = recovery->local;
-    (void)server_files_each(&local->files, "temporary", on_temporary, NULL);
+    struct server_listing temporary = server_files_list(&local->files, "temporary");
+    while (server_listing_next(&temporary)) (void)unlink(temporary.path);
     open_database(recovery);
-    (void)server_files_each(&local->files, "manifests", on_manifest, recovery);
+    struct server_listing manifests = server_files_list(&local->files, "manifests");
+    while (server_listing_next(&manifests)) read_manifest(recovery, manifests.name);
     if (recovery->is_newer) {
         snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one",
                  local->files.folder);
@@ -524,7 +564,7 @@ static bool recover(struct recovery *recovery, char *error, size_t error_size)
     if (recovery->no_memory || !repair_all(recovery)) return false; /* the caller has set `error` */
     /* after damage nothing is deleted: a person may be able to repair it */
     if (recovery->lost_some || local->is_read_only) return true;
-    collect_objects(recovery);
+    collect_objects(local);
     if (server_files_load_ballast(&local->files) == SERVER_STORE_READ_ONLY)
         local_forbid(local, "the ballast could not be made durable");
     return true;
@@ -538,7 +578,8 @@ static void local_close(struct server_store *store)
     local_forget_found(local);
     server_database_close(local->database, !local->is_read_only);
     server_files_close(&local->files);
-    server_quarantine_clear(&local->quarantine);
+    while (local->quarantine.first) quarantine_lift(local, local->quarantine.first->object);
+    pthread_mutex_destroy(&local->quarantine.lock);
     free(local);
 }
 
@@ -559,7 +600,7 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
                                          .health = local_health,
                                          .close = local_close};
     struct recovery recovery = {.local = local};
-    server_quarantine_init(&local->quarantine);
+    pthread_mutex_init(&local->quarantine.lock, NULL);
     bool is_open = server_files_open(&local->files, folder);
     if (!is_open) snprintf(error, error_size, "%s", local->files.error);
     is_open = is_open && recover(&recovery, error, error_size);
