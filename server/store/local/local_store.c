@@ -537,14 +537,27 @@ static bool repair_all(struct recovery *recovery)
 }
 
 /* Removes the objects that no surface has. */
-static void collect_objects(struct local *local)
+static void collect_objects(const struct local *local)
 {
+    size_t count = 0;
+    char(*used)[SERVER_OBJECT] =
+        malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *used);
+    struct server_object object;
+    if (!used) return;
+    for (uint32_t i = 0; i < local->found_count; i++)
+        for (int part = 0; part < SERVER_PARTS; part++)
+            if (server_record_object(local->found[i].record, part, &object))
+                strcpy(used[count++], object.id);
+    qsort(used, count, sizeof *used, by_text);
     struct server_listing folders = server_files_list(&local->files, "objects");
     while (server_listing_next(&folders)) {
         struct server_listing objects = server_disk_list(folders.path);
         while (server_listing_next(&objects))
-            if (server_files_object_check(objects.name)) local_drop(local, objects.name);
+            if (server_files_object_check(objects.name) &&
+                !bsearch(objects.name, used, count, sizeof *used, by_text))
+                server_files_remove_object(&local->files, objects.name);
     }
+    free(used);
 }
 
 /* Finds and repairs what the folder holds. False with a sentence. */

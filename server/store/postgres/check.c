@@ -72,9 +72,8 @@ static enum server_store_outcome check_page(struct server_pg *pg, struct check *
     return outcome;
 }
 
-static enum server_store_outcome check_all(struct server_pg *pg, void *user)
+static enum server_store_outcome check_all(struct server_pg *pg, struct check *check)
 {
-    struct check *check = user;
     struct server_sql_integers unused = {0};
     enum server_store_outcome outcome;
     do outcome = check_page(pg, check);
@@ -93,8 +92,12 @@ bool server_store_check_postgres(const char *url, FILE *out)
 {
     struct check check = {.out = out};
     struct server_pg_pool *pool = server_pg_pool_create(url);
-    enum server_store_outcome outcome =
-        pool ? server_pg_read(pool, PATIENCE_NS, check_all, &check) : SERVER_STORE_NO_MEMORY;
+    enum server_store_outcome outcome = SERVER_STORE_NO_MEMORY;
+    if (pool) {
+        struct server_pg_attempt attempt = server_pg_reading(pool, PATIENCE_NS);
+        while (server_pg_next(&attempt)) attempt.outcome = check_all(attempt.pg, &check);
+        outcome = attempt.outcome;
+    }
     server_pg_pool_destroy(pool);
     if (outcome)
         fprintf(

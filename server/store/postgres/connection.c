@@ -376,33 +376,30 @@ void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg)
 
 /* --- transactions ----------------------------------------------------------------------------- */
 
-struct attempt {
-    server_pg_body *body;
-    void *user;
-    bool is_transaction;
-    uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
-    char number[32];                  /* of a transaction whose COMMIT has no answer; or empty */
-};
+struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool)
+{
+    return (struct server_pg_attempt){
+        .pool = pool, .is_transaction = true, .patience_ns = PATIENCE_NS, .longest_ns = LONGEST_NS};
+}
+
+struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t patience_ns)
+{
+    return (struct server_pg_attempt){
+        .pool = pool, .patience_ns = patience_ns, .longest_ns = patience_ns};
+}
 
 static bool on_number(void *user, const struct server_sql_value *row)
 {
-    struct attempt *attempt = user;
+    struct server_pg_attempt *attempt = user;
     snprintf(attempt->number, sizeof attempt->number, "%s", row[0].bytes);
     return true;
 }
 
-static enum server_store_outcome attempt_make(struct server_pg *pg, struct attempt *attempt)
+static enum server_store_outcome attempt_commit(struct server_pg_attempt *attempt)
 {
-    if (!attempt->is_transaction) return attempt->body(pg, attempt->user);
-    enum server_store_outcome outcome = server_pg_run(pg, SERVER_SQL("BEGIN"));
-    if (!outcome) outcome = attempt->body(pg, attempt->user);
-    if (outcome) {
-        if (outcome != SERVER_STORE_UNAVAILABLE) (void)server_pg_run(pg, SERVER_SQL("ROLLBACK"));
-        return outcome;
-    }
-    outcome = server_pg_run(
-        pg, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt));
-    if (!outcome) outcome = server_pg_run(pg, SERVER_SQL("COMMIT"));
+    enum server_store_outcome outcome = server_pg_run(
+        attempt->pg, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt));
+    if (!outcome) outcome = server_pg_run(attempt->pg, SERVER_SQL("COMMIT"));
     if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0';
     return outcome;
 }
@@ -418,68 +415,79 @@ static bool on_status(void *user, const struct server_sql_value *row)
 
 /* Asks for the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
  * unknown for now, or still in progress. */
-static enum server_store_outcome attempt_ask(struct server_pg *pg, struct attempt *attempt)
+static enum server_store_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     const struct server_sql_value number = server_sql_text(attempt->number);
     enum server_store_outcome found = SERVER_STORE_UNAVAILABLE;
-    if (server_pg_run(
-            pg, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number, 1, on_status, &found)))
+    if (server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number, 1,
+                                              on_status, &found)))
         return SERVER_STORE_UNAVAILABLE;
     if (found == SERVER_STORE_STALE) attempt->number[0] = '\0';
     return found;
 }
 
-static bool pause_until(uint64_t until_ns, uint64_t *pause_ns)
+/* Waits before the next attempt, ever longer; false: patience is at an end. */
+static bool attempt_pause(struct server_pg_attempt *attempt)
 {
-    const struct timespec pause = {.tv_nsec = (long)*pause_ns};
-    if (gd_now_ns() + *pause_ns >= until_ns) return false;
+    const struct timespec pause = {.tv_nsec = (long)attempt->pause_ns};
+    if (gd_now_ns() + attempt->pause_ns >= attempt->until_ns) return false;
     nanosleep(&pause, NULL);
-    *pause_ns = 2 * *pause_ns < PAUSE_MOST ? 2 * *pause_ns : PAUSE_MOST;
+    attempt->pause_ns = 2 * attempt->pause_ns < PAUSE_MOST ? 2 * attempt->pause_ns : PAUSE_MOST;
     return true;
 }
 
-static enum server_store_outcome attempts_run(struct server_pg_pool *pool, struct attempt attempt)
+/* Gives the connection back. */
+static void attempt_release(struct server_pg_attempt *attempt)
 {
-    uint64_t until_ns = gd_now_ns() + attempt.patience_ns, pause_ns = PAUSE_NS;
-    enum server_store_outcome outcome;
-    char error[SERVER_PG_ERROR] = "";
-    if (server_pg_pool_is_away(pool)) return SERVER_STORE_UNAVAILABLE;
-    do {
-        struct server_pg *pg;
-        outcome = server_pg_pool_take(pool, &pg, error);
-        if (outcome) continue;
-        pg->longest_ns = attempt.longest_ns;
-        outcome = attempt.number[0] ? attempt_ask(pg, &attempt) : attempt_make(pg, &attempt);
-        if (outcome) snprintf(error, sizeof error, "%s", pg->error);
-        server_pg_pool_give(pool, pg);
-    } while ((outcome == SERVER_STORE_UNAVAILABLE || outcome == SERVER_STORE_STALE) &&
-             pause_until(until_ns, &pause_ns));
-    if (outcome == SERVER_STORE_STALE) outcome = SERVER_STORE_UNAVAILABLE;
-    if (outcome == SERVER_STORE_REFUSED || outcome == SERVER_STORE_FULL)
-        server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", error);
-    else if (outcome == SERVER_STORE_UNAVAILABLE)
+    if (attempt->outcome) snprintf(attempt->error, sizeof attempt->error, "%s", attempt->pg->error);
+    server_pg_pool_give(attempt->pool, attempt->pg);
+    attempt->pg = NULL;
+}
+
+/* Begins an attempt. False: the outcome is set already. */
+static bool attempt_begin(struct server_pg_attempt *attempt)
+{
+    attempt->outcome = server_pg_pool_take(attempt->pool, &attempt->pg, attempt->error);
+    if (attempt->outcome) return false;
+    attempt->pg->longest_ns = attempt->longest_ns;
+    bool asks = attempt->number[0] != '\0';
+    if (asks)
+        attempt->outcome = attempt_ask(attempt);
+    else if (attempt->is_transaction)
+        attempt->outcome = server_pg_run(attempt->pg, SERVER_SQL("BEGIN"));
+    if (!asks && !attempt->outcome) return true;
+    attempt_release(attempt);
+    return false;
+}
+
+bool server_pg_next(struct server_pg_attempt *attempt)
+{
+    bool is_first = !attempt->until_ns;
+    if (is_first) {
+        attempt->until_ns = gd_now_ns() + attempt->patience_ns;
+        attempt->pause_ns = PAUSE_NS;
+        attempt->outcome = SERVER_STORE_UNAVAILABLE;
+        if (server_pg_pool_is_away(attempt->pool)) return false;
+    } else {
+        if (attempt->is_transaction && !attempt->outcome)
+            attempt->outcome = attempt_commit(attempt);
+        else if (attempt->is_transaction && attempt->outcome != SERVER_STORE_UNAVAILABLE)
+            (void)server_pg_run(attempt->pg, SERVER_SQL("ROLLBACK"));
+        attempt_release(attempt);
+    }
+    while (
+        (attempt->outcome == SERVER_STORE_UNAVAILABLE || attempt->outcome == SERVER_STORE_STALE) &&
+        (is_first || attempt_pause(attempt))) {
+        is_first = false;
+        if (attempt_begin(attempt)) return true;
+    }
+    if (attempt->outcome == SERVER_STORE_STALE) attempt->outcome = SERVER_STORE_UNAVAILABLE;
+    if (attempt->outcome == SERVER_STORE_REFUSED || attempt->outcome == SERVER_STORE_FULL)
+        server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", attempt->error);
+    else if (attempt->outcome == SERVER_STORE_UNAVAILABLE)
         server_log_message(SERVER_LOG_WARN, "database_lost", "%s",
-                           *error ? error : "others were always quicker");
-    return outcome;
-}
-
-enum server_store_outcome server_pg_transact(struct server_pg_pool *pool, server_pg_body *body,
-                                             void *user)
-{
-    return attempts_run(pool, (struct attempt){.body = body,
-                                               .user = user,
-                                               .is_transaction = true,
-                                               .patience_ns = PATIENCE_NS,
-                                               .longest_ns = LONGEST_NS});
-}
-
-enum server_store_outcome server_pg_read(struct server_pg_pool *pool, uint64_t patience_ns,
-                                         server_pg_body *body, void *user)
-{
-    return attempts_run(pool, (struct attempt){.body = body,
-                                               .user = user,
-                                               .patience_ns = patience_ns,
-                                               .longest_ns = patience_ns});
+                           *attempt->error ? attempt->error : "others were always quicker");
+    return false;
 }
 
 /* --- statements for the batches (sql.h) ------------------------------------------------------- */
@@ -489,15 +497,12 @@ struct sql_pg {
     struct server_pg_pool *pool;
 };
 
-static enum server_store_outcome on_statement(struct server_pg *pg, void *user)
-{
-    return server_pg_run(pg, *(const struct server_statement **)user);
-}
-
 static enum server_store_outcome sql_run(struct server_store_sql *sql,
                                          const struct server_statement *statement)
 {
-    return server_pg_read(((struct sql_pg *)sql)->pool, TAKE_NS, on_statement, &statement);
+    struct server_pg_attempt attempt = server_pg_reading(((struct sql_pg *)sql)->pool, TAKE_NS);
+    while (server_pg_next(&attempt)) attempt.outcome = server_pg_run(attempt.pg, statement);
+    return attempt.outcome;
 }
 
 static void sql_close(struct server_store_sql *sql)

@@ -1,11 +1,9 @@
 /* Connections to a PostgreSQL database, statements and transactions.
  *
- *     static enum server_store_outcome on_change(struct server_pg *pg,
- *                                                void *user)
- *     {
- *         return server_pg_run(pg, SERVER_SQL("UPDATE …", values, 2));
- *     }
- *     outcome = server_pg_transact(pool, on_change, user);
+ *     struct server_pg_attempt attempt = server_pg_transaction(pool);
+ *     while (server_pg_next(&attempt))
+ *         attempt.outcome = server_pg_run(attempt.pg, SERVER_SQL("UPDATE …", values, 2));
+ *     return attempt.outcome;
  *
  * DESIGN. A pool of few connections, each used by one thread at a time, opened on demand. Every
  * wait is bounded: each statement and each attempt to connect has a deadline, and a connection
@@ -53,18 +51,30 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool);
 enum server_store_outcome server_pg_run(struct server_pg *pg,
                                         const struct server_statement *statement);
 
-typedef enum server_store_outcome server_pg_body(struct server_pg *pg, void *user);
+/* The attempts at a transaction, or at reading. */
+struct server_pg_attempt {
+    struct server_pg *pg;              /* the connection of this attempt */
+    enum server_store_outcome outcome; /* the loop sets that of an attempt; in the end, of all */
+    struct server_pg_pool *pool;       /* this and the rest are private */
+    bool is_transaction;
+    uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
+    uint64_t until_ns, pause_ns;
+    char number[32]; /* of a transaction whose COMMIT has no answer; or empty */
+    char error[SERVER_PG_ERROR];
+};
 
-/* Runs the body in a transaction; commits if it returns DONE. The body may run several times. It
- * returns STALE for a retry, and PRECONDITION to end because of another's change. UNAVAILABLE:
- * nothing changed, or the outcome is unknown for now. */
-enum server_store_outcome server_pg_transact(struct server_pg_pool *pool, server_pg_body *body,
-                                             void *user);
+/* The loop's outcome DONE commits the transaction, STALE retries it, and PRECONDITION ends it
+ * because of another's change. UNAVAILABLE in the end: nothing changed, or it is unknown for now.
+ */
+struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool);
 
-/* Runs the body without a transaction; again if the connection is lost, for `patience_ns` at most,
+/* Attempts without a transaction, repeated if the connection is lost, for `patience_ns` at most,
  * which is also the deadline of each statement. */
-enum server_store_outcome server_pg_read(struct server_pg_pool *pool, uint64_t patience_ns,
-                                         server_pg_body *body, void *user);
+struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t patience_ns);
+
+/* Ends an attempt and begins the next. False: all is done, or has failed. The loop must not end
+ * before. */
+bool server_pg_next(struct server_pg_attempt *attempt);
 
 /* Blocks for `ns`, or until a notification on a channel that the connection listens to. False: the
  * connection is lost. */

@@ -26,7 +26,7 @@ enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
 uint64_t server_pg_chunks(const struct server_object *object);
 
 /* Makes the tables (schema.c), or migrates them; one process at a time. PRECONDITION: a later
- * version made them. Else as server_pg_transact. */
+ * version made them. Else as a transaction. */
 enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool);
 
 #endif

@@ -30,19 +30,15 @@ struct shared {
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
-struct staging {
-    const struct server_record *record;
-    const struct server_content *content;
-};
-
-static enum server_store_outcome on_stage(struct server_pg *pg, void *user)
+static enum server_store_outcome write_objects(struct server_pg *pg,
+                                               const struct server_record *record,
+                                               const struct server_content *content)
 {
-    const struct staging *staging = user;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(staging->record, part, &object))
-            outcome = server_pg_write_object(pg, &object, staging->content->parts[part]);
+        if (server_record_object(record, part, &object))
+            outcome = server_pg_write_object(pg, &object, content->parts[part]);
     return outcome;
 }
 
@@ -50,8 +46,9 @@ static enum server_store_outcome shared_stage(struct server_store *store,
                                               const struct server_record *record,
                                               const struct server_content *content)
 {
-    struct staging staging = {record, content};
-    return server_pg_transact(((struct shared *)store)->pool, on_stage, &staging);
+    struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
+    while (server_pg_next(&attempt)) attempt.outcome = write_objects(attempt.pg, record, content);
+    return attempt.outcome;
 }
 
 struct change {
@@ -125,9 +122,8 @@ static enum server_store_outcome change_forget(struct server_pg *pg, const struc
 }
 
 /* The first statement locks the clock: until the transaction ends nobody else changes anything. */
-static enum server_store_outcome on_change(struct server_pg *pg, void *user)
+static enum server_store_outcome change_apply(struct server_pg *pg, struct change *change)
 {
-    struct change *change = user;
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("UPDATE clock SET version = version + 1 RETURNING version",
                                      NULL, 0, server_sql_on_integers, &change->version));
@@ -142,11 +138,11 @@ static enum server_store_outcome on_change(struct server_pg *pg, void *user)
 static enum server_store_outcome change_make(struct server_store *store, struct change *change,
                                              uint64_t *version)
 {
+    struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
     change->before = *version;
-    enum server_store_outcome outcome =
-        server_pg_transact(((struct shared *)store)->pool, on_change, change);
-    if (!outcome) *version = (uint64_t)change->version.at[0];
-    return outcome == SERVER_STORE_PRECONDITION ? SERVER_STORE_STALE : outcome;
+    while (server_pg_next(&attempt)) attempt.outcome = change_apply(attempt.pg, change);
+    if (!attempt.outcome) *version = (uint64_t)change->version.at[0];
+    return attempt.outcome == SERVER_STORE_PRECONDITION ? SERVER_STORE_STALE : attempt.outcome;
 }
 
 static enum server_store_outcome shared_put(struct server_store *store,
@@ -171,55 +167,42 @@ shared_remove(struct server_store *store, const struct server_record *record, ui
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-struct fetching {
-    struct server_object object;
-    void *bytes;
-    uint64_t number; /* of a chunk to verify */
-    size_t size;     /* of that chunk */
-};
-
-static enum server_store_outcome on_fetch(struct server_pg *pg, void *user)
-{
-    const struct fetching *fetching = user;
-    return server_pg_read_object(pg, &fetching->object, fetching->bytes);
-}
-
 static enum server_store_outcome shared_fetch(struct server_store *store,
                                               const struct server_record *record,
                                               enum server_part part, void **bytes)
 {
-    struct fetching fetching;
-    if (!server_record_object(record, part, &fetching.object)) return SERVER_STORE_ABSENT;
-    fetching.bytes = malloc(fetching.object.size ? fetching.object.size : 1);
-    if (!fetching.bytes) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome =
-        server_pg_read(((struct shared *)store)->pool, LOAD_NS, on_fetch, &fetching);
-    if (outcome)
-        free(fetching.bytes);
+    struct server_object object;
+    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
+    void *read = malloc(object.size ? object.size : 1);
+    if (!read) return SERVER_STORE_NO_MEMORY;
+    struct server_pg_attempt attempt = server_pg_reading(((struct shared *)store)->pool, LOAD_NS);
+    while (server_pg_next(&attempt))
+        attempt.outcome = server_pg_read_object(attempt.pg, &object, read);
+    if (attempt.outcome)
+        free(read);
     else
-        *bytes = fetching.bytes;
-    return outcome;
-}
-
-static enum server_store_outcome on_verify(struct server_pg *pg, void *user)
-{
-    struct fetching *fetching = user;
-    return server_pg_check_chunk(pg, &fetching->object, fetching->number, &fetching->size);
+        *bytes = read;
+    return attempt.outcome;
 }
 
 static enum server_store_verdict shared_verify(struct server_store *store,
                                                const struct server_record *record,
                                                enum server_part part, server_pace *pace, void *user)
 {
-    struct fetching fetching = {.bytes = NULL};
-    if (!server_record_object(record, part, &fetching.object)) return SERVER_VERDICT_MISSING;
-    for (; fetching.number < server_pg_chunks(&fetching.object); fetching.number++) {
-        switch (server_pg_read(((struct shared *)store)->pool, LOAD_NS, on_verify, &fetching)) {
+    struct server_pg_pool *pool = ((struct shared *)store)->pool;
+    struct server_object object;
+    size_t size = 0;
+    if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
+    for (uint64_t i = 0; i < server_pg_chunks(&object); i++) {
+        struct server_pg_attempt attempt = server_pg_reading(pool, LOAD_NS);
+        while (server_pg_next(&attempt))
+            attempt.outcome = server_pg_check_chunk(attempt.pg, &object, i, &size);
+        switch (attempt.outcome) {
         case SERVER_STORE_DONE:
-            if (!pace(user, fetching.size)) return SERVER_VERDICT_NONE;
+            if (!pace(user, size)) return SERVER_VERDICT_NONE;
             break;
         case SERVER_STORE_ABSENT:
-            return fetching.number ? SERVER_VERDICT_DAMAGED : SERVER_VERDICT_MISSING;
+            return i ? SERVER_VERDICT_DAMAGED : SERVER_VERDICT_MISSING;
         case SERVER_STORE_DAMAGED:
             return SERVER_VERDICT_DAMAGED;
         case SERVER_STORE_REFUSED:
@@ -280,16 +263,15 @@ static bool on_page_row(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome read_clock(struct server_pg *pg, void *user)
+static enum server_store_outcome read_clock(struct server_pg *pg, struct server_sql_integers *clock)
 {
     return server_pg_run(pg, SERVER_SQL("SELECT version, forgotten FROM clock", NULL, 0,
-                                        server_sql_on_integers, user));
+                                        server_sql_on_integers, clock));
 }
 
 /* After a lost connection it continues with the change after the last one that was visited. */
-static enum server_store_outcome visit_changes(struct server_pg *pg, void *user)
+static enum server_store_outcome visit_changes(struct server_pg *pg, struct page *page)
 {
-    struct page *page = user;
     struct server_sql_integers clock = {0};
     enum server_store_outcome outcome = read_clock(pg, &clock);
     if (outcome) return outcome;
@@ -312,15 +294,15 @@ static enum server_store_outcome shared_follow(struct server_store *store,
 {
     struct shared *own = (struct shared *)store;
     struct page page = {.visit_change = visit, .user = user, .seen = own->seen};
-    enum server_store_outcome outcome = server_pg_read(own->pool, FOLLOW_NS, visit_changes, &page);
+    struct server_pg_attempt attempt = server_pg_reading(own->pool, FOLLOW_NS);
+    while (server_pg_next(&attempt)) attempt.outcome = visit_changes(attempt.pg, &page);
     own->seen = page.seen;
     if (page.is_over) return SERVER_STORE_NO_MEMORY;
-    return !outcome && page.is_forgotten ? SERVER_STORE_STALE : outcome;
+    return !attempt.outcome && page.is_forgotten ? SERVER_STORE_STALE : attempt.outcome;
 }
 
-static enum server_store_outcome visit_all(struct server_pg *pg, void *user)
+static enum server_store_outcome visit_all(struct server_pg *pg, struct page *page)
 {
-    struct page *page = user;
     enum server_store_outcome outcome;
     do {
         const struct server_sql_value last = server_sql_text(page->last);
@@ -340,11 +322,15 @@ static enum server_store_outcome shared_each(struct server_store *store, server_
     struct shared *own = (struct shared *)store;
     struct page page = {.visit_stored = visit, .user = user};
     struct server_sql_integers clock = {0};
-    enum server_store_outcome outcome = server_pg_read(own->pool, LOAD_NS, read_clock, &clock);
-    if (!outcome) outcome = server_pg_read(own->pool, LOAD_NS, visit_all, &page);
+    struct server_pg_attempt attempt = server_pg_reading(own->pool, LOAD_NS);
+    while (server_pg_next(&attempt)) {
+        /* once: a change while rows are visited has a later version */
+        attempt.outcome = clock.rows ? SERVER_STORE_DONE : read_clock(attempt.pg, &clock);
+        if (!attempt.outcome) attempt.outcome = visit_all(attempt.pg, &page);
+    }
     if (page.is_over) return SERVER_STORE_NO_MEMORY;
-    if (!outcome) own->seen = (uint64_t)clock.at[0];
-    return outcome;
+    if (!attempt.outcome) own->seen = (uint64_t)clock.at[0];
+    return attempt.outcome;
 }
 
 /* --- waiting ---------------------------------------------------------------------------------- */
@@ -382,9 +368,8 @@ static void pause_ns(uint64_t ns)
 
 /* Deletes the objects of uploads that were cut short a day ago. The clock is locked, so that no
  * change can refer to one. */
-static enum server_store_outcome on_sweep(struct server_pg *pg, void *user)
+static enum server_store_outcome sweep(struct server_pg *pg)
 {
-    (void)user;
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
     if (outcome) return outcome;
@@ -401,7 +386,8 @@ static void shared_await(struct server_store *store, uint64_t ns)
     uint64_t now_ns = gd_now_ns();
     if (!own->swept_ns || now_ns - own->swept_ns >= SWEEP_NS) {
         own->swept_ns = now_ns;
-        (void)server_pg_transact(own->pool, on_sweep, NULL);
+        struct server_pg_attempt attempt = server_pg_transaction(own->pool);
+        while (server_pg_next(&attempt)) attempt.outcome = sweep(attempt.pg);
     }
     bool listens = own->listener || listen_again(own);
     if (listens && !server_pg_pool_is_away(own->pool) && server_pg_await(own->listener, ns)) return;

@@ -73,9 +73,8 @@ static enum server_store_outcome step_make(struct server_pg *pg, int64_t step)
                          SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)", &number, 1));
 }
 
-static enum server_store_outcome migrate(struct server_pg *pg, void *user)
+static enum server_store_outcome migrate(struct server_pg *pg)
 {
-    (void)user;
     struct server_sql_integers version = {0};
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT pg_advisory_xact_lock(" MIGRATING ")"));
@@ -91,5 +90,7 @@ static enum server_store_outcome migrate(struct server_pg *pg, void *user)
 
 enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool)
 {
-    return server_pg_transact(pool, migrate, NULL);
+    struct server_pg_attempt attempt = server_pg_transaction(pool);
+    while (server_pg_next(&attempt)) attempt.outcome = migrate(attempt.pg);
+    return attempt.outcome;
 }
