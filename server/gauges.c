@@ -9,16 +9,15 @@
 #include "server/jobs/batches.h"
 #include "server/jobs/jobs.h"
 #include "server/server.h"
-#include "server/surfaces/scrub.h"
 
 static void write_values(struct server *server, struct proto_writer *writer)
 {
     struct server_connections_statistics connections =
         server_connections_statistics(server->connections);
     struct server_workers_load load = server_workers_load(server->workers);
-    struct server_cache_statistics cache = server_cache_statistics(server->cache);
-    struct server_landmarks_statistics landmarks = server_landmarks_statistics(server->landmarks);
-    struct server_registry_statistics registry = server_registry_statistics(server->registry);
+    struct server_cache_statistics cache = server_cache_statistics(server->surfaces.cache);
+    struct server_landmarks_statistics landmarks = server_landmarks_statistics(server->surfaces.landmarks);
+    struct server_registry_statistics registry = server_registry_statistics(server->surfaces.registry);
     struct server_batches_statistics batches = server_batches_statistics(server->batches);
     const struct server_metric values[] = {
         {"connections", "Connections that are open.", (double)connections.open},
@@ -53,7 +52,7 @@ static void write_values(struct server *server, struct proto_writer *writer)
         {"mesh_loads_total", "Meshes loaded from the store.", (double)registry.loads},
         {"mesh_unloads_total", "Meshes unloaded for room.", (double)registry.unloads},
         {"store_writable", "1, or 0 after a write that could not be made durable.",
-         server_registry_health(server->registry) == NULL},
+         server_registry_health(server->surfaces.registry) == NULL},
         {"store_damaged_files", "Stored files that were found damaged: their meshes are refused.",
          (double)registry.damaged},
         {"batch_items_running", "Items of batches that this daemon works on.", batches.running},
@@ -69,8 +68,8 @@ static void write_values(struct server *server, struct proto_writer *writer)
 
 static void write_scrub(struct server *server, struct proto_writer *writer)
 {
-    if (!server->scrub) return;
-    struct server_scrub_statistics scrub = server_scrub_statistics(server->scrub);
+    if (!server->surfaces.scrub) return;
+    struct server_scrub_statistics scrub = server_scrub_statistics(server->surfaces.scrub);
     const struct server_metric values[] = {
         {"scrub_bytes_total", "Bytes of stored files that were looked through.",
          (double)scrub.bytes},

@@ -12,13 +12,9 @@
 #include "server/access/access.h"
 #include "server/jobs/batches.h"
 #include "server/http/connections.h"
-#include "server/base/disk.h"
 #include "server/http/events.h"
-#include "server/surfaces/field_store.h"
 #include "server/http/http.h"
 #include "server/jobs/jobs.h"
-#include "server/surfaces/preloader.h"
-#include "server/surfaces/scrub.h"
 #include "server/work/deadlines.h"
 #include "server/http/tls.h"
 #include "server/gauges.h"
@@ -29,7 +25,6 @@
  * after some hundred uploads. */
 #define LARGE_BYTES (256 << 10)
 
-#define PERSIST_NS UINT64_C(10000000000) /* for writing fields, which can be computed again */
 /* of the memory budget: what is set aside for the memory of released fields */
 #define SPARE_PART 16
 #define SPARE_MOST ((size_t)256 << 20)
@@ -41,17 +36,10 @@ static void destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
     server_batches_destroy(server->batches);
-    server_scrub_destroy(server->scrub);
-    server_preloader_destroy(server->preloader);
     server_timekeeper_destroy(server->timekeeper);
     server_jobs_destroy(server->jobs);
     server_events_destroy(server->events);
-    server_registry_destroy(server->registry);
-    server_discretizations_destroy(server->discretizations);
-    server_landmarks_destroy(server->landmarks);
-    server_field_store_close(server->fields);
-    server_pending_loads_destroy(server->pending_loads);
-    server_cache_destroy(server->cache);
+    server_surfaces_destroy(&server->surfaces);
     server_workers_destroy(server->workers);
     server_workspaces_destroy(server->workspaces);
     gd_spare_memory(0);
@@ -59,40 +47,6 @@ static void destroy(struct server *server)
     server_tls_close(server->tls);
     server_access_destroy(server->access);
     free(server);
-}
-
-static struct server_store *open_store(const struct server_config *config, char *error,
-                                       size_t error_size)
-{
-    if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
-    if (config->store == SERVER_STORE_KIND_POSTGRES)
-        return server_store_postgres_open(config->store_url, error, error_size);
-    return server_store_local_open(config->data_dir, error, error_size);
-}
-
-/* Beside a database a folder is for what can be computed again, if one is given. */
-static bool open_fields(struct server *server, char *error, size_t error_size)
-{
-    const struct server_config *config = &server->config;
-    if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
-    if (config->store == SERVER_STORE_KIND_POSTGRES)
-        (void)server_disk_make_folder(config->data_dir);
-    server->fields = server_field_store_open(config->data_dir, &server->budget);
-    if (server->fields)
-        server_field_store_follow(server->fields, server->registry);
-    else
-        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s",
-                 config->data_dir);
-    return server->fields != NULL;
-}
-
-static bool create_registry(struct server *server, char *error, size_t error_size)
-{
-    const struct server_config *config = &server->config;
-    struct server_store *store = open_store(config, error, error_size);
-    if (!store) return false;
-    server->registry = server_registry_create(store, &server->budget);
-    return server->registry && open_fields(server, error, error_size);
 }
 
 static bool select_cpu(const struct server_config *config, char *error, size_t error_size)
@@ -151,16 +105,16 @@ void server_connect(struct server *server)
     server->api = (struct server_api){
         .config = config,
         .access = server->access,
-        .registry = server->registry,
-        .cache = server->cache,
-        .pending_loads = server->pending_loads,
-        .landmarks = server->landmarks,
-        .discretizations = server->discretizations,
+        .registry = server->surfaces.registry,
+        .cache = server->surfaces.cache,
+        .pending_loads = server->surfaces.pending_loads,
+        .landmarks = server->surfaces.landmarks,
+        .discretizations = server->surfaces.discretizations,
         .jobs = server->jobs,
         .batches = server->batches,
         .write_metrics = server_gauges_write,
         .metrics_source = server,
-        .server = server,
+        .loader = &server->surfaces.loader,
     };
 }
 
@@ -176,29 +130,22 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
         server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
     if (server->workers && !server_workers_add_spare(server->workers)) return false;
     if (server->workers && server->access) server_workers_share(server->workers);
-    if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
-    if (server->workers) server->pending_loads = server_pending_loads_create(server->workers);
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
-    if (!server->workspaces || !server->cache || !server->pending_loads || !server->metrics)
-        return false;
-    if (!create_registry(server, error, error_size)) return false;
-    if (config->landmarks) server->landmarks = server_landmarks_create(server);
-    if (config->landmarks && !server->landmarks) return false;
-    server->discretizations = server_discretizations_create(server);
-    if (!server->discretizations) return false;
+    if (!server->workers || !server->workspaces || !server->metrics) return false;
+    const struct server_surfaces_parts parts = {.config = config,
+                                                .workers = server->workers,
+                                                .workspaces = server->workspaces,
+                                                .metrics = server->metrics};
+    if (!server_surfaces_create(&server->surfaces, &parts, error, error_size)) return false;
     server->events = server_events_create();
     server->jobs = server_jobs_create(server);
     if (!server->events || !server->jobs) return false;
     server->timekeeper = server_timekeeper_create(server);
-    server->preloader = server_preloader_create(server);
-    bool scrubs = config->scrub_s && server_registry_can_verify(server->registry);
-    if (scrubs) server->scrub = server_scrub_create(server);
     server_connect(server);
     server->batches = server_batches_create(server, error, error_size);
     server->api.batches = server->batches;
     server->connections = server_connections_create();
-    return server->timekeeper && server->preloader && server->batches && server->connections &&
-           (!scrubs || server->scrub);
+    return server->timekeeper && server->batches && server->connections;
 }
 
 static bool serve(struct server *server, int listening, char *error, size_t error_size)
@@ -280,18 +227,6 @@ static void remove_socket(const struct server_address *address)
         unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
 }
 
-/* Nothing else runs but the preloader and the scrub, which are ending. */
-static void persist(struct server *server)
-{
-    server_scrub_destroy(server->scrub);
-    server->scrub = NULL;
-    server_preloader_destroy(server->preloader);
-    server->preloader = NULL;
-    server_registry_note_uses(server->registry);
-    if (server->config.persist_fields)
-        server_field_store_save(server->fields, server->registry, gd_now_ns() + PERSIST_NS);
-}
-
 void server_stop(struct server *server)
 {
     stand_aside(server);
@@ -308,7 +243,7 @@ void server_stop(struct server *server)
         pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     server_http_stop(server->http);
-    persist(server);
+    server_surfaces_persist(&server->surfaces);
     destroy(server);
     server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
 }

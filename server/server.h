@@ -1,13 +1,11 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
  * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget,
- * workspaces, workers, cache, loads, metrics, store and registry (with two threads: its writer for
- * what has to be on disk, its reader for lists), field store, landmarks, discretizations, events,
- * jobs, timekeeper, preloader, scrub, batches, connections, http. Workspaces, workers, cache,
- * loads, landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock
- * each, the registry two; the only ones held together are the registry's writer lock, its slots'
- * lock and the cache's, in that order, and the landmarks' and the workers'. Budget and metrics are
- * atomic.
+ * workspaces, workers, metrics, surfaces (surfaces.h: cache, registry and what is kept of
+ * surfaces), events, jobs, timekeeper, batches, connections, http. Most parts have a lock of their
+ * own, the registry three. Locks that are held together, in this order: the registry's writer lock,
+ * its follower's, its slots' and the cache's; the landmarks' and the workers'. Budget and metrics
+ * are atomic.
  *
  * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections,
  * all else goes on) -> draining (no new connections) -> at the drain deadline workers are cancelled
@@ -20,14 +18,10 @@
 #include <stdint.h>
 
 #include "server/work/budget.h"
-#include "server/fields/cache.h"
 #include "server/config/config.h"
 #include "server/query/api.h"
-#include "server/surfaces/discretizations.h"
-#include "server/surfaces/landmarks.h"
-#include "server/surfaces/pending_loads.h"
 #include "server/http/metrics.h"
-#include "server/surfaces/registry.h"
+#include "server/surfaces/surfaces.h"
 #include "server/work/workers.h"
 #include "server/work/budgeted_call.h"
 
@@ -39,9 +33,6 @@ struct server_http;
 struct server_jobs;
 struct server_timekeeper;
 struct server_tls;
-struct server_preloader;
-struct server_scrub;
-struct server_field_store;
 
 struct server {
     struct server_host host; /* what requests use */
@@ -52,19 +43,12 @@ struct server {
     struct server_budget budget;
     struct server_workspaces *workspaces;
     struct server_workers *workers;
-    struct server_cache *cache;
-    struct server_pending_loads *pending_loads;
-    struct server_registry *registry;
-    struct server_field_store *fields;  /* NULL: nothing is stored */
-    struct server_landmarks *landmarks; /* NULL: there are none */
-    struct server_discretizations *discretizations;
+    struct server_surfaces surfaces;
     struct server_metrics *metrics;
     struct server_events *events;
     struct server_jobs *jobs;
     struct server_batches *batches;
     struct server_timekeeper *timekeeper;
-    struct server_preloader *preloader;
-    struct server_scrub *scrub; /* NULL: nothing is looked through */
     struct server_connections *connections;
     struct server_http *http;
 };

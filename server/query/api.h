@@ -9,11 +9,11 @@
 #include "server/http/metrics.h"
 #include "server/surfaces/discretizations.h"
 #include "server/surfaces/landmarks.h"
+#include "server/surfaces/loader.h"
 #include "server/surfaces/pending_loads.h"
 #include "server/surfaces/registry.h"
 #include "server/work/budgeted_call.h"
 
-struct server;
 struct server_batches;
 struct server_jobs;
 
@@ -30,7 +30,7 @@ struct server_api {
     /* Appends the metrics of the tenant, or with NULL of the whole daemon. */
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;
-    struct server *server; /* for the loader */
+    const struct server_loader *loader;
 };
 
 #endif

@@ -159,7 +159,7 @@ static void load(struct server_exchange *exchange, struct server_record *record,
     struct server_surface *surface;
     struct proto_problem problem;
     enum server_loader_outcome outcome = server_loader_load(
-        exchange->host->api->server, record, exchange->job.deadline_ns, &surface, &problem);
+        exchange->host->api->loader, record, exchange->job.deadline_ns, &surface, &problem);
     if (outcome == SERVER_LOADER_NO_MEMORY)
         server_pending_loads_fail(load, SERVER_REFUSAL_MEMORY);
     else

@@ -6,7 +6,7 @@
 
 #include "server/http/reply.h"
 #include "server/query/api.h"
-#include "server/surfaces/build.h"
+#include "server/surfaces/surface.h"
 #include "server/store/kind.h"
 
 /* Only a new record lacks a description; a record of the registry is immutable. */

@@ -3,69 +3,66 @@
 
 #include <stdlib.h>
 
-#include "server/surfaces/loader.h"
-#include "server/server.h"
 #include "server/base/thread.h"
+#include "server/surfaces/loader.h"
+#include "server/surfaces/pending_loads.h"
 
-#define NOTE_NS UINT64_C(60000000000)
-/* memory that a load takes at most while it is under way, in terms of what the mesh takes */
-#define LOAD_FACTOR 3
+#define NOTE_NS     UINT64_C(60000000000)
+#define LOAD_FACTOR 3 /* a load takes at most so many times the memory of the mesh */
 
 struct server_preloader {
-    struct server *server;
+    const struct server_loader *loader;
+    struct server_pending_loads *pending_loads;
     struct server_thread *thread;
 };
 
-static bool has_room(struct server *server, const struct server_record *record)
-{
-    size_t total = atomic_load(&server->budget.total), limit = server->budget.limit;
-    return total < limit && record->memory * LOAD_FACTOR < limit - total;
-}
-
-static void load(struct server *server, struct server_record *record)
+static void preload_record(const struct server_preloader *preloader, struct server_record *record)
 {
     struct server_surface *surface;
     struct server_pending_load *load;
     struct proto_problem problem;
-    if (server_pending_loads_enter(server->pending_loads, record, NULL, &load) !=
+    if (server_pending_loads_enter(preloader->pending_loads, record, NULL, &load) !=
         SERVER_PENDING_LOADS_LOAD)
         return;
-    if (server_loader_load(server, record, 0, &surface, &problem) == SERVER_LOADER_LOADED)
+    if (server_loader_load(preloader->loader, record, 0, &surface, &problem) ==
+        SERVER_LOADER_LOADED)
         server_surface_release(surface);
     server_pending_loads_end(load);
 }
 
-/* Loads the most used first, until the next one would need room that others have. */
-static void warm_up(struct server *server)
+/* Loads the most used first, until the next one would need memory that is in use. */
+static void preload(const struct server_preloader *preloader)
 {
-    struct server_record *record;
-    while (!server_workers_cancelled(server->workers) &&
-           (record = server_registry_hottest(server->registry))) {
-        bool fits = has_room(server, record);
-        if (fits) load(server, record);
+    const struct server_loader *loader = preloader->loader;
+    size_t limit = loader->budget->limit;
+    bool fits = true;
+    while (fits && !server_workers_cancelled(loader->workers)) {
+        struct server_record *record = server_registry_hottest(loader->registry);
+        if (!record) return;
+        size_t total = atomic_load(&loader->budget->total);
+        fits = total < limit && record->memory * LOAD_FACTOR < limit - total;
+        if (fits) preload_record(preloader, record);
         server_record_release(record);
-        if (!fits) return;
     }
 }
 
-static void keep(void *user, struct server_thread *thread)
+/* Of many daemons on one store, each loads only the meshes that it is asked for. */
+static void run(void *user, struct server_thread *thread)
 {
     const struct server_preloader *preloader = user;
-    if (!server_registry_is_shared(preloader->server->registry))
-        warm_up(
-            /* of many daemons each has meshes of its own to answer for: it will be asked for them
-             */
-            preloader->server);
-    while (server_thread_pause(thread, NOTE_NS))
-        server_registry_note_uses(preloader->server->registry);
+    struct server_registry *registry = preloader->loader->registry;
+    if (!server_registry_is_shared(registry)) preload(preloader);
+    while (server_thread_pause(thread, NOTE_NS)) server_registry_note_uses(registry);
 }
 
-struct server_preloader *server_preloader_create(struct server *server)
+struct server_preloader *server_preloader_create(const struct server_loader *loader,
+                                                 struct server_pending_loads *pending_loads)
 {
     struct server_preloader *preloader = calloc(1, sizeof *preloader);
     if (!preloader) return NULL;
-    preloader->server = server;
-    preloader->thread = server_thread_start(keep, preloader);
+    preloader->loader = loader;
+    preloader->pending_loads = pending_loads;
+    preloader->thread = server_thread_start(run, preloader);
     if (preloader->thread) return preloader;
     free(preloader);
     return NULL;

@@ -1,9 +1,209 @@
 /* See registry.h. */
+#include "server/surfaces/registry.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "server/surfaces/registry_slots.h"
+#include "gd/control.h"
+#include "server/base/thread.h"
+
+#define FIRST_CAPACITY 16
+#define ATTEMPTS       8                    /* of a change, when other daemons are quicker */
+#define NOTED_AT_ONCE  256                  /* uses, while the writer lock is held */
+#define FRESH_NS       UINT64_C(1000000000) /* see doc/014 */
+#define AWAIT_NS       UINT64_C(200000000)
+
+struct slot {
+    struct server_record *record;
+    struct server_surface *surface; /* NULL: not in memory */
+    atomic_uint_least64_t uses;
+    atomic_int_least64_t last;  /* use, seconds since 1970 */
+    atomic_uint_least64_t turn; /* of the registry's clock at the last use */
+    uint64_t noted;             /* uses that the store knows; under the writer lock */
+    uint64_t version;           /* of the record in a shared store */
+    atomic_bool was_tried;      /* by server_registry_hottest */
+};
+
+struct slots {
+    struct slot **slots; /* sorted by key */
+    uint32_t count, capacity;
+};
+
+struct server_registry {
+    struct server_store *store;
+    struct server_budget *budget;
+    struct server_workers *writer, *reader; /* of one thread each */
+    pthread_mutex_t writing;
+    pthread_rwlock_t lock;
+    struct slots all;                                             /* under `lock` */
+    void (*gone)(void *user, const struct server_record *record); /* or NULL */
+    void *gone_user;
+    atomic_uint_least64_t clock, loads, unloads;
+    /* of a shared store: */
+    pthread_mutex_t following;
+    uint64_t seen; /* all changes up to this version are here; under `following` */
+    atomic_uint_least64_t followed_ns; /* begin of the last following that succeeded */
+    struct server_thread *follower;    /* NULL: the store is not shared */
+};
+
+/* --- slots, under the lock -------------------------------------------------------------------- */
+
+static int slot_compare(const struct slot *slot, const struct server_key *key)
+{
+    const struct server_key own = server_record_key(slot->record);
+    return server_key_compare(&own, key);
+}
+
+/* Index of the first slot whose key is not before `key`. The name "" is before all others. */
+static uint32_t slots_lower_bound(const struct slots *all, const struct server_key *key)
+{
+    uint32_t low = 0, high = all->count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (slot_compare(all->slots[middle], key) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static struct slot *slots_find(const struct slots *all, const struct server_key *key)
+{
+    uint32_t at = slots_lower_bound(all, key);
+    return at < all->count && slot_compare(all->slots[at], key) == 0 ? all->slots[at] : NULL;
+}
+
+static struct slot *slots_find_record(const struct slots *all, const struct server_record *record)
+{
+    const struct server_key key = server_record_key(record);
+    struct slot *slot = slots_find(all, &key);
+    return slot && slot->record == record ? slot : NULL;
+}
+
+static int slot_compare_items(const void *a, const void *b)
+{
+    const struct slot *const *first = a, *const *second = b;
+    const struct server_key key = server_record_key((*second)->record);
+    return slot_compare(*first, &key);
+}
+
+/* Makes room for one more; false without memory. */
+static bool slots_reserve(struct slots *all)
+{
+    if (all->count < all->capacity) return true;
+    uint32_t capacity = all->capacity ? 2 * all->capacity : FIRST_CAPACITY;
+    struct slot **slots = realloc(all->slots, capacity * sizeof(struct slot *));
+    if (!slots) return false;
+    all->slots = slots;
+    all->capacity = capacity;
+    return true;
+}
+
+/* Room was reserved. */
+static void slots_insert(struct slots *all, struct slot *slot)
+{
+    const struct server_key key = server_record_key(slot->record);
+    struct slot **at = all->slots + slots_lower_bound(all, &key);
+    memmove(at + 1, at, (size_t)(all->slots + all->count++ - at) * sizeof *at);
+    *at = slot;
+}
+
+/* Removes the slot of that key, which exists. */
+static struct slot *slots_extract(struct slots *all, const struct server_key *key)
+{
+    struct slot **at = all->slots + slots_lower_bound(all, key), *slot = *at;
+    memmove(at, at + 1, (size_t)(all->slots + --all->count - at) * sizeof *at);
+    return slot;
+}
+
+static void slot_touch(struct server_registry *registry, struct slot *slot)
+{
+    atomic_store_explicit(&slot->turn,
+                          atomic_fetch_add_explicit(&registry->clock, 1, memory_order_relaxed),
+                          memory_order_relaxed);
+    atomic_fetch_add_explicit(&slot->uses, 1, memory_order_relaxed);
+    atomic_store_explicit(&slot->last, time(NULL), memory_order_relaxed);
+}
+
+static struct server_listed slot_share(const struct slot *slot)
+{
+    return (struct server_listed){server_record_retain(slot->record),
+                                  slot->surface ? server_surface_retain(slot->surface) : NULL};
+}
+
+/* --- slots, without a lock -------------------------------------------------------------------- */
+
+static struct slot *slot_create(struct server_record *record)
+{
+    struct slot *slot = calloc(1, sizeof *slot);
+    if (slot) slot->record = server_record_retain(record);
+    return slot;
+}
+
+static void surface_retire(struct server_surface *surface)
+{
+    if (!surface) return;
+    server_surface_retire(surface);
+    server_surface_release(surface);
+}
+
+/* Destroys a slot that has left, with its surface, and calls the watcher; NULL is harmless. */
+static void slot_leave(struct server_registry *registry, struct slot *slot)
+{
+    if (!slot) return;
+    surface_retire(slot->surface);
+    if (registry->gone && !server_registry_holds(registry, slot->record->etag))
+        registry->gone(registry->gone_user, slot->record);
+    server_record_release(slot->record);
+    free(slot);
+}
+
+/* Destroys a slot that was never inserted; its surface stays its maker's. */
+static void slot_drop(struct slot *slot)
+{
+    server_record_release(slot->record);
+    server_surface_release(slot->surface);
+    free(slot);
+}
+
+struct collection {
+    struct slots all;
+    struct server_budget *budget; /* counts the records */
+    bool is_incomplete;           /* memory was short */
+};
+
+static bool on_stored(void *user, const struct server_stored *stored)
+{
+    struct collection *collection = user;
+    struct slots *all = &collection->all;
+    struct slot *slot = slots_reserve(all) ? slot_create(stored->record) : NULL;
+    collection->is_incomplete |= !slot;
+    if (!slot) return false;
+    server_record_count(stored->record, collection->budget);
+    slot->uses = slot->noted = stored->uses.count;
+    slot->last = stored->uses.last;
+    slot->version = stored->version;
+    all->slots[all->count++] = slot;
+    return true;
+}
+
+/* Collects what the store holds; on failure `*out` has a part of it. */
+static enum server_store_outcome collect(struct server_registry *registry, struct slots *out)
+{
+    struct collection collection = {.budget = registry->budget};
+    enum server_store_outcome outcome =
+        registry->store->each(registry->store, on_stored, &collection);
+    if (collection.all.count)
+        qsort(collection.all.slots, collection.all.count, sizeof(struct slot *),
+              slot_compare_items);
+    *out = collection.all;
+    return outcome == SERVER_STORE_DONE && collection.is_incomplete ? SERVER_STORE_NO_MEMORY
+                                                                    : outcome;
+}
 
 /* --- memory ----------------------------------------------------------------------------------- */
 
@@ -18,18 +218,20 @@ static size_t unloadable(void *user)
     struct server_registry *registry = user;
     size_t bytes = 0;
     pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t i = 0; i < registry->count; i++)
-        if (can_unload(registry->slots[i]->surface)) bytes += registry->slots[i]->surface->bytes;
+    for (uint32_t i = 0; i < registry->all.count; i++) {
+        const struct server_surface *surface = registry->all.slots[i]->surface;
+        if (can_unload(surface)) bytes += surface->bytes;
+    }
     pthread_rwlock_unlock(&registry->lock);
     return bytes;
 }
 
-/* Under the lock: the least recently used that can be unloaded. */
-static struct server_slot *coldest(const struct server_registry *registry, bool without_fields)
+/* Under the lock: the least recently used slot whose surface can be unloaded; or NULL. */
+static struct slot *coldest_slot(const struct slots *all, bool without_fields)
 {
-    struct server_slot *coldest = NULL;
-    for (uint32_t i = 0; i < registry->count; i++) {
-        struct server_slot *slot = registry->slots[i];
+    struct slot *coldest = NULL;
+    for (uint32_t i = 0; i < all->count; i++) {
+        struct slot *slot = all->slots[i];
         if (!can_unload(slot->surface) || (coldest && slot->turn >= coldest->turn)) continue;
         if (without_fields && server_mesh_cache_count(slot->surface->fields)) continue;
         coldest = slot;
@@ -37,26 +239,18 @@ static struct server_slot *coldest(const struct server_registry *registry, bool 
     return coldest;
 }
 
-/* Takes the coldest surface out of memory; its bytes, or 0 when there is none. */
-static size_t unload_one(struct server_registry *registry, bool without_fields)
-{
-    pthread_rwlock_wrlock(&registry->lock);
-    struct server_slot *slot = coldest(registry, without_fields);
-    struct server_surface *surface = slot ? slot->surface : NULL;
-    if (slot) slot->surface = NULL;
-    pthread_rwlock_unlock(&registry->lock);
-    if (!surface) return 0;
-    size_t bytes = surface->bytes;
-    server_slot_retire(surface);
-    atomic_fetch_add(&registry->unloads, 1);
-    return bytes;
-}
-
 static void unload(struct server_registry *registry, size_t bytes, bool without_fields)
 {
-    for (size_t freed = 0, one; freed < bytes; freed += one) {
-        one = unload_one(registry, without_fields);
-        if (!one) return;
+    for (size_t freed = 0; freed < bytes;) {
+        pthread_rwlock_wrlock(&registry->lock);
+        struct slot *slot = coldest_slot(&registry->all, without_fields);
+        struct server_surface *surface = slot ? slot->surface : NULL;
+        if (slot) slot->surface = NULL;
+        pthread_rwlock_unlock(&registry->lock);
+        if (!surface) return;
+        freed += surface->bytes;
+        surface_retire(surface);
+        atomic_fetch_add(&registry->unloads, 1);
     }
 }
 
@@ -68,64 +262,6 @@ static void unload_idle(void *user, size_t bytes)
 static void unload_any(void *user, size_t bytes)
 {
     unload(user, bytes, false);
-}
-
-/* --- life ------------------------------------------------------------------------------------- */
-
-static bool on_stored(void *user, const struct server_stored *stored)
-{
-    struct server_registry *registry = user;
-    if (server_slots_append(registry, stored)) return true;
-    registry->is_incomplete = true;
-    return false;
-}
-
-struct server_registry *server_registry_create(struct server_store *store,
-                                               struct server_budget *budget)
-{
-    struct server_registry *registry = calloc(1, sizeof *registry);
-    if (!registry) {
-        store->close(store);
-        return NULL;
-    }
-    registry->store = store;
-    registry->budget = budget;
-    registry->writer = server_workers_create(1, UINT32_MAX);
-    registry->reader = server_workers_create(1, UINT32_MAX);
-    pthread_mutex_init(&registry->writing, NULL);
-    pthread_mutex_init(&registry->following, NULL);
-    pthread_rwlock_init(&registry->lock, NULL);
-    registry->is_incomplete =
-        store->each(store, on_stored, registry) != SERVER_STORE_DONE || registry->is_incomplete;
-    server_slots_sort(registry);
-    if (registry->is_incomplete || !registry->writer || !registry->reader ||
-        !server_slots_start_follower(registry)) {
-        server_registry_destroy(registry);
-        return NULL;
-    }
-    if (!store->fetch) return registry; /* what is unloaded would be lost */
-    budget->reclaimers[SERVER_RECLAIM_IDLE] =
-        (struct server_reclaimer){unload_idle, NULL, registry};
-    budget->reclaimers[SERVER_RECLAIM_MESHES] =
-        (struct server_reclaimer){unload_any, unloadable, registry};
-    return registry;
-}
-
-void server_registry_destroy(struct server_registry *registry)
-{
-    if (!registry) return;
-    server_slots_stop_follower(registry);
-    server_workers_destroy(registry->writer);
-    server_workers_destroy(registry->reader);
-    registry->budget->reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){0};
-    registry->budget->reclaimers[SERVER_RECLAIM_MESHES] = (struct server_reclaimer){0};
-    for (uint32_t i = 0; i < registry->count; i++) server_slot_destroy(registry->slots[i]);
-    registry->store->close(registry->store);
-    pthread_rwlock_destroy(&registry->lock);
-    pthread_mutex_destroy(&registry->following);
-    pthread_mutex_destroy(&registry->writing);
-    free(registry->slots);
-    free(registry);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -140,89 +276,75 @@ bool server_registry_holds(struct server_registry *registry, const char *etag)
 {
     bool found = false;
     pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t i = 0; i < registry->count && !found; i++)
-        found = strcmp(registry->slots[i]->record->etag, etag) == 0;
+    for (uint32_t i = 0; i < registry->all.count && !found; i++)
+        found = strcmp(registry->all.slots[i]->record->etag, etag) == 0;
     pthread_rwlock_unlock(&registry->lock);
     return found;
-}
-
-static struct server_listed share(const struct server_slot *slot)
-{
-    return (struct server_listed){server_record_retain(slot->record),
-                                  slot->surface ? server_surface_retain(slot->surface) : NULL};
 }
 
 bool server_registry_find(struct server_registry *registry, const struct server_key *key,
                           struct server_listed *out)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, key);
-    if (slot) *out = share(slot);
+    struct slot *slot = slots_find(&registry->all, key);
+    if (slot) *out = slot_share(slot);
     pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
-}
-
-bool server_registry_is_current(struct server_registry *registry,
-                                const struct server_record *record)
-{
-    const struct server_key key = server_record_key(record);
-    (void)server_registry_follow(registry, gd_now_ns());
-    pthread_rwlock_rdlock(&registry->lock);
-    const struct server_slot *slot = server_slots_find(registry, &key);
-    bool is_current = slot && slot->record == record;
-    pthread_rwlock_unlock(&registry->lock);
-    return is_current;
 }
 
 bool server_registry_use(struct server_registry *registry, const struct server_key *key,
                          struct server_surface **out)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, key);
+    struct slot *slot = slots_find(&registry->all, key);
     if (slot) {
-        server_slot_touch(registry, slot);
+        slot_touch(registry, slot);
         *out = slot->surface ? server_surface_retain(slot->surface) : NULL;
     }
     pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
 }
 
-/* Under the lock: index of the first slot that follows the key. */
-static uint32_t place_after(const struct server_registry *registry, const struct server_key *key)
+/* Index of the first slot after `key`. */
+static uint32_t slots_after(const struct slots *all, const struct server_key *key)
 {
-    uint32_t at = server_slots_lower_bound(registry, key);
-    return server_slots_find(registry, key) ? at + 1 : at;
-}
-
-static bool is_beside(const struct server_record *record, const struct server_key *key)
-{
-    return record->kind == key->kind && strcmp(record->tenant, key->tenant) == 0;
+    return slots_lower_bound(all, key) + (slots_find(all, key) != NULL);
 }
 
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               uint32_t most, struct server_listed *out)
 {
     const struct server_key from = {after->tenant, after->kind, after->name ? after->name : ""};
+    const struct slots *all = &registry->all;
     uint32_t listed = 0;
     pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t at = place_after(registry, &from); listed < most && at < registry->count; at++) {
-        if (!is_beside(registry->slots[at]->record, &from)) break;
-        out[listed++] = share(registry->slots[at]);
+    for (uint32_t at = slots_after(all, &from); listed < most && at < all->count; at++) {
+        const struct server_record *record = all->slots[at]->record;
+        if (record->kind != from.kind || strcmp(record->tenant, from.tenant) != 0) break;
+        out[listed++] = slot_share(all->slots[at]);
     }
     pthread_rwlock_unlock(&registry->lock);
     return listed;
 }
 
-uint32_t server_registry_list_all(struct server_registry *registry, const struct server_key *after,
-                                  uint32_t most, struct server_listed *out)
+void server_registry_each(struct server_registry *registry,
+                          bool (*visit)(void *user, struct server_listed *listed), void *user)
 {
-    uint32_t listed = 0;
-    pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t at = after ? place_after(registry, after) : 0;
-         listed < most && at < registry->count; at++)
-        out[listed++] = share(registry->slots[at]);
-    pthread_rwlock_unlock(&registry->lock);
-    return listed;
+    const struct slots *all = &registry->all;
+    struct server_record *last = NULL;
+    for (bool goes_on = true; goes_on;) {
+        struct server_key key = last ? server_record_key(last) : (struct server_key){0};
+        struct server_listed listed = {0};
+        pthread_rwlock_rdlock(&registry->lock);
+        uint32_t at = last ? slots_after(all, &key) : 0;
+        if (at < all->count) listed = slot_share(all->slots[at]);
+        pthread_rwlock_unlock(&registry->lock);
+        server_record_release(last);
+        last = listed.record;
+        goes_on = last && visit(user, &listed);
+        server_surface_release(listed.surface);
+    }
+    server_record_release(last);
 }
 
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry)
@@ -231,9 +353,9 @@ struct server_registry_statistics server_registry_statistics(struct server_regis
                                                     .unloads = registry->unloads};
     if (registry->store->damaged) statistics.damaged = registry->store->damaged(registry->store);
     pthread_rwlock_rdlock(&registry->lock);
-    statistics.surfaces = registry->count;
-    for (uint32_t i = 0; i < registry->count; i++)
-        statistics.loaded += registry->slots[i]->surface != NULL;
+    statistics.surfaces = registry->all.count;
+    for (uint32_t i = 0; i < registry->all.count; i++)
+        statistics.loaded += registry->all.slots[i]->surface != NULL;
     pthread_rwlock_unlock(&registry->lock);
     return statistics;
 }
@@ -243,57 +365,456 @@ const char *server_registry_health(struct server_registry *registry)
     return registry->store->health(registry->store);
 }
 
-/* --- loading ---------------------------------------------------------------------------------- */
+/* --- loading and uses ------------------------------------------------------------------------- */
 
-enum server_store_outcome server_registry_fetch(struct server_registry *registry,
-                                                const struct server_record *record,
-                                                enum server_part part, void **bytes)
+struct server_store *server_registry_store(const struct server_registry *registry)
 {
-    return registry->store->fetch(registry->store, record, part, bytes);
-}
-
-bool server_registry_can_verify(const struct server_registry *registry)
-{
-    return registry->store->verify != NULL;
-}
-
-enum server_store_verdict server_registry_verify(struct server_registry *registry,
-                                                 const struct server_record *record,
-                                                 enum server_part part,
-                                                 bool (*pace)(void *user, size_t bytes), void *user)
-{
-    return registry->store->verify(registry->store, record, part, pace, user);
+    return registry->store;
 }
 
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface)
 {
-    const struct server_key key = server_record_key(surface->record);
     pthread_rwlock_wrlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, &key);
-    if (slot && slot->record == surface->record && !slot->surface) {
+    struct slot *slot = slots_find_record(&registry->all, surface->record);
+    if (slot && !slot->surface) {
         slot->surface = server_surface_retain(surface);
         atomic_fetch_add(&registry->loads, 1);
     }
     pthread_rwlock_unlock(&registry->lock);
 }
 
-/* Was `a` used more than `b`? Of equals, the later one. */
-static bool is_hotter(const struct server_slot *a, const struct server_slot *b)
-{
-    return a->uses != b->uses ? a->uses > b->uses : a->last > b->last;
-}
-
 struct server_record *server_registry_hottest(struct server_registry *registry)
 {
-    const struct server_slot *hottest = NULL;
+    struct slot *hottest = NULL;
     pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t i = 0; i < registry->count; i++) {
-        const struct server_slot *slot = registry->slots[i];
-        if (!slot->surface && !slot->was_tried && (!hottest || is_hotter(slot, hottest)))
+    for (uint32_t i = 0; i < registry->all.count; i++) {
+        struct slot *slot = registry->all.slots[i];
+        if (slot->surface || slot->was_tried) continue;
+        if (!hottest || slot->uses > hottest->uses ||
+            (slot->uses == hottest->uses && slot->last > hottest->last))
             hottest = slot;
     }
-    if (hottest) atomic_store(&((struct server_slot *)hottest)->was_tried, true);
+    if (hottest) atomic_store(&hottest->was_tried, true);
     struct server_record *record = hottest ? server_record_retain(hottest->record) : NULL;
     pthread_rwlock_unlock(&registry->lock);
     return record;
+}
+
+/* Under the writer lock, which keeps the records: collects up to NOTED_AT_ONCE changed uses. */
+static uint32_t collect_uses(struct server_registry *registry, const struct server_record **records,
+                             struct server_store_uses *uses)
+{
+    uint32_t count = 0;
+    pthread_rwlock_rdlock(&registry->lock);
+    for (uint32_t i = 0; i < registry->all.count && count < NOTED_AT_ONCE; i++) {
+        struct slot *slot = registry->all.slots[i];
+        uint64_t now = atomic_load(&slot->uses);
+        if (now == slot->noted) continue;
+        slot->noted = now;
+        records[count] = slot->record;
+        uses[count++] = (struct server_store_uses){now, atomic_load(&slot->last)};
+    }
+    pthread_rwlock_unlock(&registry->lock);
+    return count;
+}
+
+void server_registry_note_uses(struct server_registry *registry)
+{
+    const struct server_record *records[NOTED_AT_ONCE];
+    struct server_store_uses uses[NOTED_AT_ONCE];
+    uint32_t count;
+    do {
+        pthread_mutex_lock(&registry->writing);
+        count = collect_uses(registry, records, uses);
+        if (count) registry->store->note_uses(registry->store, records, uses, count);
+        pthread_mutex_unlock(&registry->writing);
+    } while (count == NOTED_AT_ONCE);
+}
+
+/* --- following a shared store ----------------------------------------------------------------- */
+
+/* Under the slots' lock: applies a change, unless this daemon made it itself; `*left` is the slot
+ * that it replaces or removes. False without memory. */
+static bool change_apply(struct server_registry *registry, const struct server_key *key,
+                         const struct server_store_change *change, struct slot **left)
+{
+    struct slot *before = slots_find(&registry->all, key), *after = NULL;
+    if (before && before->version >= change->version) return true;
+    if (change->record) {
+        after = slots_reserve(&registry->all) ? slot_create(change->record) : NULL;
+        if (!after) return false;
+        server_record_count(change->record, registry->budget);
+        after->version = change->version;
+    }
+    if (before) *left = slots_extract(&registry->all, key);
+    if (before && after) {
+        after->uses = before->uses;
+        after->noted = before->noted;
+        after->last = before->last;
+        after->was_tried = before->was_tried;
+    }
+    if (after) slots_insert(&registry->all, after);
+    return true;
+}
+
+static bool on_change(void *user, const struct server_store_change *change)
+{
+    struct server_registry *registry = user;
+    struct slot *left = NULL;
+    struct server_key key;
+    char text[SERVER_KEY_TEXT];
+    if (strlen(change->key) >= sizeof text) return true;
+    strcpy(text, change->key);
+    if (!server_key_read(text, &key)) return true; /* of a later version of this program */
+    pthread_rwlock_wrlock(&registry->lock);
+    bool is_applied = change_apply(registry, &key, change, &left);
+    pthread_rwlock_unlock(&registry->lock);
+    if (is_applied) registry->seen = change->version;
+    slot_leave(registry, left);
+    return is_applied;
+}
+
+/* Exchanges the slots whose version did not change, so that their surfaces stay in memory. */
+static void keep_unchanged(struct slots *all, struct slots *fresh)
+{
+    for (uint32_t i = 0; i < fresh->count; i++) {
+        const struct server_key key = server_record_key(fresh->slots[i]->record);
+        struct slot *slot = slots_find(all, &key);
+        if (!slot || slot->version != fresh->slots[i]->version) continue;
+        all->slots[slots_lower_bound(all, &key)] = fresh->slots[i];
+        fresh->slots[i] = slot;
+    }
+}
+
+/* Reads all of the store again: it no longer knows what was changed, after a long absence or when a
+ * backup was restored. */
+static enum server_store_outcome reread(struct server_registry *registry)
+{
+    struct slots fresh;
+    enum server_store_outcome outcome = collect(registry, &fresh);
+    if (!outcome) {
+        pthread_rwlock_wrlock(&registry->lock);
+        keep_unchanged(&registry->all, &fresh);
+        struct slots before = registry->all;
+        registry->all = fresh;
+        fresh = before;
+        pthread_rwlock_unlock(&registry->lock);
+        registry->seen = 0; /* the slots are not of one moment: each version is compared */
+    }
+    for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.slots[i]);
+    free(fresh.slots);
+    return outcome;
+}
+
+bool server_registry_is_shared(const struct server_registry *registry)
+{
+    return registry->store->follow != NULL;
+}
+
+enum server_store_outcome server_registry_follow(struct server_registry *registry,
+                                                 uint64_t since_ns)
+{
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    if (!server_registry_is_shared(registry)) return outcome;
+    pthread_mutex_lock(&registry->following);
+    if (atomic_load(&registry->followed_ns) <= since_ns) {
+        uint64_t begun_ns = gd_now_ns();
+        outcome = registry->store->follow(registry->store, on_change, registry);
+        if (outcome == SERVER_STORE_STALE) outcome = reread(registry);
+        if (!outcome) atomic_store(&registry->followed_ns, begun_ns);
+    }
+    pthread_mutex_unlock(&registry->following);
+    return outcome;
+}
+
+bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key)
+{
+    if (!server_registry_is_shared(registry) || registry->store->health(registry->store))
+        return true;
+    if (gd_now_ns() - atomic_load(&registry->followed_ns) > FRESH_NS) return false;
+    if (!key) return true;
+    pthread_rwlock_rdlock(&registry->lock);
+    bool is_known = slots_find(&registry->all, key) != NULL;
+    pthread_rwlock_unlock(&registry->lock);
+    return is_known;
+}
+
+bool server_registry_is_current(struct server_registry *registry,
+                                const struct server_record *record)
+{
+    (void)server_registry_follow(registry, gd_now_ns());
+    pthread_rwlock_rdlock(&registry->lock);
+    bool is_current = slots_find_record(&registry->all, record) != NULL;
+    pthread_rwlock_unlock(&registry->lock);
+    return is_current;
+}
+
+static void follow_changes(void *user, struct server_thread *thread)
+{
+    struct server_registry *registry = user;
+    while (server_thread_pause(thread, 0)) {
+        registry->store->await(registry->store, AWAIT_NS);
+        (void)server_registry_follow(registry, gd_now_ns());
+    }
+}
+
+/* --- putting and removing --------------------------------------------------------------------- */
+
+/* What a change rests on: the surface of the key, retained, or all zero. Another daemon may change
+ * it at any time, this one can't. */
+struct basis {
+    struct server_listed now;
+    uint64_t version;
+};
+
+static struct basis basis_find(struct server_registry *registry, const struct server_key *key)
+{
+    struct basis basis = {0};
+    pthread_rwlock_rdlock(&registry->lock);
+    const struct slot *slot = slots_find(&registry->all, key);
+    if (slot) basis = (struct basis){slot_share(slot), slot->version};
+    pthread_rwlock_unlock(&registry->lock);
+    return basis;
+}
+
+static void basis_release(struct basis *basis)
+{
+    if (basis->now.record) server_listed_release(&basis->now);
+}
+
+/* Under the follower's and the slots' lock: true when the change of this daemon with that version
+ * (0: the store is not shared) is not in the slots yet, and nothing later is. */
+static bool is_news(const struct server_registry *registry, const struct slot *slot,
+                    uint64_t version)
+{
+    return !version || (version > registry->seen && (!slot || slot->version < version));
+}
+
+/* A slot for a surface, with room for it. NULL without memory. */
+static struct slot *slot_prepare(struct server_registry *registry, struct server_surface *surface)
+{
+    pthread_rwlock_wrlock(&registry->lock);
+    bool has_room = slots_reserve(&registry->all);
+    pthread_rwlock_unlock(&registry->lock);
+    struct slot *slot = has_room ? slot_create(surface->record) : NULL;
+    if (!slot) return NULL;
+    slot->surface = server_surface_retain(surface);
+    slot_touch(registry, slot);
+    return slot;
+}
+
+/* Inserts a slot that is stored; `*left` is the one that it replaces. */
+static void slot_enter(struct server_registry *registry, struct slot *slot, struct slot **left)
+{
+    const struct server_key key = server_record_key(slot->record);
+    pthread_mutex_lock(&registry->following);
+    pthread_rwlock_wrlock(&registry->lock);
+    struct slot *found = slots_find(&registry->all, &key);
+    bool follower_was_quicker = found && found->version && found->version == slot->version;
+    bool enters = follower_was_quicker || is_news(registry, found, slot->version);
+    if (enters && found) *left = slots_extract(&registry->all, &key);
+    if (enters && slots_reserve(&registry->all))
+        slots_insert(&registry->all, slot);
+    else
+        slot_drop(slot);
+    pthread_rwlock_unlock(&registry->lock);
+    pthread_mutex_unlock(&registry->following);
+}
+
+/* A put on its way. */
+struct put {
+    struct server_surface *surface;
+    struct server_content content;
+    const struct server_precondition *precondition; /* NULL: the key has to have this record */
+    struct slot *left;                              /* the slot that it replaced */
+};
+
+static enum server_store_outcome put_record(struct server_registry *registry, struct put *put,
+                                            uint64_t version)
+{
+    struct slot *slot = slot_prepare(registry, put->surface);
+    if (!slot) return SERVER_STORE_NO_MEMORY;
+    enum server_store_outcome outcome =
+        registry->store->put(registry->store, slot->record, &put->content, &version);
+    if (outcome) {
+        slot_drop(slot);
+        return outcome;
+    }
+    slot->version = version;
+    slot_enter(registry, slot, &put->left);
+    return SERVER_STORE_DONE;
+}
+
+/* Under the writer lock. STALE: another daemon was quicker. */
+static enum server_store_outcome put_once(struct server_registry *registry, struct put *put)
+{
+    struct server_store *store = registry->store;
+    struct server_record *record = put->surface->record;
+    const struct server_key key = server_record_key(record);
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    if (store->stage) outcome = store->stage(store, record, &put->content);
+    if (!outcome) outcome = server_registry_follow(registry, gd_now_ns());
+    if (outcome) return outcome;
+    struct basis basis = basis_find(registry, &key);
+    bool exists = basis.now.record, is_same = basis.now.record == record;
+    if (!put->precondition && !is_same)
+        outcome = SERVER_STORE_ABSENT;
+    else if (put->precondition &&
+             !server_precondition_holds(put->precondition, exists ? basis.now.record->etag : NULL))
+        outcome = SERVER_STORE_PRECONDITION;
+    else if (is_same)
+        outcome = store->keep(store, record, &put->content);
+    else
+        outcome = put_record(registry, put, basis.version);
+    basis_release(&basis);
+    if (outcome) return outcome;
+    if (is_same) server_registry_keep(registry, put->surface);
+    return exists ? SERVER_STORE_REPLACED : SERVER_STORE_CREATED;
+}
+
+enum server_store_outcome server_registry_put(struct server_registry *registry,
+                                              struct server_surface *surface, const void *bytes,
+                                              const struct server_precondition *precondition)
+{
+    struct put put = {
+        .surface = surface,
+        .content =
+            {.parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = surface->attachment}},
+        .precondition = precondition};
+    enum server_store_outcome outcome = SERVER_STORE_STALE;
+    if (!server_record_take(surface->record, registry->budget)) return SERVER_STORE_NO_MEMORY;
+    pthread_mutex_lock(&registry->writing);
+    for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
+        outcome = put_once(registry, &put);
+    if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED)
+        registry->store->tidy(registry->store);
+    pthread_mutex_unlock(&registry->writing);
+    slot_leave(registry, put.left);
+    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
+}
+
+/* Under the writer lock; `*left` is the removed slot. STALE: another daemon was quicker. */
+static enum server_store_outcome remove_once(struct server_registry *registry,
+                                             const struct server_key *key,
+                                             const struct server_precondition *precondition,
+                                             struct slot **left)
+{
+    enum server_store_outcome outcome = server_registry_follow(registry, gd_now_ns());
+    if (outcome) return outcome;
+    struct basis basis = basis_find(registry, key);
+    if (!basis.now.record) return SERVER_STORE_ABSENT;
+    outcome = server_precondition_holds(precondition, basis.now.record->etag)
+                  ? registry->store->remove(registry->store, basis.now.record, &basis.version)
+                  : SERVER_STORE_PRECONDITION;
+    basis_release(&basis);
+    if (outcome) return outcome;
+    pthread_mutex_lock(&registry->following);
+    pthread_rwlock_wrlock(&registry->lock);
+    const struct slot *found = slots_find(&registry->all, key);
+    if (found && is_news(registry, found, basis.version))
+        *left = slots_extract(&registry->all, key);
+    pthread_rwlock_unlock(&registry->lock);
+    pthread_mutex_unlock(&registry->following);
+    return SERVER_STORE_DONE;
+}
+
+enum server_store_outcome server_registry_remove(struct server_registry *registry,
+                                                 const struct server_key *key,
+                                                 const struct server_precondition *precondition)
+{
+    struct slot *left = NULL;
+    enum server_store_outcome outcome = SERVER_STORE_STALE;
+    pthread_mutex_lock(&registry->writing);
+    for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
+        outcome = remove_once(registry, key, precondition, &left);
+    if (outcome == SERVER_STORE_DONE) registry->store->tidy(registry->store);
+    pthread_mutex_unlock(&registry->writing);
+    slot_leave(registry, left);
+    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
+}
+
+/* --- jobs ------------------------------------------------------------------------------------- */
+
+void server_registry_submit(struct server_registry *registry, struct server_job *job)
+{
+    (void)server_workers_submit(registry->writer, job); /* its queue is never full */
+}
+
+void server_registry_submit_list(struct server_registry *registry, struct server_job *job)
+{
+    (void)server_workers_submit(registry->reader, job); /* its queue is never full */
+}
+
+void server_registry_expire(struct server_registry *registry, uint64_t now_ns)
+{
+    server_workers_expire(registry->writer, now_ns);
+    server_workers_expire(registry->reader, now_ns);
+}
+
+void server_registry_cancel(struct server_registry *registry)
+{
+    server_workers_cancel(registry->writer);
+}
+
+void server_registry_watch(struct server_registry *registry,
+                           void (*gone)(void *user, const struct server_record *record), void *user)
+{
+    registry->gone = gone;
+    registry->gone_user = user;
+}
+
+/* --- life ------------------------------------------------------------------------------------- */
+
+static bool start(struct server_registry *registry)
+{
+    registry->writer = server_workers_create(1, UINT32_MAX);
+    registry->reader = server_workers_create(1, UINT32_MAX);
+    if (!registry->writer || !registry->reader || collect(registry, &registry->all)) return false;
+    if (!server_registry_is_shared(registry)) return true;
+    if (server_registry_follow(registry, gd_now_ns())) return false;
+    registry->follower = server_thread_start(follow_changes, registry);
+    return registry->follower != NULL;
+}
+
+struct server_registry *server_registry_create(struct server_store *store,
+                                               struct server_budget *budget)
+{
+    struct server_registry *registry = calloc(1, sizeof *registry);
+    if (!registry) {
+        store->close(store);
+        return NULL;
+    }
+    registry->store = store;
+    registry->budget = budget;
+    pthread_mutex_init(&registry->writing, NULL);
+    pthread_mutex_init(&registry->following, NULL);
+    pthread_rwlock_init(&registry->lock, NULL);
+    if (!start(registry)) {
+        server_registry_destroy(registry);
+        return NULL;
+    }
+    if (!store->fetch) return registry; /* what is unloaded would be lost */
+    budget->reclaimers[SERVER_RECLAIM_IDLE] =
+        (struct server_reclaimer){unload_idle, NULL, registry};
+    budget->reclaimers[SERVER_RECLAIM_MESHES] =
+        (struct server_reclaimer){unload_any, unloadable, registry};
+    return registry;
+}
+
+void server_registry_destroy(struct server_registry *registry)
+{
+    if (!registry) return;
+    server_thread_stop(registry->follower);
+    server_workers_destroy(registry->writer);
+    server_workers_destroy(registry->reader);
+    registry->budget->reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){0};
+    registry->budget->reclaimers[SERVER_RECLAIM_MESHES] = (struct server_reclaimer){0};
+    registry->gone = NULL;
+    for (uint32_t i = 0; i < registry->all.count; i++) slot_leave(registry, registry->all.slots[i]);
+    registry->store->close(registry->store);
+    pthread_rwlock_destroy(&registry->lock);
+    pthread_mutex_destroy(&registry->following);
+    pthread_mutex_destroy(&registry->writing);
+    free(registry->all.slots);
+    free(registry);
 }

@@ -6,105 +6,94 @@
 #include <time.h>
 
 #include "server/base/log.h"
-#include "server/server.h"
 #include "server/base/thread.h"
+#include "server/surfaces/registry.h"
 
 #define SECOND_NS UINT64_C(1000000000)
-/* from the start to the first round: the most used surfaces are loaded then */
-#define FIRST_NS (60 * SECOND_NS)
-#define LOOK_NS  (SECOND_NS / 20) /* between two looks whether requests are at work */
-#define LOOKS    20               /* after which a piece is read in any case */
+#define FIRST_NS  (60 * SECOND_NS) /* the most used surfaces are loaded before */
+#define LOOK_NS   (SECOND_NS / 20) /* between two looks whether requests are at work */
+#define LOOKS     20               /* after so many a piece is read in any case */
 
 struct server_scrub {
-    struct server *server;
+    struct server_registry *registry;
+    struct server_workers *workers;
+    uint64_t period_ns, rate;
     struct server_thread *thread, *self; /* the same; `self` is for the thread itself */
-    uint32_t position, faults;           /* in the round under way */
+    bool is_ending;
+    uint32_t position, faults; /* in the round under way */
     atomic_uint_least64_t bytes, files, rounds, last_faults;
-    atomic_int_least64_t ended; /* when the last whole round did, seconds since 1970 */
-    _Atomic double progress;    /* of the round under way, in [0,1]; 1 between rounds */
+    atomic_int_least64_t ended;
+    _Atomic double progress;
 };
 
-/* --- how fast --------------------------------------------------------------------------------- */
-
-static bool is_busy(const struct server *server)
-{
-    struct server_workers_load load = server_workers_load(server->workers);
-    return load.running + load.queued > 0;
-}
-
-/* False: the scrub is to end. */
-static bool pace(void *user, size_t bytes)
+/* Sleeps as long as reading so many bytes may take, and while requests are at work. False: the
+ * scrub is to end. */
+static bool on_piece(void *user, size_t bytes)
 {
     struct server_scrub *scrub = user;
-    const struct server *server = scrub->server;
+    double seconds = (double)bytes / (double)scrub->rate;
     atomic_fetch_add(&scrub->bytes, bytes);
-    double seconds = (double)bytes / (double)server->config.scrub_rate;
     if (!server_thread_sleep(scrub->self, (uint64_t)(seconds * (double)SECOND_NS))) return false;
-    for (int i = 0; i < LOOKS && is_busy(server); i++)
+    for (int i = 0; i < LOOKS; i++) {
+        struct server_workers_load load = server_workers_load(scrub->workers);
+        if (load.running + load.queued == 0) break;
         if (!server_thread_sleep(scrub->self, LOOK_NS)) return false;
+    }
     return true;
 }
 
-/* --- one surface ------------------------------------------------------------------------------ */
-
-static const char *const complaints[] = {
-    [SERVER_VERDICT_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload it "
-                               "again, or restore a backup",
-    [SERVER_VERDICT_MISSING] = "its stored file is missing; upload it again, or restore a backup",
-    [SERVER_VERDICT_UNREADABLE] = "its stored file can't be read; look after the disk"};
-
-static void complain(const struct server_record *record, enum server_store_verdict verdict)
+static void verify_part(struct server_scrub *scrub, const struct server_record *record,
+                        enum server_part part)
 {
+    static const char *const messages[] = {
+        [SERVER_VERDICT_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload "
+                                   "it again, or restore a backup",
+        [SERVER_VERDICT_MISSING] =
+            "its stored file is missing; upload it again, or restore a backup",
+        [SERVER_VERDICT_UNREADABLE] = "its stored file can't be read; look after the disk"};
+    struct server_store *store = server_registry_store(scrub->registry);
+    enum server_store_verdict verdict = store->verify(store, record, part, on_piece, scrub);
     struct server_log_line line;
+    if (verdict == SERVER_VERDICT_NONE) return;
+    atomic_fetch_add(&scrub->files, 1);
+    if (verdict == SERVER_VERDICT_SOUND) return;
+    if (verdict == SERVER_VERDICT_MISSING && !server_registry_is_current(scrub->registry, record))
+        return;
+    scrub->faults++;
     if (!server_log_begin(&line, SERVER_LOG_ERROR, "scrub_fault")) return;
     server_log_text(&line, "key", record->key);
     server_log_text(&line, "sha256", record->sha256);
-    server_log_text(&line, "message", complaints[verdict]);
+    server_log_text(&line, "message", messages[verdict]);
     server_log_end(&line);
 }
 
-static void look_at(struct server_scrub *scrub, const struct server_record *record,
-                    enum server_part part)
+/* False: the scrub is to end. */
+static bool on_surface(void *user, struct server_listed *listed)
 {
-    struct server *server = scrub->server;
-    enum server_store_verdict verdict =
-        server_registry_verify(server->registry, record, part, pace, scrub);
-    if (verdict == SERVER_VERDICT_NONE) return;
-    atomic_fetch_add(&scrub->files, 1);
-    if (verdict == SERVER_VERDICT_SOUND || (verdict == SERVER_VERDICT_MISSING &&
-                                            !server_registry_is_current(server->registry, record)))
-        return;
-    scrub->faults++;
-    complain(record, verdict);
-}
-
-/* --- rounds ----------------------------------------------------------------------------------- */
-
-/* The surface after that one (NULL: the first), its record retained; NULL: there is none. Takes
- * `before` over. */
-static struct server_record *next_of(struct server *server, struct server_record *before)
-{
-    struct server_listed listed = {0};
-    struct server_key key = {0};
-    if (before) key = server_record_key(before);
-    uint32_t found = server_registry_list_all(server->registry, before ? &key : NULL, 1, &listed);
-    server_record_release(before);
-    if (!found) return NULL;
-    server_surface_release(listed.surface);
-    return listed.record;
-}
-
-static void note_progress(struct server_scrub *scrub)
-{
-    uint64_t count = server_registry_statistics(scrub->server->registry).surfaces;
+    struct server_scrub *scrub = user;
+    struct server_object object;
+    server_surface_release(listed->surface); /* it may be unloaded meanwhile */
+    listed->surface = NULL;
+    for (int part = 0; part < SERVER_PARTS; part++)
+        if (server_record_object(listed->record, part, &object))
+            verify_part(scrub, listed->record, part);
+    uint64_t count = server_registry_statistics(scrub->registry).surfaces;
     scrub->position++;
     atomic_store(&scrub->progress,
                  scrub->position < count ? (double)scrub->position / (double)count : 1);
+    scrub->is_ending = !server_thread_sleep(scrub->self, 0);
+    return !scrub->is_ending;
 }
 
-static void end_round(struct server_scrub *scrub, uint64_t begun_ns)
+/* Reads all that is stored. */
+static void run_round(struct server_scrub *scrub)
 {
+    uint64_t begun_ns = gd_now_ns();
     struct server_log_line line;
+    scrub->position = scrub->faults = 0;
+    atomic_store(&scrub->progress, 0);
+    server_registry_each(scrub->registry, on_surface, scrub);
+    if (scrub->is_ending) return;
     atomic_fetch_add(&scrub->rounds, 1);
     atomic_store(&scrub->last_faults, scrub->faults);
     atomic_store(&scrub->ended, time(NULL));
@@ -116,47 +105,29 @@ static void end_round(struct server_scrub *scrub, uint64_t begun_ns)
     server_log_end(&line);
 }
 
-/* All that is stored. False: the scrub is to end. */
-static bool go_round(struct server_scrub *scrub)
-{
-    uint64_t begun_ns = gd_now_ns();
-    scrub->position = scrub->faults = 0;
-    atomic_store(&scrub->progress, 0);
-    struct server_record *record = NULL;
-    struct server_object object;
-    while ((record = next_of(scrub->server, record))) {
-        for (int part = 0; part < SERVER_PARTS; part++)
-            if (server_record_object(record, part, &object)) look_at(scrub, record, part);
-        note_progress(scrub);
-        if (server_thread_sleep(scrub->self, 0)) continue;
-        server_record_release(record);
-        return false;
-    }
-    end_round(scrub, begun_ns);
-    return true;
-}
-
 static void run(void *user, struct server_thread *thread)
 {
     struct server_scrub *scrub = user;
+    uint64_t wait_ns = scrub->period_ns < FIRST_NS ? scrub->period_ns : FIRST_NS;
     scrub->self = thread;
-    uint64_t period_ns = scrub->server->config.scrub_s * SECOND_NS;
-    uint64_t wait_ns = period_ns < FIRST_NS ? period_ns : FIRST_NS;
     while (server_thread_pause(thread, wait_ns)) {
         uint64_t begun_ns = gd_now_ns();
-        if (!go_round(scrub)) return;
+        run_round(scrub);
         uint64_t taken_ns = gd_now_ns() - begun_ns;
-        wait_ns = taken_ns < period_ns ? period_ns - taken_ns : 0;
+        wait_ns = taken_ns < scrub->period_ns ? scrub->period_ns - taken_ns : 0;
     }
 }
 
-/* --- from the outside ------------------------------------------------------------------------- */
-
-struct server_scrub *server_scrub_create(struct server *server)
+struct server_scrub *server_scrub_create(struct server_registry *registry,
+                                         struct server_workers *workers, uint64_t period_s,
+                                         uint64_t rate)
 {
     struct server_scrub *scrub = calloc(1, sizeof *scrub);
     if (!scrub) return NULL;
-    scrub->server = server;
+    scrub->registry = registry;
+    scrub->workers = workers;
+    scrub->period_ns = period_s * SECOND_NS;
+    scrub->rate = rate;
     scrub->progress = 1;
     scrub->thread = server_thread_start(run, scrub);
     if (scrub->thread) return scrub;
@@ -173,10 +144,10 @@ void server_scrub_destroy(struct server_scrub *scrub)
 
 struct server_scrub_statistics server_scrub_statistics(const struct server_scrub *scrub)
 {
-    return (struct server_scrub_statistics){.bytes = atomic_load(&scrub->bytes),
-                                            .files = atomic_load(&scrub->files),
-                                            .rounds = atomic_load(&scrub->rounds),
-                                            .faults = atomic_load(&scrub->last_faults),
-                                            .ended = atomic_load(&scrub->ended),
-                                            .progress = atomic_load(&scrub->progress)};
+    return (struct server_scrub_statistics){.bytes = scrub->bytes,
+                                            .files = scrub->files,
+                                            .rounds = scrub->rounds,
+                                            .faults = scrub->last_faults,
+                                            .ended = scrub->ended,
+                                            .progress = scrub->progress};
 }

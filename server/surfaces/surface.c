@@ -1,6 +1,7 @@
 /* See surface.h. */
 #include "server/surfaces/surface.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "server/store/kind.h"
@@ -56,4 +57,52 @@ void server_surface_retire(struct server_surface *surface)
 {
     server_mesh_cache_close(surface->fields);
     server_landmark_slot_close(&surface->landmarks);
+}
+
+/* --- building --------------------------------------------------------------------------------- */
+
+#define NOUN 64
+
+/* Sets the problem that the budget has no room for the record's surface; GD_BUDGET. */
+static enum gd_status refuse_budget(const struct server_builder *builder,
+                                    const struct server_record *record, size_t bytes,
+                                    struct proto_problem *problem)
+{
+    char noun[NOUN];
+    snprintf(noun, NOUN, "the %s", record->kind->noun);
+    server_budget_refuse(builder->budget, noun, bytes, problem);
+    return GD_BUDGET;
+}
+
+enum gd_status server_build_take(const struct server_builder *builder,
+                                 const struct server_record *record, size_t bytes,
+                                 struct proto_problem *problem)
+{
+    bool is_taken = server_budget_take(builder->budget, SERVER_BUDGET_FLIGHT, bytes);
+    return is_taken ? GD_OK : refuse_budget(builder, record, bytes, problem);
+}
+
+enum gd_status server_build_refuse(const struct server_builder *builder,
+                                   const struct server_record *record, enum gd_status status,
+                                   const struct gd_detail *detail, struct proto_problem *problem)
+{
+    if (status == GD_BUDGET) return refuse_budget(builder, record, 0, problem);
+    proto_problem_from_status(problem, status, detail);
+    if (status == GD_TOO_LARGE) proto_problem_limit(problem, builder->max_faces);
+    return status;
+}
+
+enum gd_status server_build_surface(const struct server_builder *builder,
+                                    struct server_record *record, const void *bytes,
+                                    struct server_surface **out, struct proto_problem *problem)
+{
+    void *object = NULL;
+    size_t size = 0;
+    enum gd_status status = record->kind->build(builder, record, bytes, &object, &size, problem);
+    if (status) return status;
+    *out = server_surface_create(record, object, size, builder->budget, builder->cache);
+    if (*out) return GD_OK;
+    record->kind->release(object);
+    server_budget_give(builder->budget, SERVER_BUDGET_FLIGHT, size);
+    return server_build_refuse(builder, record, GD_NO_MEMORY, NULL, problem);
 }

@@ -1,8 +1,8 @@
-/* Surface: an object of some kind in memory, a mesh for instance, with its record, its attachment,
- * its fields and its landmarks.
+/* Surface: an object of some kind in memory (a mesh for instance), with its record, attachment,
+ * cached fields and landmarks; and how it is built from a file.
  *
- * Immutable but for its count, its mesh cache and its slot. The mesh cache holds fields, which hold
- * the mesh, and so do landmarks: retiring the surface closes both. */
+ * Immutable but for its count, its mesh cache and its slot. Cached fields and landmarks hold the
+ * mesh: retiring the surface releases both. */
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
@@ -10,10 +10,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "gd/control.h"
 #include "gd/mesh.h"
 #include "server/fields/cache.h"
-#include "server/surfaces/landmarks.h"
 #include "server/store/record.h"
+#include "server/surfaces/landmark_slot.h"
 
 struct server_surface {
     atomic_uint references;
@@ -29,10 +30,9 @@ struct server_surface {
     struct server_landmark_slot landmarks;
 };
 
-/* Takes over the object, which is of the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT, which
- * become SERVER_BUDGET_MESHES, and retains the record. Budget and cache are borrowed and outlive
- * the surface. NULL without memory: object and bytes are the caller's still. The caller has one
- * reference. */
+/* Takes over the object, which is of the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT, and
+ * retains the record. Budget and cache are borrowed. The caller has one reference. NULL without
+ * memory: object and bytes stay the caller's. */
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
@@ -44,7 +44,35 @@ void server_surface_attach(struct server_surface *surface, void *attachment);
 struct server_surface *server_surface_retain(struct server_surface *surface);
 void server_surface_release(struct server_surface *surface); /* NULL is harmless */
 
-/* Ends the surface's fields and landmarks; to be called once, when it leaves the registry. */
+/* Drops the surface's fields and landmarks for good, when it leaves the registry. */
 void server_surface_retire(struct server_surface *surface);
+
+/* --- building --------------------------------------------------------------------------------- */
+
+struct server_builder { /* all borrowed */
+    struct server_budget *budget;
+    struct server_cache *cache;
+    uint32_t max_faces;
+    struct gd_control control; /* ends the build early and receives progress; without a budget */
+};
+
+/* Builds the surface of a record, without its attachment, from the record->size bytes of its file.
+ * The caller has one reference. On failure a status and a problem; GD_BUDGET: over the budget. */
+GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
+                                                struct server_record *record, const void *bytes,
+                                                struct server_surface **out,
+                                                struct proto_problem *problem);
+
+/* For kinds: takes bytes for the record's surface from SERVER_BUDGET_FLIGHT. GD_BUDGET with the
+ * problem. */
+GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder,
+                                             const struct server_record *record, size_t bytes,
+                                             struct proto_problem *problem);
+
+/* For kinds: sets the problem of a status of the engine, with the limit that was passed; returns
+ * the status. `detail` may be NULL. */
+enum gd_status server_build_refuse(const struct server_builder *builder,
+                                   const struct server_record *record, enum gd_status status,
+                                   const struct gd_detail *detail, struct proto_problem *problem);
 
 #endif

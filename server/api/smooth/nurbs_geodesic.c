@@ -4,7 +4,7 @@
 
 #include "proto/geodesic_like.h"
 #include "server/query/query.h"
-#include "server/surfaces/nurbs_surface.h"
+#include "server/surfaces/kinds.h"
 
 #define BYTES_A_FACE 1024 /* of the tessellation: two fields, and the ways that are followed */
 #define BYTES_A_PATH ((size_t)1 << 20)

@@ -3,7 +3,7 @@
 
 #include "proto/jet.h"
 #include "server/api/smooth/smooth.h"
-#include "server/surfaces/nurbs_surface.h"
+#include "server/surfaces/kinds.h"
 
 static const struct gd_parametric *surface_of(const struct server_query *query)
 {

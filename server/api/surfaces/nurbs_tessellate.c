@@ -8,7 +8,7 @@
 #include "server/query/query.h"
 #include "server/query/request.h"
 #include "server/api/surfaces/vertex_origins.h"
-#include "server/surfaces/nurbs_surface.h"
+#include "server/surfaces/kinds.h"
 #include "server/query/api.h"
 
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */

@@ -19,7 +19,8 @@ enum gd_status server_subdivision_discretization(const struct server_query *quer
     const struct server_discretization_request request = {.slot = &subdivision->slot,
                                                           .surface = subdivision->surface,
                                                           .level = level,
-                                                          .monitor = &monitor,
+                                                          .control =
+                                                              server_exchange_control(&monitor),
                                                           .detail = detail};
     return server_discretizations_get(query->exchange->host->api->discretizations, &request, out);
 }

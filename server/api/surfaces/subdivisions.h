@@ -3,7 +3,7 @@
 #define SERVER_API_SURFACES_SUBDIVISIONS_H
 
 #include "server/api/smooth/smooth.h"
-#include "server/surfaces/subdivision_surface.h"
+#include "server/surfaces/kinds.h"
 
 /* The discretization of a level of the query's surface, to be released; the query's work up to
  * `share`. By a worker. */

@@ -132,8 +132,8 @@ static bool store_surface(struct server_exchange *exchange)
 static bool confirm_surface(struct server_exchange *exchange)
 {
     struct upload *upload = exchange->state;
-    enum server_store_outcome outcome = server_registry_confirm(
-        exchange->host->api->registry, upload->surface, exchange->body.bytes);
+    enum server_store_outcome outcome = server_registry_put(
+        exchange->host->api->registry, upload->surface, exchange->body.bytes, NULL);
     if (outcome != SERVER_STORE_ABSENT) {
         reply_outcome(exchange, upload->surface, outcome);
         return true;

@@ -60,7 +60,7 @@ static void what_takes_it_becomes_a_job(void **state)
     (void)state;
     static const char prefer[] = "Prefer: respond-async";
     assert_int_equal(status_of("PUT", "/v1/meshes/square", prefer, square), 202);
-    while (server_registry_statistics(daemon_server.registry).surfaces == 0) usleep(1000);
+    while (server_registry_statistics(daemon_server.surfaces.registry).surfaces == 0) usleep(1000);
     struct server_exchange *exchange =
         exchange_of("GET", "/v1/meshes/square/nearest?point=v:1", "Prefer: respond-async", NULL);
     assert_int_equal(exchange->response.status, 202);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "server/surfaces/build.h"
+#include "server/surfaces/surface.h"
 
 static struct server_budget budget;
 static struct server_cache *cache;

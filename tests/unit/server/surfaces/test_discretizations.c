@@ -48,16 +48,16 @@ static int set_up(void **state)
     server_budget_init(&server.budget, cost + cost / 2);
     server.workspaces = server_workspaces_create(&server.budget, 1);
     server.workers = server_workers_create(1, 1);
-    server.discretizations = server_discretizations_create(&server);
+    server.surfaces.discretizations = server_discretizations_create(server.workspaces, 1000000);
     server_connect(&server);
-    return server.discretizations ? 0 : -1;
+    return server.surfaces.discretizations ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
     for (size_t i = 0; i < COUNT(slots); i++) server_discretization_slot_close(&slots[i]);
-    server_discretizations_destroy(server.discretizations);
+    server_discretizations_destroy(server.surfaces.discretizations);
     server_workers_destroy(server.workers);
     server_workspaces_destroy(server.workspaces);
     gd_subdivision_release(surface);
@@ -77,9 +77,9 @@ static enum gd_status get(size_t slot, uint32_t level, struct server_discretizat
     const struct server_discretization_request request = {.slot = &slots[slot],
                                                           .surface = surface,
                                                           .level = level,
-                                                          .monitor = &monitor,
+                                                          .control = server_exchange_control(&monitor),
                                                           .detail = &detail};
-    return server_discretizations_get(server.discretizations, &request, out);
+    return server_discretizations_get(server.surfaces.discretizations, &request, out);
 }
 
 static void is_kept_and_found_again(void **state)

@@ -27,7 +27,7 @@ static enum server_store_outcome remove_sphere(uint32_t level)
 {
     char name[2] = {(char)('0' + level), '\0'};
     const struct server_key key = mesh_key(name);
-    return server_registry_remove(server.registry, &key, &(struct server_precondition){0});
+    return server_registry_remove(server.surfaces.registry, &key, &(struct server_precondition){0});
 }
 
 /* A surface that the registry has, under its level as a name. */
@@ -37,10 +37,10 @@ static struct server_surface *put_sphere(uint32_t level)
     struct gd_mesh *mesh = sphere(level);
     struct server_record *record = new_record(name, name);
     assert_true(server_budget_take(&server.budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
-    struct server_surface *made =
-        server_surface_create(record, mesh, gd_mesh_memsize(mesh), &server.budget, server.cache);
+    struct server_surface *made = server_surface_create(record, mesh, gd_mesh_memsize(mesh),
+                                                        &server.budget, server.surfaces.cache);
     server_record_release(record);
-    assert_true(server_registry_put(server.registry, made, name,
+    assert_true(server_registry_put(server.surfaces.registry, made, name,
                                     &(struct server_precondition){0}) <= SERVER_STORE_REPLACED);
     return made;
 }
@@ -53,13 +53,19 @@ static int set_up(void **state)
     server_budget_init(&server.budget, 256 << 20);
     server.workspaces = server_workspaces_create(&server.budget, 1);
     server.workers = server_workers_create(1, 10);
-    server.cache = server_cache_create(&server.budget, server.workers);
-    server.registry = server_registry_create(server_store_memory_create(), &server.budget);
+    server.surfaces.cache = server_cache_create(&server.budget, server.workers);
+    server.surfaces.registry = server_registry_create(server_store_memory_create(), &server.budget);
     server.metrics = server_metrics_create(proto_routes, proto_route_count);
     folder_make(folder);
-    server.fields = server_field_store_open(folder, &server.budget);
-    server_field_store_follow(server.fields, server.registry);
-    server.landmarks = server_landmarks_create(&server);
+    server.surfaces.field_store = server_field_store_open(folder, &server.budget);
+    server_field_store_follow(server.surfaces.field_store, server.surfaces.registry);
+    server.surfaces.landmarks = server_landmarks_create(
+        &(struct server_landmarks_parts){.workers = server.workers,
+                                         .workspaces = server.workspaces,
+                                         .metrics = server.metrics,
+                                         .registry = server.surfaces.registry,
+                                         .field_store = server.surfaces.field_store,
+                                         .count = 3});
     surface = put_sphere(4);
     return 0;
 }
@@ -75,10 +81,10 @@ static int tear_down(void **state)
     server_workers_cancel(server.workers);
     wait_for_background();
     server_surface_release(surface);
-    server_registry_destroy(server.registry);
-    server_landmarks_destroy(server.landmarks);
-    server_field_store_close(server.fields);
-    server_cache_destroy(server.cache);
+    server_registry_destroy(server.surfaces.registry);
+    server_landmarks_destroy(server.surfaces.landmarks);
+    server_field_store_close(server.surfaces.field_store);
+    server_cache_destroy(server.surfaces.cache);
     server_workers_destroy(server.workers);
     server_workspaces_destroy(server.workspaces);
     server_metrics_destroy(server.metrics);
@@ -94,7 +100,7 @@ static size_t counted(enum server_budget_class class)
 
 static bool has_landmarks(struct server_surface *of)
 {
-    struct server_landmark_set *set = server_landmarks_find(server.landmarks, of);
+    struct server_landmark_set *set = server_landmarks_find(server.surfaces.landmarks, of);
     server_landmark_set_release(set);
     return set != NULL;
 }
@@ -103,13 +109,14 @@ static bool has_landmarks(struct server_surface *of)
 static struct server_landmark_set *await(struct server_surface *of)
 {
     struct server_landmark_set *set;
-    while (!(set = server_landmarks_find(server.landmarks, of))) sched_yield();
+    while (!(set = server_landmarks_find(server.surfaces.landmarks, of))) sched_yield();
     return set;
 }
 
 static void assert_statistics(uint64_t built, uint64_t loaded, uint64_t dropped)
 {
-    struct server_landmarks_statistics statistics = server_landmarks_statistics(server.landmarks);
+    struct server_landmarks_statistics statistics =
+        server_landmarks_statistics(server.surfaces.landmarks);
     assert_int_equal(statistics.built, built);
     assert_int_equal(statistics.loaded, loaded);
     assert_int_equal(statistics.dropped, dropped);
@@ -150,7 +157,7 @@ static const char *stored_file(void)
 static void they_come_in_the_background_and_are_counted(void **state)
 {
     (void)state;
-    assert_null(server_landmarks_find(server.landmarks, surface));
+    assert_null(server_landmarks_find(server.surfaces.landmarks, surface));
     struct server_landmark_set *set = await(surface);
     assert_int_equal(gd_landmarks_count(set->landmarks), 3);
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), gd_landmarks_memsize(set->landmarks));
@@ -343,7 +350,7 @@ static void the_file_goes_with_the_mesh(void **state)
 static void *find_and_press(void *user)
 {
     for (int i = 0; i < 3000; i++) {
-        struct server_landmark_set *set = server_landmarks_find(server.landmarks, surface);
+        struct server_landmark_set *set = server_landmarks_find(server.surfaces.landmarks, surface);
         if (set) assert_int_equal(gd_landmarks_count(set->landmarks), 3);
         server_landmark_set_release(set);
         if (user && i % 200 == 0) reclaim(1);

@@ -395,14 +395,14 @@ static void what_is_stored_is_confirmed(void **state)
     struct server_listed before;
     put(fixture, "a", "1");
     assert_true(find(fixture, "a", &before));
-    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"),
+    assert_int_equal(server_registry_put(fixture->registry, before.surface, "1", NULL),
                      SERVER_STORE_REPLACED);
     answer = SERVER_STORE_FULL;
-    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"),
+    assert_int_equal(server_registry_put(fixture->registry, before.surface, "1", NULL),
                      SERVER_STORE_FULL);
     answer = SERVER_STORE_DONE;
     put(fixture, "a", "2");
-    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"),
+    assert_int_equal(server_registry_put(fixture->registry, before.surface, "1", NULL),
                      SERVER_STORE_ABSENT);
     server_listed_release(&before);
 }

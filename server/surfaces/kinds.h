@@ -1,0 +1,36 @@
+/* The objects of surfaces that are no meshes. */
+#ifndef SERVER_SURFACES_KINDS_H
+#define SERVER_SURFACES_KINDS_H
+
+#include "gd/subdivision.h"
+#include "gd/tessellation.h"
+#include "proto/nurbs.h"
+#include "server/surfaces/discretizations.h"
+#include "server/surfaces/surface.h"
+
+/* A parametric surface, and the mesh on which its shortest paths are first searched. */
+struct server_nurbs {
+    struct gd_parametric *surface;
+    struct proto_nurbs_form form;
+    struct gd_tessellation *tessellation; /* NULL: none; `refusal` and `detail` say why */
+    enum gd_status refusal;
+    struct gd_detail detail;
+};
+
+/* A subdivision surface, and its kept discretizations. */
+struct server_subdivision {
+    struct gd_subdivision *surface;
+    struct server_discretization_slot slot; /* has a lock of its own; the rest is immutable */
+};
+
+/* The object of a surface of that kind, borrowed. */
+static inline const struct server_nurbs *server_nurbs_of(const struct server_surface *surface)
+{
+    return surface->object;
+}
+static inline struct server_subdivision *server_subdivision_of(const struct server_surface *surface)
+{
+    return surface->object;
+}
+
+#endif
