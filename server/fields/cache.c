@@ -6,17 +6,25 @@
 #include <stdlib.h>
 #include <sys/queue.h>
 
-#include "server/fields/field_key.h"
 #include "server/fields/hot_points.h"
 
 #define FIRST_BUCKETS 8
 #define FAILURE_NS    UINT64_C(1000000000) /* a build that failed is not repeated for so long */
 
+/* The seeds of a field, compared in order and bit by bit, and its reach. Of two fields with equal
+ * seeds, the one of larger reach answers all requests of the other. */
+struct field_key {
+    uint64_t hash; /* of the seeds */
+    double radius; /* 0: no limit */
+    uint32_t seed_count;
+    const struct gd_seed *seeds;
+};
+
 struct entry {
     struct server_cached cached; /* first: a pin is a pointer to it */
     atomic_uint references;      /* of the mesh cache and of the pins */
     struct server_mesh_cache *fields;
-    struct server_field_key key; /* owned */
+    struct field_key key; /* owned */
     struct entry *next_in_bucket;
     SLIST_ENTRY(entry) next; /* of the removed entries, or of the pinned ones during an eviction */
 };
@@ -26,12 +34,12 @@ SLIST_HEAD(entries, entry);
 struct server_pending_build {
     LIST_ENTRY(server_pending_build) next;
     struct server_mesh_cache *fields; /* a reference */
-    struct server_field_key key;      /* owned */
+    struct field_key key;             /* owned */
     struct server_job *parked;
 };
 
 struct failure {
-    struct server_field_key key; /* without seeds */
+    struct field_key key; /* without seeds */
     uint64_t until_ns;
     enum gd_status status;
 };
@@ -55,18 +63,104 @@ struct server_cache {
     struct server_cache_statistics statistics;
 };
 
+/* --- keys ------------------------------------------------------------------------------------- */
+
+static uint64_t hash_add(uint64_t hash, uint64_t value)
+{
+    hash = (hash ^ value) * UINT64_C(0x9E3779B97F4A7C15);
+    return hash ^ hash >> 29;
+}
+
+static uint64_t hash_add_number(uint64_t hash, double number)
+{
+    uint64_t bits;
+    memcpy(&bits, &number, sizeof bits);
+    return hash_add(hash, bits);
+}
+
+static uint64_t hash_add_point(uint64_t hash, const struct gd_point *point)
+{
+    hash = hash_add(hash_add(hash, (uint64_t)point->kind), point->element);
+    for (int i = 0; i < 3; i++) hash = hash_add_number(hash, point->weight[i]);
+    return hash;
+}
+
+static uint64_t hash_add_seed(uint64_t hash, const struct gd_seed *seed)
+{
+    hash = hash_add_point(hash, &seed->point);
+    if (seed->is_segment) hash = hash_add_point(hash, &seed->end);
+    return hash_add_number(hash, seed->offset);
+}
+
+static bool is_equal_seed(const struct gd_seed *a, const struct gd_seed *b)
+{
+    if (!gd_point_equal(&a->point, &b->point) || a->offset != b->offset ||
+        a->is_segment != b->is_segment)
+        return false;
+    return !a->is_segment || gd_point_equal(&a->end, &b->end);
+}
+
+static struct field_key key_of(const struct gd_field_request *request)
+{
+    uint64_t hash = request->seed_count;
+    for (uint32_t i = 0; i < request->seed_count; i++)
+        hash = hash_add_seed(hash, &request->seeds[i]);
+    return (struct field_key){hash, request->radius, request->seed_count, request->seeds};
+}
+
+static bool key_equal(const struct field_key *a, const struct field_key *b)
+{
+    if (a->hash != b->hash || a->seed_count != b->seed_count) return false;
+    for (uint32_t i = 0; i < a->seed_count; i++)
+        if (!is_equal_seed(&a->seeds[i], &b->seeds[i])) return false;
+    return true;
+}
+
+static bool key_copy(const struct field_key *key, struct field_key *out)
+{
+    struct gd_seed *seeds = malloc(key->seed_count * sizeof *seeds);
+    if (!seeds) return false;
+    memcpy(seeds, key->seeds, key->seed_count * sizeof *seeds);
+    *out = *key;
+    out->seeds = seeds;
+    return true;
+}
+
+static void key_free(struct field_key *key)
+{
+    free((struct gd_seed *)key->seeds);
+}
+
+static struct field_key key_of_point(const struct gd_point *source, struct gd_seed *seed)
+{
+    *seed = (struct gd_seed){.point = *source};
+    return key_of(&(struct gd_field_request){.seeds = seed, .seed_count = 1});
+}
+
+static bool key_is_point(const struct field_key *key)
+{
+    return key->seed_count == 1 && !key->seeds[0].is_segment && key->seeds[0].offset == 0 &&
+           key->radius == 0;
+}
+
+/* Of keys with equal seeds: `a` reaches at least as far as `b`. */
+static bool key_covers(const struct field_key *a, const struct field_key *b)
+{
+    return a->radius == 0 || (b->radius != 0 && a->radius >= b->radius);
+}
+
 /* --- entries, without the lock ---------------------------------------------------------------- */
 
 /* A pinned entry outside its mesh cache; takes over the field and its bytes of
  * SERVER_BUDGET_FLIGHT. NULL without memory: then the field is released. */
-static struct entry *entry_create(struct server_mesh_cache *fields,
-                                  const struct server_field_key *key, struct gd_field *field)
+static struct entry *entry_create(struct server_mesh_cache *fields, const struct field_key *key,
+                                  struct gd_field *field)
 {
     struct server_budget *budget = fields->cache->budget;
     size_t bytes = gd_field_memsize(field);
     size_t all = bytes + sizeof(struct entry) + key->seed_count * sizeof *key->seeds;
     struct entry *entry = calloc(1, sizeof *entry);
-    if (!entry || !server_field_key_copy(key, &entry->key)) {
+    if (!entry || !key_copy(key, &entry->key)) {
         free(entry);
         server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
         gd_field_release(field);
@@ -90,7 +184,7 @@ static void entry_release(struct entry *entry)
                        entry->cached.worth.bytes);
     gd_field_release(entry->cached.field);
     server_mesh_cache_release(entry->fields);
-    server_field_key_free(&entry->key);
+    key_free(&entry->key);
     free(entry);
 }
 
@@ -115,21 +209,20 @@ static struct entry **table_bucket(const struct server_mesh_cache *fields, uint6
 }
 
 /* The entry of these seeds, of any reach; or NULL. */
-static struct entry *table_find(const struct server_mesh_cache *fields,
-                                const struct server_field_key *key)
+static struct entry *table_find(const struct server_mesh_cache *fields, const struct field_key *key)
 {
     if (!fields->bucket_count) return NULL;
     struct entry *entry = *table_bucket(fields, key->hash);
-    while (entry && !server_field_key_equal(&entry->key, key)) entry = entry->next_in_bucket;
+    while (entry && !key_equal(&entry->key, key)) entry = entry->next_in_bucket;
     return entry;
 }
 
 /* The entry of these seeds if it reaches at least as far as `key`. */
 static struct entry *table_find_covering(const struct server_mesh_cache *fields,
-                                         const struct server_field_key *key)
+                                         const struct field_key *key)
 {
     struct entry *entry = table_find(fields, key);
-    return entry && server_field_key_covers(&entry->key, key) ? entry : NULL;
+    return entry && key_covers(&entry->key, key) ? entry : NULL;
 }
 
 static void table_push(struct server_mesh_cache *fields, struct entry *entry)
@@ -174,7 +267,7 @@ static void table_remove(struct entry *entry)
 /* Removes an entry from table and order; the caller releases it without the lock. */
 static void entry_withdraw(struct entry *entry)
 {
-    server_eviction_remove(&entry->fields->cache->eviction, &entry->cached.worth);
+    server_heap_remove(&entry->fields->cache->eviction.order, &entry->cached.worth.node);
     table_remove(entry);
 }
 
@@ -186,7 +279,7 @@ static struct entry *entry_put(struct entry *entry)
     if (!entry || entry->fields->is_closed || table_find_covering(entry->fields, &entry->key))
         return NULL;
     struct server_cache *cache = entry->fields->cache;
-    if (!table_reserve(entry->fields) || !server_eviction_reserve(&cache->eviction)) return NULL;
+    if (!table_reserve(entry->fields) || !server_heap_reserve(&cache->eviction.order)) return NULL;
     struct entry *nearer = table_find(entry->fields, &entry->key);
     if (nearer) {
         entry->cached.worth.uses += nearer->cached.worth.uses;
@@ -217,7 +310,7 @@ static struct entries evict(struct server_cache *cache, size_t bytes)
     for (size_t freed = 0;
          freed < bytes && (first = entry_of_worth(server_eviction_first(eviction)));) {
         if (atomic_load(&first->references) > 1) {
-            server_eviction_remove(eviction, &first->cached.worth);
+            server_heap_remove(&eviction->order, &first->cached.worth.node);
             SLIST_INSERT_HEAD(&pinned, first, next);
             continue;
         }
@@ -260,7 +353,7 @@ void server_cache_destroy(struct server_cache *cache)
     assert(!cache->eviction.order.size && LIST_EMPTY(&cache->builds));
     cache->budget->reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){0};
     pthread_mutex_destroy(&cache->lock);
-    server_eviction_free(&cache->eviction);
+    server_heap_free(&cache->eviction.order);
     free(cache);
 }
 
@@ -309,7 +402,7 @@ static uint32_t pin_points(struct server_mesh_cache *fields, const struct server
     uint32_t count = 0;
     for (uint32_t i = 0; i < fields->bucket_count; i++) {
         for (struct entry *entry = fields->buckets[i]; entry; entry = entry->next_in_bucket) {
-            if (!server_field_key_is_point(&entry->key)) continue;
+            if (!key_is_point(&entry->key)) continue;
             atomic_fetch_add(&entry->references, 1);
             pinned[count++] = &entry->cached;
         }
@@ -339,7 +432,7 @@ uint32_t server_mesh_cache_count(struct server_mesh_cache *fields)
 /* --- finding ---------------------------------------------------------------------------------- */
 
 static const struct server_cached *find_by_key(struct server_mesh_cache *fields,
-                                               const struct server_field_key *key)
+                                               const struct field_key *key)
 {
     struct server_cache *cache = fields->cache;
     pthread_mutex_lock(&cache->lock);
@@ -358,7 +451,7 @@ static const struct server_cached *find_by_key(struct server_mesh_cache *fields,
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
                                                     const struct gd_field_request *request)
 {
-    struct server_field_key key = server_field_key_of(request);
+    struct field_key key = key_of(request);
     return find_by_key(fields, &key);
 }
 
@@ -366,13 +459,13 @@ const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
                                               const struct gd_point *source)
 {
     struct gd_seed seed;
-    struct server_field_key key = server_field_key_of_point(source, &seed);
+    struct field_key key = key_of_point(source, &seed);
     return find_by_key(fields, &key);
 }
 
 void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_request *request)
 {
-    struct server_field_key key = server_field_key_of(request);
+    struct field_key key = key_of(request);
     pthread_mutex_lock(&fields->cache->lock);
     struct entry *entry = table_find(fields, &key);
     if (entry && entry->key.radius != key.radius) entry = NULL;
@@ -386,7 +479,7 @@ void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_r
 void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *point)
 {
     struct gd_seed seed;
-    struct server_field_key key = server_field_key_of_point(point, &seed);
+    struct field_key key = key_of_point(point, &seed);
     pthread_mutex_lock(&fields->cache->lock);
     server_hot_points_note(&fields->hot_points, key.hash);
     pthread_mutex_unlock(&fields->cache->lock);
@@ -395,14 +488,14 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
 /* Under the lock: of the builds of these seeds that reach no farther, the one that reaches
  * farthest; or NULL. */
 static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
-                                                 const struct server_field_key *key)
+                                                 const struct field_key *key)
 {
     struct server_pending_build *build, *found = NULL;
     LIST_FOREACH(build, &fields->cache->builds, next)
     {
-        if (build->fields != fields || !server_field_key_equal(&build->key, key)) continue;
-        if (!server_field_key_covers(key, &build->key)) continue;
-        if (!found || server_field_key_covers(&build->key, &found->key)) found = build;
+        if (build->fields != fields || !key_equal(&build->key, key)) continue;
+        if (!key_covers(key, &build->key)) continue;
+        if (!found || key_covers(&build->key, &found->key)) found = build;
     }
     return found;
 }
@@ -410,7 +503,7 @@ static struct server_pending_build *pending_find(const struct server_mesh_cache 
 /* Under the lock: AGAIN, or WAIT for a build of this field or of one that it can be resumed from;
  * else SEARCH. */
 static enum server_cache_turn join_build(struct server_mesh_cache *fields,
-                                         const struct server_field_key *key, struct server_job *job)
+                                         const struct field_key *key, struct server_job *job)
 {
     if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
     struct server_pending_build *build = pending_find(fields, key);
@@ -423,11 +516,11 @@ static enum server_cache_turn join_build(struct server_mesh_cache *fields,
 
 /* Under the lock: BUILD, or SEARCH without memory. */
 static enum server_cache_turn begin_build(struct server_mesh_cache *fields,
-                                          const struct server_field_key *key,
+                                          const struct field_key *key,
                                           struct server_pending_build **out)
 {
     struct server_pending_build *build = calloc(1, sizeof *build);
-    if (!build || !server_field_key_copy(key, &build->key)) {
+    if (!build || !key_copy(key, &build->key)) {
         free(build);
         return SERVER_CACHE_SEARCH;
     }
@@ -444,7 +537,7 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           struct server_pending_build **build)
 {
     struct gd_seed seed;
-    struct server_field_key key = server_field_key_of_point(source, &seed);
+    struct field_key key = key_of_point(source, &seed);
     pthread_mutex_lock(&fields->cache->lock);
     enum server_cache_turn turn = join_build(fields, &key, job);
     if (turn == SERVER_CACHE_SEARCH &&
@@ -459,11 +552,10 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           struct server_job *job,
                                           struct server_pending_build **build, enum gd_status *why)
 {
-    struct server_field_key key = server_field_key_of(request);
+    struct field_key key = key_of(request);
     pthread_mutex_lock(&fields->cache->lock);
     const struct failure *failure = &fields->failure;
-    bool has_failed = failure->key.hash == key.hash &&
-                      server_field_key_covers(&key, &failure->key) &&
+    bool has_failed = failure->key.hash == key.hash && key_covers(&key, &failure->key) &&
                       gd_now_ns() < failure->until_ns;
     enum server_cache_turn turn = join_build(fields, &key, job);
     if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = begin_build(fields, &key, build);
@@ -477,7 +569,7 @@ const struct server_cached *server_cache_find_nearer(struct server_pending_build
     struct server_cache *cache = build->fields->cache;
     pthread_mutex_lock(&cache->lock);
     struct entry *entry = table_find(build->fields, &build->key);
-    if (entry && server_field_key_covers(&entry->key, &build->key)) entry = NULL;
+    if (entry && key_covers(&entry->key, &build->key)) entry = NULL;
     if (entry) {
         atomic_fetch_add(&entry->references, 1);
         cache->statistics.resumed++;
@@ -513,13 +605,13 @@ static void pending_free(struct server_pending_build *build)
         server_workers_resume(build->fields->cache->workers, job);
     }
     server_mesh_cache_release(build->fields);
-    server_field_key_free(&build->key);
+    key_free(&build->key);
     free(build);
 }
 
 /* Adds a field, the result of `build` if that is not NULL, and returns it pinned. */
 static const struct server_cached *field_publish(struct server_mesh_cache *fields,
-                                                 const struct server_field_key *key,
+                                                 const struct field_key *key,
                                                  struct gd_field *field,
                                                  struct server_pending_build *build)
 {
@@ -548,7 +640,7 @@ void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *fie
         gd_field_release(field);
         return;
     }
-    struct server_field_key key = server_field_key_of_point(&source, &seed);
+    struct field_key key = key_of_point(&source, &seed);
     server_cache_unpin(field_publish(fields, &key, field, NULL));
 }
 

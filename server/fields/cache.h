@@ -12,7 +12,7 @@
  *     server_cache_unpin(hit);
  *
  * DESIGN. A surface owns the *mesh cache* with its fields, each under the seeds of its request
- * (field_key.h). Of fields with equal seeds it keeps the one of the largest reach. A field of
+ * . Of fields with equal seeds it keeps the one of the largest reach. A field of
  * larger reach is resumed from it and replaces it. A *pending build* is a field under construction:
  * one builder and a list of parked jobs. When it ends, the parked jobs are resumed and look again.
  * A request of smaller reach does not wait: it builds its own field, which may take much less time.

@@ -2,8 +2,8 @@
  *
  * GreedyDual-Size-Frequency (Cherkasova, "Improving WWW proxies performance with
  * GreedyDual-Size-Frequency caching policy", 1998): priority = age + cost x uses / bytes, where age
- * is the priority of the last evicted one. So expensive things go too when they are no longer used.
- * Priorities only grow: the heap is corrected when its first is asked for.
+ * is the priority of the last evicted thing. So expensive things go too when they are no longer
+ * used. Priorities only grow: the heap is corrected when its first is asked for.
  *
  * A node is a member of the thing that it orders. Not thread-safe. */
 #ifndef SERVER_FIELDS_EVICTION_H
@@ -14,37 +14,59 @@
 #include "server/base/heap.h"
 
 struct server_evictable {
-    struct server_heap_node node; /* its key is an earlier priority */
+    struct server_heap_node node; /* first; its key is an earlier priority */
     double priority;              /* now */
     double cost;                  /* of a rebuild, nanoseconds */
     size_t bytes;
     uint64_t uses;
 };
 
-struct server_eviction { /* all zero is empty */
+struct server_eviction { /* all zero is empty; freed by server_heap_free(&order) */
     struct server_heap order;
     double age;
 };
 
-/* Makes room for one more; false without memory. */
-bool server_eviction_reserve(struct server_eviction *eviction);
+static inline void server_eviction_update(const struct server_eviction *eviction,
+                                          struct server_evictable *evictable)
+{
+    evictable->priority =
+        eviction->age + evictable->cost * (double)evictable->uses / (double)evictable->bytes;
+}
 
-/* Room was reserved; cost, bytes and uses are set. O(log n), as remove, first and evict. */
-void server_eviction_insert(struct server_eviction *eviction, struct server_evictable *evictable);
+/* Room was reserved in `order`; cost, bytes and uses are set. O(log n). */
+static inline void server_eviction_insert(struct server_eviction *eviction,
+                                          struct server_evictable *evictable)
+{
+    server_eviction_update(eviction, evictable);
+    evictable->node.key = evictable->priority;
+    server_heap_insert(&eviction->order, &evictable->node);
+}
 
 /* Counts a use of a thing, in the order or not. O(1). */
-void server_eviction_use(const struct server_eviction *eviction,
-                         struct server_evictable *evictable);
+static inline void server_eviction_use(const struct server_eviction *eviction,
+                                       struct server_evictable *evictable)
+{
+    evictable->uses++;
+    server_eviction_update(eviction, evictable);
+}
 
-/* Removes a thing for another reason than want of memory. */
-void server_eviction_remove(struct server_eviction *eviction, struct server_evictable *evictable);
+/* The next thing to evict, or NULL. O(log n). */
+static inline struct server_evictable *server_eviction_first(struct server_eviction *eviction)
+{
+    while (eviction->order.size) {
+        struct server_evictable *first = (struct server_evictable *)eviction->order.nodes[0];
+        if (first->node.key >= first->priority) return first;
+        server_heap_raise(&eviction->order, &first->node, first->priority);
+    }
+    return NULL;
+}
 
-/* The next one to evict, or NULL. */
-struct server_evictable *server_eviction_first(struct server_eviction *eviction);
-
-/* Removes a thing for want of memory. */
-void server_eviction_evict(struct server_eviction *eviction, struct server_evictable *evictable);
-
-void server_eviction_free(struct server_eviction *eviction);
+/* Removes a thing for want of memory; server_heap_remove does for another reason. O(log n). */
+static inline void server_eviction_evict(struct server_eviction *eviction,
+                                         struct server_evictable *evictable)
+{
+    eviction->age = evictable->priority;
+    server_heap_remove(&eviction->order, &evictable->node);
+}
 
 #endif

@@ -10,6 +10,7 @@
 #ifndef SERVER_FIELDS_HOT_POINTS_H
 #define SERVER_FIELDS_HOT_POINTS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #define SERVER_HOT_POINTS 64
@@ -19,13 +20,41 @@ struct server_hot_points { /* all zero is empty */
     uint32_t count[SERVER_HOT_POINTS]; /* 0: free */
 };
 
+/* The point's counter, else a free one, else NULL. The counter is 0 unless it is the point's. */
+static inline uint32_t *server_hot_points_counter(struct server_hot_points *points, uint64_t hash)
+{
+    uint32_t *vacant = NULL;
+    for (uint32_t i = 0; i < SERVER_HOT_POINTS; i++) {
+        if (!points->count[i])
+            vacant = &points->count[i];
+        else if (points->hash[i] == hash)
+            return &points->count[i];
+    }
+    return vacant;
+}
+
 /* Counts one more question about the point. Tens of nanoseconds. */
-void server_hot_points_note(struct server_hot_points *points, uint64_t hash);
+static inline void server_hot_points_note(struct server_hot_points *points, uint64_t hash)
+{
+    uint32_t *counter = server_hot_points_counter(points, hash);
+    for (uint32_t i = 0; !counter && i < SERVER_HOT_POINTS; i++) points->count[i]--;
+    if (!counter) return;
+    points->hash[counter - points->count] = hash;
+    ++*counter;
+}
 
 /* The point's questions, or fewer. */
-uint32_t server_hot_points_count(const struct server_hot_points *points, uint64_t hash);
+static inline uint32_t server_hot_points_count(struct server_hot_points *points, uint64_t hash)
+{
+    const uint32_t *counter = server_hot_points_counter(points, hash);
+    return counter ? *counter : 0;
+}
 
 /* Frees the point's counter. */
-void server_hot_points_forget(struct server_hot_points *points, uint64_t hash);
+static inline void server_hot_points_forget(struct server_hot_points *points, uint64_t hash)
+{
+    uint32_t *counter = server_hot_points_counter(points, hash);
+    if (counter) *counter = 0;
+}
 
 #endif

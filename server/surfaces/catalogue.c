@@ -10,7 +10,7 @@
 #include "server/base/sha256.h"
 
 #define FIRST_CAPACITY     8
-#define VERSION_CHARACTERS 8 /* of an id that are the ETag's */
+#define VERSION_CHARACTERS 8 /* an id begins with so many of the ETag */
 
 #define MEMSIZE                                                                                    \
     ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) + sizeof(struct server_catalogue))
@@ -44,7 +44,7 @@ struct server_resource *server_resource_create(const char *id, struct proto_loca
     return resource;
 }
 
-static struct server_resource *retain(struct server_resource *resource)
+static struct server_resource *resource_retain(struct server_resource *resource)
 {
     atomic_fetch_add(&resource->references, 1);
     return resource;
@@ -72,7 +72,7 @@ static void append_point(struct proto_writer *text, const struct gd_point *point
     proto_append(text, (const char *)point->weight, sizeof point->weight);
 }
 
-/* Member by member: what lies between them is nobody's. */
+/* Member by member, without the padding. */
 static void append_seed(struct proto_writer *text, const struct gd_seed *seed)
 {
     append_point(text, &seed->point);
@@ -84,7 +84,7 @@ static void append_seed(struct proto_writer *text, const struct gd_seed *seed)
 bool server_resource_name(const char *etag, const struct proto_located_set *set,
                           double max_distance, char id[PROTO_FIELD_ID + 1])
 {
-    struct proto_writer text; /* whatever tells sets apart */
+    struct proto_writer text; /* all that distinguishes sets */
     char hash[SERVER_SHA256_HEX];
     proto_writer_init(&text, SIZE_MAX);
     proto_append(&text, etag, strlen(etag));
@@ -105,13 +105,17 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
 
 /* --- the list, under the lock ----------------------------------------------------------------- */
 
-/* Index of the first resource whose id is not before `id`. */
-static uint32_t lower_bound(const struct server_catalogue *catalogue, const char *id)
+/* Index of the first resource whose id is not before `id`; `*found`: it has this id. */
+static uint32_t catalogue_search(const struct server_catalogue *catalogue, const char *id,
+                                 bool *found)
 {
     uint32_t low = 0, high = catalogue->count;
+    *found = false;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (strcmp(catalogue->resources[middle]->id, id) < 0)
+        int order = strcmp(catalogue->resources[middle]->id, id);
+        *found |= order == 0;
+        if (order < 0)
             low = middle + 1;
         else
             high = middle;
@@ -119,30 +123,14 @@ static uint32_t lower_bound(const struct server_catalogue *catalogue, const char
     return low;
 }
 
-static bool is_at(const struct server_catalogue *catalogue, uint32_t at, const char *id)
+static struct server_resource *catalogue_extract(struct server_catalogue *catalogue, uint32_t at)
 {
-    return at < catalogue->count && strcmp(catalogue->resources[at]->id, id) == 0;
-}
-
-static struct server_resource *extract(struct server_catalogue *catalogue, uint32_t at)
-{
-    struct server_resource *resource = catalogue->resources[at];
-    catalogue->count--;
-    memmove(&catalogue->resources[at], &catalogue->resources[at + 1],
-            (catalogue->count - at) * sizeof(struct server_resource *));
+    struct server_resource **place = &catalogue->resources[at], *resource = *place;
+    memmove(place, place + 1, (--catalogue->count - at) * sizeof *place);
     return resource;
 }
 
-static void insert(struct server_catalogue *catalogue, uint32_t at,
-                   struct server_resource *resource)
-{
-    memmove(&catalogue->resources[at + 1], &catalogue->resources[at],
-            (catalogue->count - at) * sizeof(struct server_resource *));
-    catalogue->resources[at] = resource;
-    catalogue->count++;
-    resource->turn = ++catalogue->clock;
-}
-
+/* A place of that id in the ring of forgotten ids; or NULL. */
 static char *find_forgotten(struct server_catalogue *catalogue, const char *id)
 {
     for (uint32_t i = 0; i < SERVER_CATALOGUE_FORGOTTEN; i++)
@@ -150,58 +138,65 @@ static char *find_forgotten(struct server_catalogue *catalogue, const char *id)
     return NULL;
 }
 
-/* What a key (NULL: all) lists. */
-struct listed {
-    uint32_t count, oldest; /* oldest: the place of the resource that was not used for longest */
-    size_t bytes;
-};
-
-static struct listed weigh(const struct server_catalogue *catalogue, const char *key)
-{
-    struct listed listed = {0};
-    for (uint32_t i = 0; i < catalogue->count; i++) {
-        const struct server_resource *resource = catalogue->resources[i];
-        if (key && strcmp(resource->key, key) != 0) continue;
-        if (!listed.count++ || resource->turn < catalogue->resources[listed.oldest]->turn)
-            listed.oldest = i;
-        listed.bytes += resource->bytes;
-    }
-    return listed;
-}
-
 static void forget(struct server_catalogue *catalogue, uint32_t at)
 {
-    struct server_resource *resource = extract(catalogue, at);
+    struct server_resource *resource = catalogue_extract(catalogue, at);
     uint32_t place = catalogue->next_forgotten++ % SERVER_CATALOGUE_FORGOTTEN;
     memcpy(catalogue->forgotten[place], resource->id, sizeof resource->id);
     server_resource_release(resource);
 }
 
-/* Forgets resources of the key until it has as many as it may. */
-static void bound(struct server_catalogue *catalogue, const char *key)
+struct usage {              /* of a key */
+    uint32_t count, oldest; /* oldest: index of the resource that was not used for longest */
+    size_t bytes;
+};
+
+/* What a key (NULL: all keys) has listed. */
+static struct usage usage_of(const struct server_catalogue *catalogue, const char *key)
 {
-    struct listed listed;
-    while ((listed = weigh(catalogue, key)).count > SERVER_CATALOGUE_RESOURCES ||
-           listed.bytes > SERVER_CATALOGUE_BYTES)
-        forget(catalogue, listed.oldest);
+    struct usage usage = {0};
+    for (uint32_t i = 0; i < catalogue->count; i++) {
+        const struct server_resource *resource = catalogue->resources[i];
+        if (key && strcmp(resource->key, key) != 0) continue;
+        if (!usage.count++ || resource->turn < catalogue->resources[usage.oldest]->turn)
+            usage.oldest = i;
+        usage.bytes += resource->bytes;
+    }
+    return usage;
 }
 
-/* Room for one more; without memory for it, that of one that was not used for longest. */
-static void grow(struct server_catalogue *catalogue)
+/* Makes room for one more; without memory, by forgetting one. */
+static void catalogue_reserve(struct server_catalogue *catalogue)
 {
     if (catalogue->count < catalogue->capacity) return;
     uint32_t capacity = 2 * catalogue->capacity;
-    struct server_resource **more =
-        realloc(catalogue->resources, capacity * sizeof(struct server_resource *));
+    struct server_resource **more = realloc(catalogue->resources, capacity * sizeof *more);
     if (!more) {
-        forget(catalogue, weigh(catalogue, NULL).oldest);
+        forget(catalogue, usage_of(catalogue, NULL).oldest);
         return;
     }
     catalogue->resources = more;
     catalogue->capacity = capacity;
 }
 
-/* --- in and out ------------------------------------------------------------------------------- */
+static void catalogue_insert(struct server_catalogue *catalogue, struct server_resource *resource)
+{
+    bool found;
+    char *forgotten = find_forgotten(catalogue, resource->id);
+    if (forgotten) forgotten[0] = '\0';
+    catalogue_reserve(catalogue);
+    uint32_t at = catalogue_search(catalogue, resource->id, &found);
+    struct server_resource **place = &catalogue->resources[at];
+    memmove(place + 1, place, (catalogue->count++ - at) * sizeof *place);
+    *place = resource_retain(resource);
+    resource->turn = ++catalogue->clock;
+    struct usage usage;
+    while ((usage = usage_of(catalogue, resource->key)).count > SERVER_CATALOGUE_RESOURCES ||
+           usage.bytes > SERVER_CATALOGUE_BYTES)
+        forget(catalogue, usage.oldest);
+}
+
+/* --- life ------------------------------------------------------------------------------------- */
 
 static void catalogue_detach(struct server_attached *attached)
 {
@@ -239,50 +234,48 @@ struct server_catalogue *server_record_catalogue(struct server_record *record)
     return (struct server_catalogue *)attached;
 }
 
+/* --- in and out ------------------------------------------------------------------------------- */
+
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,
                                                     const char *id, struct server_resource **out)
 {
-    enum server_catalogue_finding finding = SERVER_CATALOGUE_ABSENT;
+    bool found;
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = lower_bound(catalogue, id);
-    if (is_at(catalogue, at, id)) {
-        *out = retain(catalogue->resources[at]);
+    uint32_t at = catalogue_search(catalogue, id, &found);
+    bool is_forgotten = !found && find_forgotten(catalogue, id);
+    if (found) {
+        *out = resource_retain(catalogue->resources[at]);
         (*out)->turn = ++catalogue->clock;
-        finding = SERVER_CATALOGUE_FOUND;
-    } else if (find_forgotten(catalogue, id)) {
-        finding = SERVER_CATALOGUE_FORGOT;
     }
     pthread_mutex_unlock(&catalogue->lock);
-    return finding;
+    return found          ? SERVER_CATALOGUE_FOUND
+           : is_forgotten ? SERVER_CATALOGUE_FORGOT
+                          : SERVER_CATALOGUE_ABSENT;
 }
 
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
                           struct server_resource **resource)
 {
     struct server_resource *added = *resource;
+    bool found;
     snprintf(added->key, sizeof added->key, "%s", key);
     pthread_mutex_lock(&catalogue->lock);
-    grow(catalogue);
-    uint32_t at = lower_bound(catalogue, added->id);
-    bool is_new = !is_at(catalogue, at, added->id);
-    if (is_new) {
-        char *forgotten = find_forgotten(catalogue, added->id);
-        if (forgotten) forgotten[0] = '\0';
-        insert(catalogue, at, retain(added));
-        bound(catalogue, key);
-    } else {
-        *resource = retain(catalogue->resources[at]);
-        server_resource_release(added);
-    }
+    uint32_t at = catalogue_search(catalogue, added->id, &found);
+    if (found)
+        *resource = resource_retain(catalogue->resources[at]);
+    else
+        catalogue_insert(catalogue, added);
     pthread_mutex_unlock(&catalogue->lock);
-    return is_new;
+    if (found) server_resource_release(added);
+    return !found;
 }
 
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id)
 {
+    bool found;
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = lower_bound(catalogue, id);
-    struct server_resource *removed = is_at(catalogue, at, id) ? extract(catalogue, at) : NULL;
+    uint32_t at = catalogue_search(catalogue, id, &found);
+    struct server_resource *removed = found ? catalogue_extract(catalogue, at) : NULL;
     pthread_mutex_unlock(&catalogue->lock);
     return removed;
 }
@@ -291,10 +284,12 @@ uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *a
                                struct server_resource **out)
 {
     uint32_t count = 0;
+    bool found;
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = after ? lower_bound(catalogue, after) : 0;
-    if (after && is_at(catalogue, at, after)) at++;
-    while (count < most && at < catalogue->count) out[count++] = retain(catalogue->resources[at++]);
+    uint32_t at = catalogue_search(catalogue, after ? after : "", &found);
+    if (found) at++;
+    while (count < most && at < catalogue->count)
+        out[count++] = resource_retain(catalogue->resources[at++]);
     pthread_mutex_unlock(&catalogue->lock);
     return count;
 }

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-
 static struct server_pending_build *enter(struct fixture *fixture, uint32_t vertex)
 {
     struct gd_point source = vertex_point(fixture->mesh, vertex);

@@ -13,7 +13,7 @@ struct thing {
 static void add(struct server_eviction *eviction, struct thing *thing, double cost, size_t bytes)
 {
     *thing = (struct thing){.worth = {.cost = cost, .bytes = bytes, .uses = 1}, .is_there = true};
-    assert_true(server_eviction_reserve(eviction));
+    assert_true(server_heap_reserve(&eviction->order));
     server_eviction_insert(eviction, &thing->worth);
 }
 
@@ -38,7 +38,7 @@ static void goes_by_cost_uses_and_bytes(void **state)
     assert_next(&eviction, &plain);
     assert_next(&eviction, &used);
     assert_null(server_eviction_first(&eviction));
-    server_eviction_free(&eviction);
+    server_heap_free(&eviction.order);
 }
 
 static void what_was_dear_grows_old(void **state)
@@ -55,7 +55,7 @@ static void what_was_dear_grows_old(void **state)
         first->is_there = false;
     }
     assert_true(rounds > 50 && rounds < 150);
-    server_eviction_free(&eviction);
+    server_heap_free(&eviction.order);
 }
 
 /* --- a trace ---------------------------------------------------------------------------------- */
@@ -125,7 +125,7 @@ static double replay(struct server_eviction *eviction, size_t limit)
         asked->worth.uses = 1;
         held += asked->worth.bytes;
         if (!eviction) continue;
-        assert_true(server_eviction_reserve(eviction));
+        assert_true(server_heap_reserve(&eviction->order));
         server_eviction_insert(eviction, &asked->worth);
     }
     return spent;
@@ -142,7 +142,7 @@ static void a_trace_costs_less_than_by_lru(void **state)
         print_message("%zu GiB: %.0f seconds recomputed, by LRU %.0f\n", limits[i] >> 30, ours,
                       lru);
         assert_true(ours < 0.95 * lru);
-        server_eviction_free(&eviction);
+        server_heap_free(&eviction.order);
     }
 }
 
