@@ -107,14 +107,13 @@ void server_connect(struct server *server)
         .access = server->access,
         .registry = server->surfaces.registry,
         .cache = server->surfaces.cache,
-        .pending_loads = server->surfaces.pending_loads,
         .landmarks = server->surfaces.landmarks,
         .discretizations = server->surfaces.discretizations,
         .jobs = server->jobs,
         .batches = server->batches,
         .write_metrics = server_gauges_write,
         .metrics_source = server,
-        .loader = &server->surfaces.loader,
+        .loader = server->surfaces.loader,
     };
 }
 
@@ -243,7 +242,7 @@ void server_stop(struct server *server)
         pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     server_http_stop(server->http);
-    server_surfaces_persist(&server->surfaces);
+    server_surfaces_persist(&server->surfaces, server->config.persist_fields);
     destroy(server);
     server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
 }

@@ -11,11 +11,11 @@
  *     }
  *     server_cache_unpin(hit);
  *
- * DESIGN. A surface owns the *mesh cache* with its fields, each under the seeds of its request
- * . Of fields with equal seeds it keeps the one of the largest reach. A field of
- * larger reach is resumed from it and replaces it. A *pending build* is a field under construction:
- * one builder and a list of parked jobs. When it ends, the parked jobs are resumed and look again.
- * A request of smaller reach does not wait: it builds its own field, which may take much less time.
+ * DESIGN. A surface owns a *mesh cache*. Of fields with equal seeds it keeps the one of the largest
+ * reach; a field of larger reach is resumed from it and replaces it. A *pending build* is a field
+ * under construction: one builder and a list of parked jobs. When it ends, the parked jobs are
+ * resumed and look again. A request of smaller reach does not wait: it builds its own field, which
+ * may take much less time.
  *
  * Which fields are built: those that a client claims; and for pairs, the field of a point after
  * SERVER_CACHE_SEARCHES questions about that point (hot_points.h). A field costs as much as 10 to

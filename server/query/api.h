@@ -10,7 +10,6 @@
 #include "server/surfaces/discretizations.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/loader.h"
-#include "server/surfaces/pending_loads.h"
 #include "server/surfaces/registry.h"
 #include "server/work/budgeted_call.h"
 
@@ -22,7 +21,7 @@ struct server_api {
     struct server_access *access; /* NULL: there are no keys */
     struct server_registry *registry;
     struct server_cache *cache;
-    struct server_pending_loads *pending_loads;
+    struct server_loader *loader;
     struct server_landmarks *landmarks; /* NULL: there are none */
     struct server_discretizations *discretizations;
     struct server_jobs *jobs;
@@ -30,7 +29,6 @@ struct server_api {
     /* Appends the metrics of the tenant, or with NULL of the whole daemon. */
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;
-    const struct server_loader *loader;
 };
 
 #endif

@@ -150,41 +150,25 @@ static void rerun(struct server_exchange *exchange, struct server_surface *surfa
     exchange->match.route->handle(exchange);
 }
 
-/* Loads the record, and answers, unless the name is another mesh by now: then there is no reply,
- * and the dispatcher has it looked up again, as who waited does. Only want of memory is the same
- * for all. */
-static void load(struct server_exchange *exchange, struct server_record *record,
-                 struct server_pending_load *load)
+/* Loads the record and replies; there is no reply if the name is another mesh by now: then the
+ * dispatcher looks it up again. False: parked. */
+static bool load_record(struct server_exchange *exchange, struct server_record *record)
 {
     struct server_surface *surface;
     struct proto_problem problem;
-    enum server_loader_outcome outcome = server_loader_load(
-        exchange->host->api->loader, record, exchange->job.deadline_ns, &surface, &problem);
-    if (outcome == SERVER_LOADER_NO_MEMORY)
-        server_pending_loads_fail(load, SERVER_REFUSAL_MEMORY);
-    else
-        server_pending_loads_end(load);
-    if (outcome == SERVER_LOADER_LOADED)
+    switch (server_loader_load(exchange->host->api->loader, record, &exchange->job, &surface,
+                               &problem)) {
+    case SERVER_LOADER_LOADED:
         rerun(exchange, surface);
-    else if (outcome != SERVER_LOADER_GONE)
-        server_reply_problem(exchange, &problem);
-}
-
-static bool load_or_wait(struct server_exchange *exchange, struct server_record *record)
-{
-    struct server_pending_load *started;
-    switch (server_pending_loads_enter(exchange->host->api->pending_loads, record, &exchange->job,
-                                       &started)) {
-    case SERVER_PENDING_LOADS_WAIT:
+        return true;
+    case SERVER_LOADER_WAITING:
         return false;
-    case SERVER_PENDING_LOADS_LOAD:
-        load(exchange, record, started);
-        break;
-    case SERVER_PENDING_LOADS_NO_MEMORY:
-        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        break;
+    case SERVER_LOADER_GONE:
+        return true;
+    default:
+        server_reply_problem(exchange, &problem);
+        return true;
     }
-    return true;
 }
 
 /* False: parked, then this is called again. */
@@ -196,7 +180,7 @@ static bool bring(struct server_exchange *exchange)
     if (listed.surface)
         rerun(exchange, server_surface_retain(listed.surface));
     else
-        is_done = load_or_wait(exchange, listed.record);
+        is_done = load_record(exchange, listed.record);
     server_listed_release(&listed);
     return is_done;
 }
@@ -209,8 +193,8 @@ static bool join(struct server_exchange *exchange)
     if (!server_request_key(exchange, name, &key) ||
         !server_registry_find(exchange->host->api->registry, &key, &listed))
         return false;
-    bool joined = !listed.surface && server_pending_loads_join(exchange->host->api->pending_loads,
-                                                               listed.record, &exchange->job);
+    bool joined = !listed.surface &&
+                  server_loader_join(exchange->host->api->loader, listed.record, &exchange->job);
     server_listed_release(&listed);
     return joined;
 }

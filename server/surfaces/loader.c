@@ -1,13 +1,28 @@
 /* See loader.h. */
 #include "server/surfaces/loader.h"
 
+#include <pthread.h>
 #include <stdlib.h>
+#include <sys/queue.h>
 
 #include "server/base/log.h"
+#include "server/base/thread.h"
 #include "server/store/kind.h"
 
+#define NOTE_NS     UINT64_C(60000000000)
+#define LOAD_FACTOR 3 /* a load takes at most so many times the memory of the surface */
+
+struct server_loader {
+    struct server_loader_parts parts;
+    pthread_mutex_t lock;
+    LIST_HEAD(, load) loads;      /* under way: one a worker, and one of the thread, at most */
+    struct server_thread *thread; /* NULL: it was not started */
+};
+
 struct load {
-    const struct server_loader *loader;
+    LIST_ENTRY(load) next;
+    struct server_job *parked;
+    struct server_loader *loader;
     struct server_record *record;
     struct server_builder builder;
     struct proto_problem *problem;
@@ -17,9 +32,9 @@ struct load {
 
 static bool on_progress(void *user, double fraction)
 {
-    const struct server_loader *loader = user;
+    const struct load *load = user;
     (void)fraction;
-    return server_workers_go_on(loader->workers);
+    return server_workers_go_on(load->loader->parts.workers);
 }
 
 /* Logs a fault of the stored data for the operator, and tells the client in general terms. */
@@ -42,7 +57,7 @@ static enum server_loader_outcome report_damage(const struct load *load, const c
 
 static enum server_loader_outcome fetch_part(struct load *load, enum server_part part)
 {
-    struct server_registry *registry = load->loader->registry;
+    struct server_registry *registry = load->loader->parts.registry;
     struct server_store *store = server_registry_store(registry);
     switch (store->fetch(store, load->record, part, &load->parts[part])) {
     case SERVER_STORE_DONE:
@@ -109,26 +124,152 @@ static enum server_loader_outcome build_surface(struct load *load, struct server
     }
 }
 
-enum server_loader_outcome server_loader_load(const struct server_loader *loader,
-                                              struct server_record *record, uint64_t deadline_ns,
+/* --- loads under way -------------------------------------------------------------------------- */
+
+/* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is not.
+ */
+static bool park(struct server_loader *loader, const struct server_record *record,
+                 struct server_job *job)
+{
+    struct load *load = LIST_FIRST(&loader->loads);
+    while (load && load->record != record) load = LIST_NEXT(load, next);
+    if (load && job) {
+        job->next = load->parked;
+        load->parked = job;
+    }
+    return load != NULL;
+}
+
+bool server_loader_join(struct server_loader *loader, const struct server_record *record,
+                        struct server_job *job)
+{
+    pthread_mutex_lock(&loader->lock);
+    bool is_parked = park(loader, record, job);
+    pthread_mutex_unlock(&loader->lock);
+    return is_parked;
+}
+
+/* Only want of memory is the same for all parked jobs. */
+static void load_end(struct load *load, enum server_loader_outcome outcome)
+{
+    struct server_loader *loader = load->loader;
+    pthread_mutex_lock(&loader->lock);
+    LIST_REMOVE(load, next);
+    pthread_mutex_unlock(&loader->lock);
+    if (outcome == SERVER_LOADER_NO_MEMORY) {
+        server_jobs_refuse(load->parked, SERVER_REFUSAL_MEMORY);
+        return;
+    }
+    for (struct server_job *job = load->parked, *next; job; job = next) {
+        next = job->next;
+        server_workers_resume(loader->parts.workers, job);
+    }
+}
+
+enum server_loader_outcome server_loader_load(struct server_loader *loader,
+                                              struct server_record *record, struct server_job *job,
                                               struct server_surface **out,
                                               struct proto_problem *problem)
 {
-    const struct gd_control control = {
-        .deadline_ns = deadline_ns, .progress = on_progress, .user = (void *)loader};
+    const struct server_loader_parts *parts = &loader->parts;
     struct load load = {.loader = loader,
                         .record = record,
                         .problem = problem,
-                        .builder = {.budget = loader->budget,
-                                    .cache = loader->cache,
-                                    .max_faces = loader->max_faces,
-                                    .control = control}};
+                        .builder = {.budget = parts->budget,
+                                    .cache = parts->cache,
+                                    .max_faces = parts->max_faces,
+                                    .control = {.deadline_ns = job ? job->deadline_ns : 0,
+                                                .progress = on_progress,
+                                                .user = &load}}};
+    pthread_mutex_lock(&loader->lock);
+    bool is_parked = park(loader, record, job);
+    if (!is_parked) LIST_INSERT_HEAD(&loader->loads, &load, next);
+    pthread_mutex_unlock(&loader->lock);
+    if (is_parked) return SERVER_LOADER_WAITING;
     enum server_loader_outcome outcome = fetch_parts(&load);
     if (!outcome) outcome = build_surface(&load, out);
     for (int part = 0; part < SERVER_PARTS; part++) free(load.parts[part]);
-    server_budget_give(loader->budget, SERVER_BUDGET_FLIGHT, load.held);
-    if (outcome) return outcome;
-    if (loader->field_store) server_field_store_restore(loader->field_store, *out, &control);
-    server_registry_keep(loader->registry, *out);
-    return SERVER_LOADER_LOADED;
+    server_budget_give(parts->budget, SERVER_BUDGET_FLIGHT, load.held);
+    if (!outcome) {
+        if (parts->field_store)
+            server_field_store_restore(parts->field_store, *out, &load.builder.control);
+        server_registry_keep(parts->registry, *out);
+    }
+    load_end(&load, outcome);
+    return outcome;
+}
+
+void server_loader_expire(struct server_loader *loader, uint64_t now_ns)
+{
+    struct server_job *expired = NULL, **end = &expired;
+    struct load *load;
+    pthread_mutex_lock(&loader->lock);
+    LIST_FOREACH(load, &loader->loads, next)
+    {
+        *end = server_jobs_expire(&load->parked, now_ns);
+        while (*end) end = &(*end)->next;
+    }
+    pthread_mutex_unlock(&loader->lock);
+    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
+}
+
+/* --- the thread ------------------------------------------------------------------------------- */
+
+/* Loads the most used first, until the next one would need memory that is in use. */
+static void preload(struct server_loader *loader)
+{
+    const struct server_loader_parts *parts = &loader->parts;
+    size_t limit = parts->budget->limit;
+    bool fits = true;
+    while (fits && !server_workers_cancelled(parts->workers)) {
+        struct server_record *record = server_registry_hottest(parts->registry);
+        struct server_surface *surface;
+        struct proto_problem problem;
+        if (!record) return;
+        size_t total = atomic_load(&parts->budget->total);
+        fits = total < limit && record->memory * LOAD_FACTOR < limit - total;
+        if (fits &&
+            server_loader_load(loader, record, NULL, &surface, &problem) == SERVER_LOADER_LOADED)
+            server_surface_release(surface);
+        server_record_release(record);
+    }
+}
+
+/* Of many daemons on one store, each loads only what it is asked for. */
+static void run(void *user, struct server_thread *thread)
+{
+    struct server_loader *loader = user;
+    struct server_registry *registry = loader->parts.registry;
+    if (!server_registry_is_shared(registry)) preload(loader);
+    while (server_thread_pause(thread, NOTE_NS)) server_registry_note_uses(registry);
+}
+
+bool server_loader_preload(struct server_loader *loader)
+{
+    loader->thread = server_thread_start(run, loader);
+    return loader->thread != NULL;
+}
+
+void server_loader_stop(struct server_loader *loader)
+{
+    if (!loader) return;
+    server_thread_stop(loader->thread);
+    loader->thread = NULL;
+}
+
+struct server_loader *server_loader_create(const struct server_loader_parts *parts)
+{
+    struct server_loader *loader = calloc(1, sizeof *loader);
+    if (!loader) return NULL;
+    loader->parts = *parts;
+    pthread_mutex_init(&loader->lock, NULL);
+    return loader;
+}
+
+void server_loader_destroy(struct server_loader *loader)
+{
+    if (!loader) return;
+    server_loader_stop(loader);
+    pthread_mutex_destroy(&loader->lock);
+    free(loader);
 }

@@ -17,13 +17,16 @@ static struct server_store *open_store(const struct server_config *config, char 
 }
 
 /* Beside a database the folder, if one is given, is for what can be computed again. */
-static bool open_field_store(struct server_surfaces *surfaces, const struct server_config *config,
-                             char *error, size_t error_size)
+static bool open_field_store(struct server_surfaces *surfaces,
+                             const struct server_surfaces_parts *parts, char *error,
+                             size_t error_size)
 {
+    const struct server_config *config = parts->config;
     if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
     if (config->store == SERVER_STORE_KIND_POSTGRES)
         (void)server_disk_make_folder(config->data_dir);
-    surfaces->field_store = server_field_store_open(config->data_dir, surfaces->loader.budget);
+    surfaces->field_store =
+        server_field_store_open(config->data_dir, server_workspaces_budget(parts->workspaces));
     if (surfaces->field_store)
         server_field_store_follow(surfaces->field_store, surfaces->registry);
     else
@@ -46,23 +49,27 @@ static bool create_landmarks(struct server_surfaces *surfaces,
     return surfaces->landmarks != NULL;
 }
 
-static bool start_threads(struct server_surfaces *surfaces,
+static bool create_loader(struct server_surfaces *surfaces,
                           const struct server_surfaces_parts *parts)
 {
+    surfaces->loader = server_loader_create(&(struct server_loader_parts){
+        .budget = server_workspaces_budget(parts->workspaces),
+        .workers = parts->workers,
+        .cache = surfaces->cache,
+        .registry = surfaces->registry,
+        .field_store = parts->config->persist_fields ? surfaces->field_store : NULL,
+        .max_faces = (uint32_t)parts->config->max_faces});
+    return surfaces->loader && server_loader_preload(surfaces->loader);
+}
+
+static bool create_scrub(struct server_surfaces *surfaces,
+                         const struct server_surfaces_parts *parts)
+{
     const struct server_config *config = parts->config;
-    bool scrubs = config->scrub_s && server_registry_store(surfaces->registry)->verify;
-    surfaces->loader =
-        (struct server_loader){.budget = surfaces->loader.budget,
-                               .workers = parts->workers,
-                               .cache = surfaces->cache,
-                               .registry = surfaces->registry,
-                               .field_store = config->persist_fields ? surfaces->field_store : NULL,
-                               .max_faces = (uint32_t)config->max_faces};
-    surfaces->preloader = server_preloader_create(&surfaces->loader, surfaces->pending_loads);
-    if (scrubs)
-        surfaces->scrub = server_scrub_create(surfaces->registry, parts->workers, config->scrub_s,
-                                              config->scrub_rate);
-    return surfaces->preloader && (!scrubs || surfaces->scrub);
+    if (!config->scrub_s || !server_registry_store(surfaces->registry)->verify) return true;
+    surfaces->scrub = server_scrub_create(surfaces->registry, parts->workers, config->scrub_s,
+                                          config->scrub_rate);
+    return surfaces->scrub != NULL;
 }
 
 bool server_surfaces_create(struct server_surfaces *surfaces,
@@ -71,43 +78,35 @@ bool server_surfaces_create(struct server_surfaces *surfaces,
 {
     const struct server_config *config = parts->config;
     struct server_budget *budget = server_workspaces_budget(parts->workspaces);
-    surfaces->loader.budget = budget;
     surfaces->cache = server_cache_create(budget, parts->workers);
-    surfaces->pending_loads = server_pending_loads_create(parts->workers);
-    if (!surfaces->cache || !surfaces->pending_loads) return false;
+    if (!surfaces->cache) return false;
     struct server_store *store = open_store(config, error, error_size);
     if (store) surfaces->registry = server_registry_create(store, budget);
-    if (!surfaces->registry || !open_field_store(surfaces, config, error, error_size)) return false;
+    if (!surfaces->registry || !open_field_store(surfaces, parts, error, error_size)) return false;
     surfaces->discretizations =
         server_discretizations_create(parts->workspaces, (uint32_t)config->max_faces);
     return surfaces->discretizations && create_landmarks(surfaces, parts) &&
-           start_threads(surfaces, parts);
+           create_loader(surfaces, parts) && create_scrub(surfaces, parts);
 }
 
-static void stop_threads(struct server_surfaces *surfaces)
+void server_surfaces_persist(struct server_surfaces *surfaces, bool saves_fields)
 {
     server_scrub_destroy(surfaces->scrub);
-    server_preloader_destroy(surfaces->preloader);
     surfaces->scrub = NULL;
-    surfaces->preloader = NULL;
-}
-
-void server_surfaces_persist(struct server_surfaces *surfaces)
-{
-    stop_threads(surfaces);
+    server_loader_stop(surfaces->loader);
     server_registry_note_uses(surfaces->registry);
-    if (surfaces->loader.field_store)
+    if (saves_fields)
         server_field_store_save(surfaces->field_store, surfaces->registry,
                                 gd_now_ns() + PERSIST_NS);
 }
 
 void server_surfaces_destroy(struct server_surfaces *surfaces)
 {
-    stop_threads(surfaces);
+    server_scrub_destroy(surfaces->scrub);
+    server_loader_destroy(surfaces->loader);
     server_registry_destroy(surfaces->registry);
     server_discretizations_destroy(surfaces->discretizations);
     server_landmarks_destroy(surfaces->landmarks);
     server_field_store_close(surfaces->field_store);
-    server_pending_loads_destroy(surfaces->pending_loads);
     server_cache_destroy(surfaces->cache);
 }

@@ -1,7 +1,7 @@
 /* Surfaces: the registry and all that is kept of surfaces, wired together.
  *
- * Order of creation, each part knowing only those before it: cache, pending loads, registry (with
- * the store), field store, landmarks, discretizations, preloader, scrub. */
+ * Order of creation, each part knowing only those before it: cache, registry (with the store),
+ * field store, discretizations, landmarks, loader, scrub. */
 #ifndef SERVER_SURFACES_SURFACES_H
 #define SERVER_SURFACES_SURFACES_H
 
@@ -9,19 +9,15 @@
 #include "server/surfaces/discretizations.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/loader.h"
-#include "server/surfaces/pending_loads.h"
-#include "server/surfaces/preloader.h"
 #include "server/surfaces/scrub.h"
 
 struct server_surfaces {
     struct server_cache *cache;
-    struct server_pending_loads *pending_loads;
     struct server_registry *registry;
     struct server_field_store *field_store; /* NULL: nothing is stored */
     struct server_landmarks *landmarks;     /* NULL: there are none */
     struct server_discretizations *discretizations;
-    struct server_loader loader;
-    struct server_preloader *preloader;
+    struct server_loader *loader;
     struct server_scrub *scrub; /* NULL: stored files are not verified */
 };
 
@@ -39,9 +35,9 @@ bool server_surfaces_create(struct server_surfaces *surfaces,
                             const struct server_surfaces_parts *parts, char *error,
                             size_t error_size);
 
-/* Ends the threads of preloader and scrub, and stores the uses of surfaces and, if the
- * configuration says so, the cached fields. When nothing else runs. */
-void server_surfaces_persist(struct server_surfaces *surfaces);
+/* Ends the threads of loader and scrub, and stores the uses of surfaces and, if asked to, the
+ * cached fields. When nothing else runs. */
+void server_surfaces_persist(struct server_surfaces *surfaces, bool saves_fields);
 
 /* After the workers were cancelled. */
 void server_surfaces_destroy(struct server_surfaces *surfaces);

@@ -21,7 +21,7 @@ static void tick(struct server *server)
     uint64_t now = gd_now_ns();
     server_workers_expire(server->workers, now);
     server_cache_expire(server->surfaces.cache, now);
-    server_pending_loads_expire(server->surfaces.pending_loads, now);
+    server_loader_expire(server->surfaces.loader, now);
     server_registry_expire(server->surfaces.registry, now);
     if (server_workers_cancelled(server->workers))
         server_registry_cancel(server->surfaces.registry);

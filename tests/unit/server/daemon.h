@@ -54,13 +54,13 @@ static inline void daemon_start(struct server_store *store)
     server->workspaces = server_workspaces_create(&server->budget, 1);
     server->workers = server_workers_create(1, 10);
     server->surfaces.cache = server_cache_create(&server->budget, server->workers);
-    server->surfaces.pending_loads = server_pending_loads_create(server->workers);
     server->surfaces.registry = server_registry_create(store, &server->budget);
-    server->surfaces.loader = (struct server_loader){.budget = &server->budget,
-                                                     .workers = server->workers,
-                                                     .cache = server->surfaces.cache,
-                                                     .registry = server->surfaces.registry,
-                                                     .max_faces = 1000};
+    server->surfaces.loader =
+        server_loader_create(&(struct server_loader_parts){.budget = &server->budget,
+                                                           .workers = server->workers,
+                                                           .cache = server->surfaces.cache,
+                                                           .registry = server->surfaces.registry,
+                                                           .max_faces = 1000});
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
     server->events = server_events_create();
     server->jobs = server_jobs_create(server);
@@ -78,9 +78,7 @@ static inline void daemon_stop(void)
     server_timekeeper_destroy(server->timekeeper);
     server_jobs_destroy(server->jobs);
     server_events_destroy(server->events);
-    server_registry_destroy(server->surfaces.registry);
-    server_pending_loads_destroy(server->surfaces.pending_loads);
-    server_cache_destroy(server->surfaces.cache);
+    server_surfaces_destroy(&server->surfaces);
     server_workers_destroy(server->workers);
     server_workspaces_destroy(server->workspaces);
     server_metrics_destroy(server->metrics);

@@ -26,8 +26,9 @@ static int start_server(uint64_t max_jobs, uint64_t ttl_s)
     server_budget_init(&server.budget, 8 << 20);
     server.workers = server_workers_create(1, 2);
     server.surfaces.cache = server_cache_create(&server.budget, server.workers);
-    server.surfaces.pending_loads = server_pending_loads_create(server.workers);
     server.surfaces.registry = server_registry_create(server_store_memory_create(), &server.budget);
+    server.surfaces.loader =
+        server_loader_create(&(struct server_loader_parts){.workers = server.workers});
     server.events = server_events_create();
     server.jobs = server_jobs_create(&server);
     server.timekeeper = server_timekeeper_create(&server);
@@ -66,9 +67,7 @@ static int tear_down(void **state)
     server_timekeeper_destroy(server.timekeeper);
     server_jobs_destroy(server.jobs);
     server_events_destroy(server.events);
-    server_registry_destroy(server.surfaces.registry);
-    server_pending_loads_destroy(server.surfaces.pending_loads);
-    server_cache_destroy(server.surfaces.cache);
+    server_surfaces_destroy(&server.surfaces);
     server_workers_destroy(server.workers);
     assert_int_equal(server.budget.total, 0);
     return 0;
