@@ -22,7 +22,7 @@
 #include <sys/queue.h>
 
 #include "gd/limit_mesh.h"
-#include "server/work/workspaces.h"
+#include "server/work/budgeted_call.h"
 
 struct server_discretizations;
 

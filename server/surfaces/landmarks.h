@@ -24,7 +24,7 @@
 
 #include "gd/landmarks.h"
 #include "server/surfaces/landmark_slot.h"
-#include "server/work/workspaces.h"
+#include "server/work/budgeted_call.h"
 
 struct server_field_store;
 struct server_metrics;

@@ -64,6 +64,11 @@ struct server_workspaces *server_workspaces_create(struct server_budget *budget,
     return workspaces;
 }
 
+struct server_budget *server_workspaces_budget(const struct server_workspaces *workspaces)
+{
+    return workspaces->budget;
+}
+
 void server_workspaces_destroy(struct server_workspaces *workspaces)
 {
     if (!workspaces) return;

@@ -29,6 +29,9 @@ struct server_workspaces;
  * reclaimer there. NULL without memory. */
 struct server_workspaces *server_workspaces_create(struct server_budget *budget, uint32_t most);
 
+/* The budget that they were created with. */
+struct server_budget *server_workspaces_budget(const struct server_workspaces *workspaces);
+
 /* Call it when no call runs. NULL is harmless. */
 void server_workspaces_destroy(struct server_workspaces *workspaces);
 
