@@ -6,8 +6,8 @@
 #include "server/access/access.h"
 #include "server/http/connections.h"
 #include "server/http/events.h"
-#include "server/jobs/batches.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/batch_runner.h"
+#include "server/jobs/job_table.h"
 #include "server/server.h"
 
 static void write_values(struct server *server, struct proto_writer *writer)
@@ -16,9 +16,11 @@ static void write_values(struct server *server, struct proto_writer *writer)
         server_connections_statistics(server->connections);
     struct server_workers_load load = server_workers_load(server->workers);
     struct server_cache_statistics cache = server_cache_statistics(server->surfaces.cache);
-    struct server_landmarks_statistics landmarks = server_landmarks_statistics(server->surfaces.landmarks);
-    struct server_registry_statistics registry = server_registry_statistics(server->surfaces.registry);
-    struct server_batches_statistics batches = server_batches_statistics(server->batches);
+    struct server_landmarks_statistics landmarks =
+        server_landmarks_statistics(server->surfaces.landmarks);
+    struct server_registry_statistics registry =
+        server_registry_statistics(server->surfaces.registry);
+    struct server_batch_statistics batches = server_batch_runner_statistics(server->batches);
     const struct server_metric values[] = {
         {"connections", "Connections that are open.", (double)connections.open},
         {"connections_cut_total",
@@ -86,7 +88,7 @@ static void write_scrub(struct server *server, struct proto_writer *writer)
     server_metrics_write_values(writer, values, sizeof values / sizeof *values);
 }
 
-static void write_job_states(const struct server_jobs_statistics *jobs, struct proto_writer *writer)
+static void write_job_states(const struct server_job_statistics *jobs, struct proto_writer *writer)
 {
     server_metrics_write_head(writer, "jobs", "gauge",
                               "Jobs by state, those that have ended until they are dropped.");
@@ -97,7 +99,7 @@ static void write_job_states(const struct server_jobs_statistics *jobs, struct p
 
 static void write_jobs(struct server *server, struct proto_writer *writer)
 {
-    struct server_jobs_statistics jobs = server_jobs_statistics(server->jobs, NULL);
+    struct server_job_statistics jobs = server_job_table_statistics(server->jobs, NULL);
     write_job_states(&jobs, writer);
     server_metrics_write_head(writer, "jobs_ended_total", "counter",
                               "Jobs that have ended, by how they did.");
@@ -124,7 +126,7 @@ void server_gauges_write(void *user, const char *tenant, struct proto_writer *wr
     struct server *server = user;
     server_access_write(server->access, tenant, writer);
     if (tenant) {
-        struct server_jobs_statistics jobs = server_jobs_statistics(server->jobs, tenant);
+        struct server_job_statistics jobs = server_job_table_statistics(server->jobs, tenant);
         write_job_states(&jobs, writer);
         return;
     }

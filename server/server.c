@@ -10,12 +10,11 @@
 
 #include "gd/cpu.h"
 #include "server/access/access.h"
-#include "server/jobs/batches.h"
+#include "server/jobs/batch_runner.h"
 #include "server/http/connections.h"
 #include "server/http/events.h"
 #include "server/http/http.h"
-#include "server/jobs/jobs.h"
-#include "server/work/deadlines.h"
+#include "server/jobs/job_table.h"
 #include "server/http/tls.h"
 #include "server/gauges.h"
 #include "server/router.h"
@@ -25,6 +24,7 @@
  * after some hundred uploads. */
 #define LARGE_BYTES (256 << 10)
 
+#define JOB_ANSWERS_PART 8 /* of the memory budget: the answers of jobs at most */
 /* of the memory budget: what is set aside for the memory of released fields */
 #define SPARE_PART 16
 #define SPARE_MOST ((size_t)256 << 20)
@@ -35,9 +35,9 @@
 static void destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
-    server_batches_destroy(server->batches);
-    server_timekeeper_destroy(server->timekeeper);
-    server_jobs_destroy(server->jobs);
+    server_batch_runner_destroy(server->batches);
+    server_deadlines_stop(&server->deadlines);
+    server_job_table_destroy(server->jobs);
     server_events_destroy(server->events);
     server_surfaces_destroy(&server->surfaces);
     server_workers_destroy(server->workers);
@@ -81,7 +81,41 @@ static bool open_access(struct server *server, char *error, size_t error_size)
 static void watch_deadlines(void *user)
 {
     struct server *server = user;
-    server_timekeeper_wake(server->timekeeper);
+    server_deadlines_wake(&server->deadlines);
+}
+
+static void tick(void *user, uint64_t now_ns)
+{
+    struct server *server = user;
+    server_workers_expire(server->workers, now_ns);
+    server_cache_expire(server->surfaces.cache, now_ns);
+    server_loader_expire(server->surfaces.loader, now_ns);
+    server_registry_expire(server->surfaces.registry, now_ns);
+    if (server_workers_cancelled(server->workers))
+        server_registry_cancel(server->surfaces.registry);
+    server_job_table_expire(server->jobs, now_ns);
+    server_events_tick(server->events, now_ns);
+}
+
+static bool is_idle(void *user)
+{
+    const struct server *server = user;
+    return server_job_table_is_empty(server->jobs) && server_events_count(server->events) == 0;
+}
+
+bool server_start_jobs(struct server *server)
+{
+    const struct server_job_limits limits = {
+        .jobs = (uint32_t)server->config.max_jobs,
+        .answer_bytes = server->budget.limit / JOB_ANSWERS_PART,
+        .ttl_s = server->config.job_ttl_s,
+        .are_tenanted = server->access != NULL,
+    };
+    server->jobs = server_job_table_create(&server->host, &limits);
+    server->api.jobs = server->jobs;
+    server->deadlines = (struct server_deadlines){
+        .deferred = &server->host.deferred, .tick = tick, .is_idle = is_idle, .user = server};
+    return server->jobs && server_deadlines_start(&server->deadlines);
 }
 
 void server_connect(struct server *server)
@@ -109,8 +143,6 @@ void server_connect(struct server *server)
         .cache = server->surfaces.cache,
         .landmarks = server->surfaces.landmarks,
         .discretizations = server->surfaces.discretizations,
-        .jobs = server->jobs,
-        .batches = server->batches,
         .write_metrics = server_gauges_write,
         .metrics_source = server,
         .loader = server->surfaces.loader,
@@ -137,14 +169,12 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
                                                 .metrics = server->metrics};
     if (!server_surfaces_create(&server->surfaces, &parts, error, error_size)) return false;
     server->events = server_events_create();
-    server->jobs = server_jobs_create(server);
-    if (!server->events || !server->jobs) return false;
-    server->timekeeper = server_timekeeper_create(server);
     server_connect(server);
-    server->batches = server_batches_create(server, error, error_size);
+    if (!server->events || !server_start_jobs(server)) return false;
+    server->batches = server_batch_runner_create(&server->host, config, error, error_size);
     server->api.batches = server->batches;
     server->connections = server_connections_create();
-    return server->timekeeper && server->batches && server->connections;
+    return server->batches && server->connections;
 }
 
 static bool serve(struct server *server, int listening, char *error, size_t error_size)
@@ -233,8 +263,8 @@ void server_stop(struct server *server)
                        server_http_active(server->http));
     remove_socket(&server->config.listen);
     server_http_quiesce(server->http);
-    server_jobs_drain(server->jobs);
-    server_batches_drain(server->batches);
+    server_job_table_drain(server->jobs);
+    server_batch_runner_drain(server->batches);
     server_events_end(server->events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->workers);

@@ -2,7 +2,7 @@
  *
  * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget,
  * workspaces, workers, metrics, surfaces (surfaces.h: cache, registry and what is kept of
- * surfaces), events, jobs, timekeeper, batches, connections, http. Most parts have a lock of their
+ * surfaces), events, jobs, deadlines, batches, connections, http. Most parts have a lock of their
  * own, the registry three. Locks that are held together, in this order: the registry's writer lock,
  * its follower's, its slots' and the cache's; the landmarks' and the workers'. Budget and metrics
  * are atomic.
@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "server/work/budget.h"
+#include "server/work/deadlines.h"
 #include "server/config/config.h"
 #include "server/query/api.h"
 #include "server/http/metrics.h"
@@ -26,12 +27,11 @@
 #include "server/work/budgeted_call.h"
 
 struct server_access;
-struct server_batches;
+struct server_batch_runner;
 struct server_connections;
 struct server_events;
 struct server_http;
-struct server_jobs;
-struct server_timekeeper;
+struct server_job_table;
 struct server_tls;
 
 struct server {
@@ -46,9 +46,9 @@ struct server {
     struct server_surfaces surfaces;
     struct server_metrics *metrics;
     struct server_events *events;
-    struct server_jobs *jobs;
-    struct server_batches *batches;
-    struct server_timekeeper *timekeeper;
+    struct server_job_table *jobs;
+    struct server_batch_runner *batches;
+    struct server_deadlines deadlines;
     struct server_connections *connections;
     struct server_http *http;
 };
@@ -60,6 +60,10 @@ struct server *server_start(const struct server_config *config, int listening, c
 
 /* Fills in host and api with the parts that there are. */
 void server_connect(struct server *server);
+
+/* After server_connect: creates the table of jobs and starts the thread of deadlines. False without
+ * memory or thread. */
+bool server_start_jobs(struct server *server);
 
 /* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By
  * one thread at a time. */

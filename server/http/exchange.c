@@ -237,6 +237,20 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     return detached;
 }
 
+void server_exchange_run(struct server_exchange *exchange)
+{
+    exchange->host->dispatch(exchange);
+    if (exchange->response.status)
+        exchange->transport->finish(exchange);
+    else
+        server_exchange_submit(exchange);
+}
+
+bool server_exchange_is_unwanted(struct server_exchange *exchange)
+{
+    return atomic_load_explicit(&exchange->job.is_unwanted, memory_order_relaxed);
+}
+
 /* --- the request ------------------------------------------------------------------------------ */
 
 void server_exchange_add_header(struct server_exchange *exchange, const char *name,

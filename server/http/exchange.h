@@ -6,7 +6,7 @@
  * submitted, parked or finished an exchange does not touch it any more.
  *
  * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept
- * for later (jobs.c). Handlers need not know which.
+ * for later (job_table.h). Handlers need not know which.
  *
  * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is
  * set (reply.h).
@@ -191,6 +191,13 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
  * the body and copies the rest. What is left of `exchange` can be answered. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
+
+/* For a transport without a connection: dispatches the exchange, which ends in the transport's
+ * `finish`, perhaps before this returns. */
+void server_exchange_run(struct server_exchange *exchange);
+
+/* Such a transport's `is_gone`: the exchange's job was marked as unwanted. */
+bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
 /* Counts an exchange as deferred, before it is submitted. */
 void server_exchange_count_deferred(struct server_host *host);

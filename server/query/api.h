@@ -13,8 +13,8 @@
 #include "server/surfaces/registry.h"
 #include "server/work/budgeted_call.h"
 
-struct server_batches;
-struct server_jobs;
+struct server_batch_runner;
+struct server_job_table;
 
 struct server_api {
     const struct server_config *config;
@@ -24,8 +24,8 @@ struct server_api {
     struct server_loader *loader;
     struct server_landmarks *landmarks; /* NULL: there are none */
     struct server_discretizations *discretizations;
-    struct server_jobs *jobs;
-    struct server_batches *batches;
+    struct server_job_table *jobs;
+    struct server_batch_runner *batches;
     /* Appends the metrics of the tenant, or with NULL of the whole daemon. */
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;

@@ -1,20 +1,30 @@
-/* Timekeeper: what happens by the clock. Answers the requests whose deadline passes while they
- * wait, in the queue or for somebody else's field; drops the jobs that nobody came back for; keeps
- * the streams of events going. */
+/* Deadlines: a thread that calls `tick` by the clock: every 10 milliseconds while requests are
+ * deferred, every second while there is something to watch, else not at all. */
 #ifndef SERVER_WORK_DEADLINES_H
 #define SERVER_WORK_DEADLINES_H
 
-struct server;
-struct server_timekeeper;
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
 
-/* Starts its thread. NULL without memory or thread. The server is borrowed. */
-struct server_timekeeper *server_timekeeper_create(struct server *server);
+struct server_thread;
 
-/* To be called when the first exchange is deferred, and when there is a job or a stream: the thread
- * sleeps while there is none. */
-void server_timekeeper_wake(struct server_timekeeper *timekeeper);
+struct server_deadlines {
+    const atomic_uint *deferred; /* requests that wait or are under way */
+    /* Answers the requests whose deadline has passed, drops what has expired. */
+    void (*tick)(void *user, uint64_t now_ns);
+    bool (*is_idle)(void *user); /* nothing to watch, besides deferred requests */
+    void *user;
+    struct server_thread *thread; /* set by start */
+};
 
-/* Stops the thread and frees. NULL is harmless. */
-void server_timekeeper_destroy(struct server_timekeeper *timekeeper);
+/* Starts the thread. False without memory or thread. */
+bool server_deadlines_start(struct server_deadlines *deadlines);
+
+/* The first request was deferred, or `is_idle` became false. */
+void server_deadlines_wake(struct server_deadlines *deadlines);
+
+/* Stops the thread; harmless if it was never started. */
+void server_deadlines_stop(struct server_deadlines *deadlines);
 
 #endif

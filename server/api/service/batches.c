@@ -1,38 +1,36 @@
-/* Batches: many-source work that is spread over the daemons of a store (batches.h), and what
- * clients ask about it. What is asked of the queue's database is done by workers. */
+/* Batches: create, list, describe and remove them, and read their answers (jobs/batch_runner.h).
+ * All of it by workers, since it reads the queue's database. */
 #include "server/query/handlers.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
-#include <time.h>
 
 #include "proto/many.h"
 #include "proto/page.h"
-#include "server/jobs/batches.h"
+#include "server/http/reply.h"
+#include "server/jobs/batch_runner.h"
+#include "server/jobs/job_id.h"
+#include "server/query/api.h"
 #include "server/query/request.h"
 #include "server/store/kind.h"
-#include "server/base/log.h"
-#include "server/http/reply.h"
-#include "server/query/api.h"
 
 #define BATCHES_MOST 1000 /* of a tenant */
-#define READ_AT_ONCE 16
+#define READ_AT_ONCE 16   /* answers, which may be large */
 
-/* --- steps, each replies when it fails -------------------------------------------------------- */
+_Static_assert(SERVER_BATCH_ID == SERVER_JOB_ID, "batches have ids of jobs");
+
+/* --- steps; each replies when it fails -------------------------------------------------------- */
 
 static struct server_store_sql *open_queue(struct server_exchange *exchange)
 {
     char error[256];
     struct server_store_sql *sql =
-        server_batches_sql(exchange->host->api->batches, error, sizeof error);
-    if (sql) return sql;
-    server_request_fail(exchange, SERVER_STORE_REFUSED);
-    return NULL;
+        server_batch_runner_sql(exchange->host->api->batches, error, sizeof error);
+    if (!sql) server_request_fail(exchange, SERVER_STORE_REFUSED);
+    return sql;
 }
 
-static bool check(struct server_exchange *exchange, enum server_store_outcome outcome)
+static bool check_outcome(struct server_exchange *exchange, enum server_store_outcome outcome)
 {
     if (!outcome) return true;
     if (outcome == SERVER_STORE_ABSENT)
@@ -44,63 +42,53 @@ static bool check(struct server_exchange *exchange, enum server_store_outcome ou
     return false;
 }
 
-/* The batch that the path names. */
-static bool find_batch(struct server_exchange *exchange, struct server_store_sql *sql,
-                       struct server_batch *out)
+/* The batch that the path names, and the queue. */
+static struct server_store_sql *find_batch(struct server_exchange *exchange,
+                                           struct server_batch *out)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
     char id[SERVER_BATCH_ID] = "";
+    struct server_store_sql *sql = open_queue(exchange);
+    if (!sql) return NULL;
     if (capture->length == SERVER_BATCH_ID - 1) memcpy(id, capture->text, SERVER_BATCH_ID - 1);
-    id[SERVER_BATCH_ID - 1] = '\0';
-    return check(exchange, id[0] ? server_batch_queue_find(sql, exchange->tenant, id, out)
-                                 : SERVER_STORE_ABSENT);
+    if (!check_outcome(exchange, server_batch_queue_find(sql, exchange->tenant, id, out)))
+        return NULL;
+    return sql;
 }
 
-static struct proto_many_state state_of(const struct server_batch *batch)
+static void batch_encode(struct proto_writer *writer, const struct server_batch *batch)
 {
-    return (struct proto_many_state){.id = batch->id,
-                                     .items = batch->items,
-                                     .done = batch->done,
-                                     .failed = batch->failed,
-                                     .created = batch->created,
-                                     .is_cancelled = batch->is_cancelled};
+    const struct proto_many_state state = {.id = batch->id,
+                                           .items = batch->items,
+                                           .done = batch->done,
+                                           .failed = batch->failed,
+                                           .created = batch->created,
+                                           .is_cancelled = batch->is_cancelled};
+    proto_many_encode(writer, &state);
 }
 
 static void reply_batch(struct server_exchange *exchange, unsigned status,
                         const struct server_batch *batch)
 {
     struct proto_writer writer;
-    const struct proto_many_state state = state_of(batch);
     server_reply_writer(exchange, &writer);
-    proto_many_encode(&writer, &state);
+    batch_encode(&writer, batch);
     server_reply_json(exchange, status, &writer);
 }
 
-/* --- begun ------------------------------------------------------------------------------------ */
+/* --- create ----------------------------------------------------------------------------------- */
 
-/* Ids grow with time, as far as the clock goes forward, and can't be guessed. */
-static void name_batch(struct server_batch *batch)
-{
-    struct timespec now;
-    uint64_t digits = 0;
-    clock_gettime(CLOCK_REALTIME, &now);
-    if (getrandom(&digits, sizeof digits, 0) < 0) digits = (uint64_t)now.tv_nsec;
-    snprintf(batch->id, sizeof batch->id, "%012llx%012llx",
-             (unsigned long long)now.tv_sec * 1000 + (unsigned long long)now.tv_nsec / 1000000,
-             (unsigned long long)(digits & 0xffffffffffff));
-    batch->created = now.tv_sec;
-}
-
-/* All items of all pairs are about one version of the mesh: that which there is now. */
+/* Items of all pairs use one version of the mesh: the current one, whose etag is written. */
 static bool fix_version(struct server_exchange *exchange, const struct proto_many *many,
                         char etag[SERVER_ETAG])
 {
+    struct server_registry *registry = exchange->host->api->registry;
     const struct server_key key = {exchange->tenant, &server_kind_mesh, proto_many_mesh(many, 0)};
     struct server_listed listed;
     etag[0] = '\0';
     if (many->query != PROTO_MANY_ALL_PAIRS) return true;
-    (void)server_registry_follow(exchange->host->api->registry, exchange->started_ns);
-    if (server_registry_find(exchange->host->api->registry, &key, &listed)) {
+    (void)server_registry_follow(registry, exchange->started_ns);
+    if (server_registry_find(registry, &key, &listed)) {
         strcpy(etag, listed.record->etag);
         server_listed_release(&listed);
         return true;
@@ -109,12 +97,13 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
-/* No matter of time, which would make clients ask again: only a DELETE makes room. */
-static bool has_room(struct server_exchange *exchange, struct server_store_sql *sql)
+/* A conflict, not a matter of time that clients would wait for: only a DELETE makes room. */
+static bool check_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
     int64_t count;
     struct proto_problem problem;
-    if (!check(exchange, server_batch_queue_count(sql, exchange->tenant, &count))) return false;
+    if (!check_outcome(exchange, server_batch_queue_count(sql, exchange->tenant, &count)))
+        return false;
     if (count < BATCHES_MOST) return true;
     (void)proto_problem_set(
         &problem, PROTO_PROBLEM_CONFLICT,
@@ -130,17 +119,17 @@ static void add_batch(struct server_exchange *exchange, const struct proto_many 
     struct server_batch batch = {.items = many->item_count};
     char etag[SERVER_ETAG];
     struct server_store_sql *sql = open_queue(exchange);
-    if (!sql || !fix_version(exchange, many, etag) || !has_room(exchange, sql)) return;
-    name_batch(&batch);
+    if (!sql || !fix_version(exchange, many, etag) || !check_room(exchange, sql)) return;
+    batch.created = server_job_id_create(batch.id);
     const struct server_batch_order order = {&batch, exchange->tenant, exchange->body.bytes,
                                              exchange->body.size, etag};
-    if (!check(exchange, server_batch_queue_add(sql, &order))) return;
-    server_batches_wake(exchange->host->api->batches);
+    if (!check_outcome(exchange, server_batch_queue_add(sql, &order))) return;
+    server_batch_runner_wake(exchange->host->api->batches);
     server_reply_header(exchange, "Location", "/v1/batches/%s", batch.id);
     reply_batch(exchange, 201, &batch);
 }
 
-static bool create(struct server_exchange *exchange)
+static bool create_batch(struct server_exchange *exchange)
 {
     struct proto_problem problem;
     struct proto_many many;
@@ -159,12 +148,12 @@ static bool create(struct server_exchange *exchange)
 void server_handle_create_batch(struct server_exchange *exchange)
 {
     if (server_reply_accepts_json(exchange) && server_request_is_plain(exchange))
-        server_exchange_defer(exchange, create, NULL);
+        server_exchange_defer(exchange, create_batch, NULL);
 }
 
-/* --- told ------------------------------------------------------------------------------------- */
+/* --- list, describe, remove ------------------------------------------------------------------- */
 
-static bool list(struct server_exchange *exchange)
+static bool list_batches(struct server_exchange *exchange)
 {
     struct proto_page page;
     struct proto_writer writer;
@@ -176,14 +165,11 @@ static bool list(struct server_exchange *exchange)
         batches ? server_batch_queue_list(sql, exchange->tenant, page.after ? page.after : "",
                                           page.limit + 1, batches, &count)
                 : SERVER_STORE_NO_MEMORY;
-    if (check(exchange, outcome)) {
+    if (check_outcome(exchange, outcome)) {
         uint32_t shown = count < page.limit ? count : page.limit;
         server_reply_writer(exchange, &writer);
         proto_page_begin(&writer, "batches");
-        for (uint32_t i = 0; i < shown; i++) {
-            const struct proto_many_state state = state_of(&batches[i]);
-            proto_many_encode(&writer, &state);
-        }
+        for (uint32_t i = 0; i < shown; i++) batch_encode(&writer, &batches[i]);
         proto_page_end(&writer, count > page.limit ? batches[shown - 1].id : NULL);
         server_reply_json(exchange, 200, &writer);
     }
@@ -193,24 +179,43 @@ static bool list(struct server_exchange *exchange)
 
 void server_handle_list_batches(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list, NULL);
+    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_batches, NULL);
 }
 
-static bool get(struct server_exchange *exchange)
+static bool describe_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
-    struct server_store_sql *sql = open_queue(exchange);
-    if (sql && find_batch(exchange, sql, &batch)) reply_batch(exchange, 200, &batch);
+    if (find_batch(exchange, &batch)) reply_batch(exchange, 200, &batch);
     return true;
 }
 
 void server_handle_get_batch(struct server_exchange *exchange)
 {
     if (server_reply_accepts_json(exchange) && server_request_is_plain(exchange))
-        server_exchange_defer(exchange, get, NULL);
+        server_exchange_defer(exchange, describe_batch, NULL);
 }
 
-/* --- its answers ------------------------------------------------------------------------------ */
+/* Cancels a batch under way, removes one that has ended. */
+static bool remove_batch(struct server_exchange *exchange)
+{
+    struct server_batch batch;
+    struct server_store_sql *sql = find_batch(exchange, &batch);
+    if (!sql) return true;
+    bool has_ended = batch.is_cancelled || batch.done == batch.items;
+    if (!check_outcome(exchange, has_ended ? server_batch_queue_remove(sql, batch.id)
+                                           : server_batch_queue_cancel(sql, batch.id)))
+        return true;
+    server_batch_runner_cancel(exchange->host->api->batches, batch.id);
+    server_reply_empty(exchange, 204);
+    return true;
+}
+
+void server_handle_delete_batch(struct server_exchange *exchange)
+{
+    if (server_request_is_plain(exchange)) server_exchange_defer(exchange, remove_batch, NULL);
+}
+
+/* --- answers ---------------------------------------------------------------------------------- */
 
 struct answers {
     struct proto_many many;
@@ -218,7 +223,7 @@ struct answers {
     int64_t last; /* item shown */
     uint32_t count, most;
     bool is_cut;   /* there are more than fit on the page */
-    uint32_t seen; /* rows of one reading */
+    uint32_t seen; /* rows of one read */
 };
 
 static bool on_answer(void *user, const struct server_sql_value *row)
@@ -234,50 +239,19 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* A few at a time, since an answer may be large. */
-static enum server_store_outcome show_answers(struct server_store_sql *sql, const char *id,
-                                              struct answers *answers)
+static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
+                          const char *id, struct answers *answers)
 {
+    char next[PROTO_PAGE_NUMBER];
     enum server_store_outcome outcome;
+    server_reply_writer(exchange, &answers->writer);
+    proto_page_begin(&answers->writer, "results");
     do {
         answers->seen = 0;
         outcome =
             server_batch_queue_answers(sql, id, answers->last, READ_AT_ONCE, on_answer, answers);
     } while (!outcome && answers->seen == READ_AT_ONCE && !answers->is_cut);
-    return outcome;
-}
-
-/* What the batch asks. */
-static bool read_many(struct server_exchange *exchange, struct server_store_sql *sql,
-                      const char *id, struct proto_many *out)
-{
-    struct proto_problem problem;
-    void *text;
-    size_t size;
-    if (!check(exchange, server_batch_queue_document(sql, id, &text, &size))) return false;
-    bool is_read = proto_many_read(text, size, out, &problem);
-    free(text);
-    if (!is_read) server_reply_problem(exchange, &problem);
-    return is_read;
-}
-
-/* The cursor of a page of answers: a number of an item. */
-static bool read_cursor(struct server_exchange *exchange, const struct proto_page *page,
-                        int64_t *out)
-{
-    struct proto_problem problem;
-    if (proto_page_number(page, out, &problem)) return true;
-    server_reply_problem(exchange, &problem);
-    return false;
-}
-
-static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
-                          const char *id, struct answers *answers)
-{
-    char next[PROTO_PAGE_NUMBER];
-    server_reply_writer(exchange, &answers->writer);
-    proto_page_begin(&answers->writer, "results");
-    if (!check(exchange, show_answers(sql, id, answers))) {
+    if (!check_outcome(exchange, outcome)) {
         proto_writer_free(&answers->writer);
         return;
     }
@@ -286,17 +260,33 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
     server_reply_json(exchange, 200, &answers->writer);
 }
 
-static bool get_results(struct server_exchange *exchange)
+/* Reads what the batch asks. */
+static bool read_batch(struct server_exchange *exchange, struct server_store_sql *sql,
+                       const char *id, struct proto_many *out)
+{
+    struct proto_problem problem;
+    void *text;
+    size_t size;
+    if (!check_outcome(exchange, server_batch_queue_document(sql, id, &text, &size))) return false;
+    bool is_read = proto_many_read(text, size, out, &problem);
+    free(text);
+    if (!is_read) server_reply_problem(exchange, &problem);
+    return is_read;
+}
+
+static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.last = -1};
     struct server_batch batch;
     struct proto_page page;
-    struct server_store_sql *sql = open_queue(exchange);
-    if (!sql || !server_request_page(exchange, &page) ||
-        !read_cursor(exchange, &page, &answers.last))
+    struct proto_problem problem;
+    if (!server_request_page(exchange, &page)) return true;
+    if (!proto_page_number(&page, &answers.last, &problem)) {
+        server_reply_problem(exchange, &problem);
         return true;
-    if (!find_batch(exchange, sql, &batch) || !read_many(exchange, sql, batch.id, &answers.many))
-        return true;
+    }
+    struct server_store_sql *sql = find_batch(exchange, &batch);
+    if (!sql || !read_batch(exchange, sql, batch.id, &answers.many)) return true;
     answers.most = page.limit;
     reply_answers(exchange, sql, batch.id, &answers);
     proto_many_free(&answers.many);
@@ -305,26 +295,5 @@ static bool get_results(struct server_exchange *exchange)
 
 void server_handle_get_batch_results(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, get_results, NULL);
-}
-
-/* --- ended ------------------------------------------------------------------------------------ */
-
-static bool end(struct server_exchange *exchange)
-{
-    struct server_batch batch;
-    struct server_store_sql *sql = open_queue(exchange);
-    if (!sql || !find_batch(exchange, sql, &batch)) return true;
-    bool has_ended = batch.is_cancelled || batch.done == batch.items;
-    if (!check(exchange, has_ended ? server_batch_queue_remove(sql, batch.id)
-                                   : server_batch_queue_cancel(sql, batch.id)))
-        return true;
-    server_batches_end(exchange->host->api->batches, batch.id);
-    server_reply_empty(exchange, 204);
-    return true;
-}
-
-void server_handle_delete_batch(struct server_exchange *exchange)
-{
-    if (server_request_is_plain(exchange)) server_exchange_defer(exchange, end, NULL);
+    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_answers, NULL);
 }

@@ -1,30 +1,26 @@
-/* Jobs: operations that are answered later, and what clients ask about them. */
+/* Deferred jobs: start, list, describe, follow and remove them (jobs/job_table.h). */
 #include "server/query/handlers.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "proto/accept.h"
 #include "proto/job.h"
 #include "proto/page.h"
 #include "server/http/events.h"
-#include "server/query/request.h"
-#include "server/jobs/jobs.h"
 #include "server/http/reply.h"
+#include "server/jobs/job_table.h"
 #include "server/query/api.h"
-#include "server/work/deadlines.h"
+#include "server/query/request.h"
 
 #define EVENT_STREAM "text/event-stream"
 #define LENT_FROM    65536 /* bytes of an answer; shorter ones are copied */
 
-/* --- found ------------------------------------------------------------------------------------ */
-
-/* The job that the path names, for the caller to release; NULL: replied. */
-static struct server_async *find_job(struct server_exchange *exchange)
+/* The job that the path names, for the caller to release; NULL: a problem is replied. */
+static struct server_deferred_job *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
-    struct server_async *job =
-        server_jobs_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
+    struct server_deferred_job *job =
+        server_job_table_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
     if (!job)
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
                              "there is no job of this id: it was removed, or has ended some time "
@@ -33,40 +29,41 @@ static struct server_async *find_job(struct server_exchange *exchange)
     return job;
 }
 
-/* --- told ------------------------------------------------------------------------------------- */
+/* --- describe --------------------------------------------------------------------------------- */
 
 static void release_job(void *user)
 {
-    server_async_release(user);
+    server_deferred_job_release(user);
 }
 
-/* A large answer is sent as the job holds it, which is kept meanwhile. */
-static struct server_lent lend(struct server_async *job, const struct proto_job_answer *answer,
-                               const char *tail)
+/* Lends a large answer to the response, which holds a reference of the job meanwhile. */
+static struct server_lent lend_answer(struct server_deferred_job *job,
+                                      const struct proto_job_answer *answer, const char *tail)
 {
     return (struct server_lent){.bytes = answer->body,
                                 .size = answer->size,
                                 .tail = tail,
-                                .lender = server_async_retain(job),
+                                .lender = server_deferred_job_retain(job),
                                 .release = release_job};
 }
 
-static void reply_told(struct server_exchange *exchange, unsigned status, struct server_async *job,
-                       const struct proto_job *told)
+static void reply_job(struct server_exchange *exchange, unsigned status,
+                      struct server_deferred_job *job, const struct proto_job *state)
 {
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
-    if (told->answer && told->answer->size >= LENT_FROM && proto_job_encode_head(&writer, told)) {
-        const struct server_lent lent = lend(job, told->answer, PROTO_JOB_TAIL);
+    if (state->answer && state->answer->size >= LENT_FROM &&
+        proto_job_encode_head(&writer, state)) {
+        const struct server_lent lent = lend_answer(job, state->answer, PROTO_JOB_TAIL);
         server_reply_lent(exchange, status, "application/json", &writer, &lent);
         return;
     }
-    proto_job_encode(&writer, told, PROTO_JOB_FULL);
+    proto_job_encode(&writer, state, PROTO_JOB_FULL);
     server_reply_json(exchange, status, &writer);
 }
 
-/* What the operation answered, as it did. */
-static void reply_answer(struct server_exchange *exchange, struct server_async *job,
+/* Replies with the saved answer itself. */
+static void reply_answer(struct server_exchange *exchange, struct server_deferred_job *job,
                          const struct proto_job_answer *answer)
 {
     struct proto_writer writer;
@@ -74,7 +71,7 @@ static void reply_answer(struct server_exchange *exchange, struct server_async *
         server_reply_header(exchange, answer->headers[i].name, "%s", answer->headers[i].value);
     server_reply_writer(exchange, &writer);
     if (answer->size >= LENT_FROM) {
-        const struct server_lent lent = lend(job, answer, "");
+        const struct server_lent lent = lend_answer(job, answer, "");
         server_reply_lent(exchange, answer->status, answer->media_type, &writer, &lent);
         return;
     }
@@ -85,171 +82,143 @@ static void reply_answer(struct server_exchange *exchange, struct server_async *
 void server_handle_get_job(struct server_exchange *exchange)
 {
     if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
-    struct server_async *job = find_job(exchange);
+    struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
-    struct proto_job told = server_jobs_look(job);
-    reply_told(exchange, 200, job, &told);
-    server_async_release(job);
+    const struct proto_job state = server_deferred_job_describe(job);
+    reply_job(exchange, 200, job, &state);
+    server_deferred_job_release(job);
 }
 
 void server_handle_get_job_result(struct server_exchange *exchange)
 {
     if (!server_request_is_plain(exchange)) return;
-    struct server_async *job = find_job(exchange);
+    struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
-    struct proto_job told = server_jobs_look(job);
-    if (told.answer)
-        reply_answer(exchange, job, told.answer);
+    const struct proto_job state = server_deferred_job_describe(job);
+    if (state.answer)
+        reply_answer(exchange, job, state.answer);
     else
         server_reply_refusal(
             exchange, PROTO_PROBLEM_CONFLICT,
-            told.state == PROTO_JOB_CANCELLED
+            state.state == PROTO_JOB_CANCELLED
                 ? "the job was cancelled and has no answer; ask again"
                 : "the job has not ended; its events tell when it has, or ask again later");
-    server_async_release(job);
+    server_deferred_job_release(job);
 }
 
-static void write_page(struct proto_writer *writer, struct server_async *const *jobs,
-                       uint32_t count, uint32_t limit)
+/* --- list ------------------------------------------------------------------------------------- */
+
+static void reply_page(struct server_exchange *exchange, uint32_t limit,
+                       struct server_deferred_job **jobs, uint32_t count)
 {
     uint32_t written = count < limit ? count : limit;
-    proto_page_begin(writer, "jobs");
-    for (uint32_t i = 0; i < written; i++) {
-        struct proto_job told = server_jobs_look(jobs[i]);
-        proto_job_encode(writer, &told, PROTO_JOB_BRIEF);
-    }
-    proto_page_end(writer, count > limit ? server_jobs_look(jobs[limit - 1]).id : NULL);
-}
-
-/* The jobs on a page, and one more if there is a next page; at most `most`. */
-static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page,
-                            uint32_t most, struct server_async **jobs)
-{
-    return server_jobs_list(exchange->host->api->jobs, exchange->tenant, page->after,
-                            page->limit < most ? page->limit + 1 : most, jobs);
-}
-
-static void reply_page(struct server_exchange *exchange, const struct proto_page *page,
-                       struct server_async **jobs, uint32_t count)
-{
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
-    write_page(&writer, jobs, count, page->limit);
-    for (uint32_t i = 0; i < count; i++) server_async_release(jobs[i]);
+    proto_page_begin(&writer, "jobs");
+    for (uint32_t i = 0; i < written; i++) {
+        const struct proto_job state = server_deferred_job_describe(jobs[i]);
+        proto_job_encode(&writer, &state, PROTO_JOB_BRIEF);
+    }
+    proto_page_end(&writer,
+                   count > limit ? server_deferred_job_describe(jobs[limit - 1]).id : NULL);
     server_reply_json(exchange, 200, &writer);
 }
 
-static bool list(struct server_exchange *exchange)
+/* Replies with a page of at most `most` jobs. False: the page has more. */
+static bool list_jobs(struct server_exchange *exchange, uint32_t most)
 {
     struct proto_page page;
-    struct server_async *jobs[PROTO_PAGE_MOST + 1];
+    struct server_deferred_job *jobs[PROTO_PAGE_MOST + 1];
     if (!server_request_page(exchange, &page)) return true;
-    uint32_t count = find_listed(exchange, &page, PROTO_PAGE_MOST + 1, jobs);
-    reply_page(exchange, &page, jobs, count);
-    return true;
+    uint32_t wanted = page.limit < most ? page.limit : most;
+    uint32_t count = server_job_table_list(exchange->host->api->jobs, exchange->tenant, page.after,
+                                           wanted + 1, jobs);
+    bool is_whole = page.limit <= most || count <= most;
+    if (is_whole) reply_page(exchange, page.limit, jobs, count);
+    for (uint32_t i = 0; i < count; i++) server_deferred_job_release(jobs[i]);
+    return is_whole;
+}
+
+static bool list_all(struct server_exchange *exchange)
+{
+    return list_jobs(exchange, PROTO_PAGE_MOST);
 }
 
 void server_handle_list_jobs(struct server_exchange *exchange)
 {
-    struct proto_page page;
-    struct server_async *jobs[SERVER_REQUEST_SHORT_LIST + 1];
-    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
-    uint32_t count = find_listed(exchange, &page, SERVER_REQUEST_SHORT_LIST + 1, jobs);
-    if (page.limit <= SERVER_REQUEST_SHORT_LIST || count <= SERVER_REQUEST_SHORT_LIST) {
-        reply_page(exchange, &page, jobs, count);
-        return;
-    }
-    for (uint32_t i = 0; i < count; i++) server_async_release(jobs[i]);
-    server_request_list(exchange, list);
+    if (server_reply_accepts_json(exchange) && !list_jobs(exchange, SERVER_REQUEST_SHORT_LIST))
+        server_request_list(exchange, list_all);
 }
 
-/* --- begun and ended -------------------------------------------------------------------------- */
-
-/* A job that the daemon had no room or time for: its client is told so at once, and there is
- * nothing to come back for. */
-static bool was_refused(const struct proto_job *told)
-{
-    return told->answer && told->answer->status == 503;
-}
-
-static void reply_started(struct server_exchange *exchange, struct server_async *job)
-{
-    struct proto_job told = server_jobs_look(job);
-    if (was_refused(&told)) {
-        reply_answer(exchange, job, told.answer);
-        server_jobs_cancel(exchange->host->api->jobs, job);
-        return;
-    }
-    server_reply_header(exchange, "Location", "/v1/jobs/%s", told.id);
-    server_reply_header(exchange, "Preference-Applied", "respond-async");
-    reply_told(exchange, 202, job, &told);
-}
+/* --- start, remove ---------------------------------------------------------------------------- */
 
 void server_handle_async(struct server_exchange *exchange)
 {
     struct proto_problem problem;
-    struct server_async *job = server_jobs_start(exchange->host->api->jobs, exchange, &problem);
-    if (job)
-        reply_started(exchange, job);
-    else
+    struct server_job_table *table = exchange->host->api->jobs;
+    struct server_deferred_job *job = server_job_table_start(table, exchange, &problem);
+    if (!job) {
         server_reply_problem(exchange, &problem);
-    server_async_release(job);
+        return;
+    }
+    const struct proto_job state = server_deferred_job_describe(job);
+    if (state.answer && state.answer->status == 503) { /* refused at once: no job for the client */
+        reply_answer(exchange, job, state.answer);
+        server_job_table_cancel(table, job);
+    } else {
+        server_reply_header(exchange, "Location", "/v1/jobs/%s", state.id);
+        server_reply_header(exchange, "Preference-Applied", "respond-async");
+        reply_job(exchange, 202, job, &state);
+    }
+    server_deferred_job_release(job);
 }
 
 void server_handle_delete_job(struct server_exchange *exchange)
 {
-    if (!server_request_is_plain(exchange)) return;
-    struct server_async *job = find_job(exchange);
     struct proto_problem problem;
+    if (!server_request_is_plain(exchange)) return;
+    struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
-    bool may = server_grant_may_change(&exchange->grant, job->key, &problem);
-    if (may) server_jobs_cancel(exchange->host->api->jobs, job);
-    server_async_release(job);
-    if (may)
+    if (server_grant_may_change(&exchange->grant, server_deferred_job_key(job), &problem)) {
+        server_job_table_cancel(exchange->host->api->jobs, job);
         server_reply_empty(exchange, 204);
-    else
+    } else {
         server_reply_problem(exchange, &problem);
+    }
+    server_deferred_job_release(job);
 }
 
-/* --- watched ---------------------------------------------------------------------------------- */
+/* --- events ----------------------------------------------------------------------------------- */
 
 /* State and progress in one number. */
 static uint64_t event_version(void *user)
 {
-    struct proto_job told = server_jobs_look(user);
-    return (uint64_t)told.state << 32 | (uint64_t)(told.progress * UINT32_MAX);
+    const struct proto_job state = server_deferred_job_describe(user);
+    return (uint64_t)state.state << 32 | (uint64_t)(state.progress * UINT32_MAX);
 }
 
-static bool tell_event(void *user, struct proto_writer *writer)
+static bool event_write(void *user, struct proto_writer *writer)
 {
-    struct proto_job told = server_jobs_look(user);
-    proto_job_encode_event(writer, &told);
-    return !proto_job_has_ended(told.state);
+    const struct proto_job state = server_deferred_job_describe(user);
+    proto_job_encode_event(writer, &state);
+    return !proto_job_has_ended(state.state);
 }
 
-/* The stream has a reference of the job of its own. */
-static void reply_events(struct server_exchange *exchange, struct server_async *job)
+static void reply_events(struct server_exchange *exchange, struct server_deferred_job *job)
 {
     struct server_host *host = exchange->host;
     const struct server_event_source source = {.version = event_version,
-                                               .tell = tell_event,
+                                               .tell = event_write,
                                                .release = release_job,
-                                               .user = server_async_retain(job)};
+                                               .user = server_deferred_job_retain(job)};
     struct server_stream *stream = server_stream_open(host->events, &source);
     if (!stream) {
-        server_async_release(job);
+        server_deferred_job_release(job);
         server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
         return;
     }
     host->watch(host->watcher);
     server_reply_stream(exchange, 200, EVENT_STREAM, stream);
-}
-
-/* A browser that has seen the end connects again unless it is told that there is no more. */
-static bool has_seen_the_end(const struct server_exchange *exchange)
-{
-    const char *last = server_exchange_header(exchange, "Last-Event-ID");
-    return last && strcmp(last, PROTO_JOB_LAST_EVENT) == 0;
 }
 
 void server_handle_get_job_events(struct server_exchange *exchange)
@@ -261,11 +230,12 @@ void server_handle_get_job_events(struct server_exchange *exchange)
                              " or none");
         return;
     }
-    struct server_async *job = find_job(exchange);
+    const char *last = server_exchange_header(exchange, "Last-Event-ID");
+    struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
-    if (has_seen_the_end(exchange))
-        server_reply_empty(exchange, 204);
+    if (last && strcmp(last, PROTO_JOB_LAST_EVENT) == 0)
+        server_reply_empty(exchange, 204); /* else a browser connects again after the last event */
     else
         reply_events(exchange, job);
-    server_async_release(job);
+    server_deferred_job_release(job);
 }

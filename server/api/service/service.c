@@ -2,13 +2,13 @@
 #include "server/query/handlers.h"
 
 #include "proto/service.h"
-#include "server/jobs/batches.h"
-#include "server/query/request.h"
+#include "server/base/version.h"
 #include "server/http/reply.h"
+#include "server/jobs/batch_runner.h"
 #include "server/query/api.h"
+#include "server/query/request.h"
 
 #define ANSWER_MOST ((size_t)16 << 20) /* bytes */
-#include "server/base/version.h"
 
 static void reply_asset(struct server_exchange *exchange, const char *path)
 {
@@ -20,7 +20,7 @@ static void reply_asset(struct server_exchange *exchange, const char *path)
                              "this build of the program holds no %s", path);
 }
 
-/* A page's parameters are for its scripts. */
+/* Any query string is allowed: the page's scripts read it. */
 void server_handle_get_viewer(struct server_exchange *exchange)
 {
     reply_asset(exchange, "/");
@@ -45,13 +45,13 @@ void server_handle_get_livez(struct server_exchange *exchange)
     if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
-/* A store that takes no changes leaves the daemon ready, since queries are answered as before; so
- * does a shared one that is out of reach: it is so for the other daemons, too, and what is in
- * memory can be asked about. */
+/* A read-only store leaves the daemon ready, since it still answers queries. So does a shared store
+ * that is unreachable: other daemons are in no better state, and surfaces in memory still answer.
+ */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->host->api->registry);
-    if (!reason) reason = server_batches_health(exchange->host->api->batches);
+    if (!reason) reason = server_batch_runner_health(exchange->host->api->batches);
     if (!server_request_is_plain(exchange)) return;
     if (atomic_load(&exchange->host->is_draining)) {
         server_reply_header(exchange, "Retry-After", "1");
@@ -64,8 +64,8 @@ void server_handle_get_readyz(struct server_exchange *exchange)
     }
 }
 
-/* Numbers of all tenants are for the operator, wherever the request comes from: behind a proxy
- * every client is of this machine. */
+/* Only an operator's key gets the numbers of all tenants. The client's address proves nothing:
+ * behind a proxy every client is local. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     const struct server_api *api = exchange->host->api;

@@ -9,12 +9,11 @@
 #include <unistd.h>
 
 #include "server/http/events.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_table.h"
 #include "server/surfaces/registry.h"
 #include "server/http/reply.h"
 #include "server/router.h"
 #include "server/server.h"
-#include "server/work/deadlines.h"
 
 static struct server daemon_server;
 static sem_t daemon_finished;
@@ -63,9 +62,8 @@ static inline void daemon_start(struct server_store *store)
                                                            .max_faces = 1000});
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
     server->events = server_events_create();
-    server->jobs = server_jobs_create(server);
-    server->timekeeper = server_timekeeper_create(server);
     server_connect(server);
+    assert_true(server_start_jobs(server));
     sem_init(&daemon_finished, 0, 0);
 }
 
@@ -75,8 +73,8 @@ static inline void daemon_stop(void)
     struct server *server = &daemon_server;
     server_workers_cancel(server->workers);
     while (atomic_load(&server->host.deferred)) usleep(1000);
-    server_timekeeper_destroy(server->timekeeper);
-    server_jobs_destroy(server->jobs);
+    server_deadlines_stop(&server->deadlines);
+    server_job_table_destroy(server->jobs);
     server_events_destroy(server->events);
     server_surfaces_destroy(&server->surfaces);
     server_workers_destroy(server->workers);

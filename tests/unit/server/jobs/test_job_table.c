@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include "server/http/events.h"
-#include "server/jobs/jobs.h"
+#include "server/jobs/job_id.h"
+#include "server/jobs/job_table.h"
 #include "server/http/reply.h"
 #include "server/server.h"
-#include "server/work/deadlines.h"
 
 #define SECOND UINT64_C(1000000000)
 
@@ -30,9 +30,8 @@ static int start_server(uint64_t max_jobs, uint64_t ttl_s)
     server.surfaces.loader =
         server_loader_create(&(struct server_loader_parts){.workers = server.workers});
     server.events = server_events_create();
-    server.jobs = server_jobs_create(&server);
-    server.timekeeper = server_timekeeper_create(&server);
     server_connect(&server);
+    assert_true(server_start_jobs(&server));
     sem_init(&begun, 0, 0);
     sem_init(&hold, 0, 0);
     answer_size = 100;
@@ -64,8 +63,8 @@ static int tear_down(void **state)
     for (int i = 0; i < 100; i++) sem_post(&hold); /* for a test that failed meanwhile */
     server_workers_cancel(server.workers);
     while (atomic_load(&server.host.deferred)) usleep(1000);
-    server_timekeeper_destroy(server.timekeeper);
-    server_jobs_destroy(server.jobs);
+    server_deadlines_stop(&server.deadlines);
+    server_job_table_destroy(server.jobs);
     server_events_destroy(server.events);
     server_surfaces_destroy(&server.surfaces);
     server_workers_destroy(server.workers);
@@ -176,8 +175,8 @@ static struct server_exchange *request(const struct proto_route *route)
     return exchange;
 }
 
-static struct server_async *start_or_refuse(void (*handle)(struct server_exchange *exchange),
-                                            struct proto_problem *problem)
+static struct server_deferred_job *start_or_refuse(void (*handle)(struct server_exchange *exchange),
+                                                   struct proto_problem *problem)
 {
     const struct proto_route route = {.path = "/v1/meshes/{name}/x", .handle = handle};
     static struct proto_route routes[16]; /* outlive the exchanges */
@@ -185,25 +184,25 @@ static struct server_async *start_or_refuse(void (*handle)(struct server_exchang
     struct proto_route *kept = &routes[next++ % 16];
     *kept = route;
     struct server_exchange *exchange = request(kept);
-    struct server_async *job = server_jobs_start(server.jobs, exchange, problem);
+    struct server_deferred_job *job = server_job_table_start(server.jobs, exchange, problem);
     server_exchange_destroy(exchange);
     return job;
 }
 
-static struct server_async *start(void (*handle)(struct server_exchange *exchange))
+static struct server_deferred_job *start(void (*handle)(struct server_exchange *exchange))
 {
     struct proto_problem problem;
-    struct server_async *job = start_or_refuse(handle, &problem);
+    struct server_deferred_job *job = start_or_refuse(handle, &problem);
     assert_non_null(job);
     return job;
 }
 
-static enum proto_job_state state_of(struct server_async *job)
+static enum proto_job_state state_of(struct server_deferred_job *job)
 {
-    return server_jobs_look(job).state;
+    return server_deferred_job_describe(job).state;
 }
 
-static void wait_for(struct server_async *job, enum proto_job_state state)
+static void wait_for(struct server_deferred_job *job, enum proto_job_state state)
 {
     for (int i = 0; i < 5000 && state_of(job) != state; i++) usleep(1000);
     assert_int_equal(state_of(job), state);
@@ -211,8 +210,8 @@ static void wait_for(struct server_async *job, enum proto_job_state state)
 
 static bool is_there(const char *id)
 {
-    struct server_async *job = server_jobs_find(server.jobs, tenant, id, strlen(id));
-    server_async_release(job);
+    struct server_deferred_job *job = server_job_table_find(server.jobs, tenant, id, strlen(id));
+    server_deferred_job_release(job);
     return job != NULL;
 }
 
@@ -226,8 +225,8 @@ static size_t counted(void)
 static void an_answer_is_kept_until_it_is_removed(void **state)
 {
     (void)state;
-    struct server_async *job = start(answer);
-    struct proto_job told = server_jobs_look(job);
+    struct server_deferred_job *job = start(answer);
+    struct proto_job told = server_deferred_job_describe(job);
     assert_int_equal(told.state, PROTO_JOB_DONE);
     assert_true(told.progress == 1);
     assert_string_equal(told.request, "POST /v1/meshes/cow/x");
@@ -237,24 +236,25 @@ static void an_answer_is_kept_until_it_is_removed(void **state)
     assert_string_equal(told.answer->headers[0].value, "\"tag\"");
     assert_int_equal(counted(), 100);
     assert_true(is_there(told.id));
-    server_jobs_cancel(server.jobs, job);
+    server_job_table_cancel(server.jobs, job);
     assert_false(is_there(told.id));
-    assert_int_equal(server_jobs_look(job).answer->size, 100); /* as long as somebody looks at it */
+    assert_int_equal(server_deferred_job_describe(job).answer->size,
+                     100); /* as long as somebody looks at it */
     assert_int_equal(counted(), 100);
-    server_async_release(job);
+    server_deferred_job_release(job);
     assert_int_equal(counted(), 0);
 }
 
 static void a_problem_is_a_failure(void **state)
 {
     (void)state;
-    struct server_async *job = start(answer_badly);
-    struct proto_job told = server_jobs_look(job);
+    struct server_deferred_job *job = start(answer_badly);
+    struct proto_job told = server_deferred_job_describe(job);
     assert_int_equal(told.state, PROTO_JOB_FAILED);
     assert_int_equal(told.answer->status, 404);
     assert_string_equal(told.answer->media_type, "application/problem+json");
     assert_true(told.progress == 0);
-    server_async_release(job);
+    server_deferred_job_release(job);
 }
 
 static void the_request_comes_whole(void **state)
@@ -267,149 +267,149 @@ static void the_request_comes_whole(void **state)
     server_exchange_add_header(exchange, "Content-Type", "text/plain");
     assert_true(server_body_prepare(&exchange->body, &server.budget, 4, 10, &problem));
     server_body_append(&exchange->body, &server.budget, "body", 4);
-    struct server_async *job = server_jobs_start(server.jobs, exchange, &problem);
-    assert_int_equal(server_jobs_look(job).answer->status, 204);
+    struct server_deferred_job *job = server_job_table_start(server.jobs, exchange, &problem);
+    assert_int_equal(server_deferred_job_describe(job).answer->status, 204);
     assert_int_equal(exchange->body.size, 0);
     server_exchange_destroy(exchange);
-    server_async_release(job);
+    server_deferred_job_release(job);
 }
 
 static void states_follow_the_workers(void **state)
 {
     (void)state;
-    struct server_async *first = start(wait_in_a_worker);
+    struct server_deferred_job *first = start(wait_in_a_worker);
     sem_wait(&begun);
-    struct server_async *second = start(wait_in_a_worker);
+    struct server_deferred_job *second = start(wait_in_a_worker);
     assert_int_equal(state_of(first), PROTO_JOB_RUNNING);
     assert_int_equal(state_of(second), PROTO_JOB_QUEUED);
-    assert_null(server_jobs_look(first).answer);
+    assert_null(server_deferred_job_describe(first).answer);
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
     wait_for(second, PROTO_JOB_RUNNING);
     sem_post(&hold);
     wait_for(second, PROTO_JOB_DONE);
-    struct server_jobs_statistics statistics = server_jobs_statistics(server.jobs, NULL);
+    struct server_job_statistics statistics = server_job_table_statistics(server.jobs, NULL);
     assert_int_equal(statistics.now[PROTO_JOB_DONE], 2);
     assert_int_equal(statistics.ended[PROTO_JOB_DONE], 2);
-    server_async_release(first);
-    server_async_release(second);
+    server_deferred_job_release(first);
+    server_deferred_job_release(second);
 }
 
 static void progress_never_falls(void **state)
 {
     (void)state;
     static const double expected[] = {0, 0.4, 0.4, 0.5, 0.5, 0.9, 0.9, 1};
-    struct server_async *job = start(report);
+    struct server_deferred_job *job = start(report);
     for (size_t i = 0; i < COUNT(expected); i++) {
         sem_wait(&begun);
-        assert_true(server_jobs_look(job).progress == expected[i]);
+        assert_true(server_deferred_job_describe(job).progress == expected[i]);
         sem_post(&hold);
     }
     wait_for(job, PROTO_JOB_DONE);
-    server_async_release(job);
+    server_deferred_job_release(job);
 }
 
 static void what_waits_is_cancelled_without_a_worker(void **state)
 {
     (void)state;
-    struct server_async *first = start(wait_in_a_worker);
+    struct server_deferred_job *first = start(wait_in_a_worker);
     sem_wait(&begun);
-    struct server_async *second = start(wait_in_a_worker);
-    server_jobs_cancel(server.jobs, second);
+    struct server_deferred_job *second = start(wait_in_a_worker);
+    server_job_table_cancel(server.jobs, second);
     assert_int_equal(state_of(second), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.host.deferred) > 1; i++) usleep(1000);
-    assert_int_equal(atomic_load(&server.host.deferred), 1); /* its exchange is gone, */
-    assert_true(is_there(server_jobs_look(second).id));      /* not so the job, */
-    server_jobs_cancel(server.jobs, second);
-    assert_false(is_there(server_jobs_look(second).id)); /* until it is removed */
+    assert_int_equal(atomic_load(&server.host.deferred), 1);        /* its exchange is gone, */
+    assert_true(is_there(server_deferred_job_describe(second).id)); /* not so the job, */
+    server_job_table_cancel(server.jobs, second);
+    assert_false(is_there(server_deferred_job_describe(second).id)); /* until it is removed */
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
     assert_int_equal(works, 1);
-    server_async_release(first);
-    server_async_release(second);
+    server_deferred_job_release(first);
+    server_deferred_job_release(second);
 }
 
 static void what_runs_is_stopped_and_its_answer_dropped(void **state)
 {
     (void)state;
-    struct server_async *job = start(go_on);
+    struct server_deferred_job *job = start(go_on);
     sem_wait(&begun);
-    server_jobs_cancel(server.jobs, job);
+    server_job_table_cancel(server.jobs, job);
     assert_int_equal(state_of(job), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.host.deferred); i++) usleep(1000);
     assert_int_equal(atomic_load(&server.host.deferred), 0);
     assert_int_equal(state_of(job), PROTO_JOB_CANCELLED);
-    assert_null(server_jobs_look(job).answer);
+    assert_null(server_deferred_job_describe(job).answer);
     assert_int_equal(counted(), 0);
-    server_async_release(job);
+    server_deferred_job_release(job);
 }
 
 static void ended_jobs_are_dropped_in_time(void **state)
 {
     (void)state;
-    struct server_async *running = start(wait_in_a_worker), *ended = start(answer);
+    struct server_deferred_job *running = start(wait_in_a_worker), *ended = start(answer);
     sem_wait(&begun);
-    server_jobs_sweep(server.jobs, gd_now_ns() + 59 * SECOND);
-    assert_true(is_there(server_jobs_look(ended).id));
-    server_jobs_sweep(server.jobs, gd_now_ns() + 61 * SECOND);
-    assert_false(is_there(server_jobs_look(ended).id));
-    assert_true(is_there(server_jobs_look(running).id));
+    server_job_table_expire(server.jobs, gd_now_ns() + 59 * SECOND);
+    assert_true(is_there(server_deferred_job_describe(ended).id));
+    server_job_table_expire(server.jobs, gd_now_ns() + 61 * SECOND);
+    assert_false(is_there(server_deferred_job_describe(ended).id));
+    assert_true(is_there(server_deferred_job_describe(running).id));
     sem_post(&hold);
-    server_async_release(running);
-    server_async_release(ended);
+    server_deferred_job_release(running);
+    server_deferred_job_release(ended);
 }
 
 static void an_expired_job_is_not_found(void **state)
 {
     (void)state;
-    struct server_async *job = start(answer), *listed[4];
-    assert_false(is_there(server_jobs_look(job).id));
-    assert_int_equal(server_jobs_list(server.jobs, "", NULL, 4, listed), 0);
-    server_async_release(job);
+    struct server_deferred_job *job = start(answer), *listed[4];
+    assert_false(is_there(server_deferred_job_describe(job).id));
+    assert_int_equal(server_job_table_list(server.jobs, "", NULL, 4, listed), 0);
+    server_deferred_job_release(job);
 }
 
 static void the_oldest_make_way(void **state)
 {
     (void)state;
-    struct server_async *running = start(wait_in_a_worker), *ended[4];
+    struct server_deferred_job *running = start(wait_in_a_worker), *ended[4];
     sem_wait(&begun);
     for (int i = 0; i < 4; i++) ended[i] = start(answer);
-    assert_true(is_there(server_jobs_look(running).id));
-    assert_false(is_there(server_jobs_look(ended[0]).id));
-    for (int i = 1; i < 4; i++) assert_true(is_there(server_jobs_look(ended[i]).id));
-    for (int i = 0; i < 4; i++) server_async_release(ended[i]);
+    assert_true(is_there(server_deferred_job_describe(running).id));
+    assert_false(is_there(server_deferred_job_describe(ended[0]).id));
+    for (int i = 1; i < 4; i++) assert_true(is_there(server_deferred_job_describe(ended[i]).id));
+    for (int i = 0; i < 4; i++) server_deferred_job_release(ended[i]);
     sem_post(&hold);
-    server_async_release(running);
+    server_deferred_job_release(running);
 }
 
 static void a_full_table_refuses(void **state)
 {
     (void)state;
     struct proto_problem problem;
-    struct server_async *first = start(wait_in_a_worker), *second = start(wait_in_a_worker);
+    struct server_deferred_job *first = start(wait_in_a_worker), *second = start(wait_in_a_worker);
     assert_null(start_or_refuse(answer, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_OVERLOADED);
     assert_int_equal(problem.retry_after, 1);
     sem_post(&hold);
     sem_post(&hold);
     wait_for(second, PROTO_JOB_DONE);
-    server_async_release(start(answer));
-    server_async_release(first);
-    server_async_release(second);
+    server_deferred_job_release(start(answer));
+    server_deferred_job_release(first);
+    server_deferred_job_release(second);
 }
 
-static struct server_async *start_for(const char *who)
+static struct server_deferred_job *start_for(const char *who)
 {
     tenant = who;
-    struct server_async *job = start(answer);
+    struct server_deferred_job *job = start(answer);
     tenant = "";
     return job;
 }
 
-static bool is_there_for(const char *who, struct server_async *job)
+static bool is_there_for(const char *who, struct server_deferred_job *job)
 {
     tenant = who;
-    bool found = is_there(server_jobs_look(job).id);
+    bool found = is_there(server_deferred_job_describe(job).id);
     tenant = "";
     return found;
 }
@@ -418,27 +418,27 @@ static bool is_there_for(const char *who, struct server_async *job)
 static void the_tenant_with_the_most_makes_way(void **state)
 {
     (void)state;
-    struct server_async *bob = start_for("bob"), *ann[6];
+    struct server_deferred_job *bob = start_for("bob"), *ann[6];
     for (int i = 0; i < 6; i++) ann[i] = start_for("ann");
     assert_true(is_there_for("bob", bob));
     for (int i = 0; i < 6; i++) assert_int_equal(is_there_for("ann", ann[i]), i >= 3);
-    struct server_async *more = start_for("bob");
+    struct server_deferred_job *more = start_for("bob");
     assert_true(is_there_for("bob", bob) && is_there_for("bob", more) &&
                 !is_there_for("ann", ann[3]));
-    for (int i = 0; i < 6; i++) server_async_release(ann[i]);
-    server_async_release(bob);
-    server_async_release(more);
+    for (int i = 0; i < 6; i++) server_deferred_job_release(ann[i]);
+    server_deferred_job_release(bob);
+    server_deferred_job_release(more);
 }
 
 /* Of 1 MiB for answers: a job with an answer of so many bytes, whose id is written; false: it
  * failed. */
-static bool keep(const char *who, size_t bytes, char id[SERVER_ASYNC_ID])
+static bool keep(const char *who, size_t bytes, char id[SERVER_JOB_ID])
 {
     answer_size = bytes;
-    struct server_async *job = start_for(who);
+    struct server_deferred_job *job = start_for(who);
     bool is_kept = state_of(job) == PROTO_JOB_DONE;
-    strcpy(id, server_jobs_look(job).id);
-    server_async_release(job);
+    strcpy(id, server_deferred_job_describe(job).id);
+    server_deferred_job_release(job);
     return is_kept;
 }
 
@@ -453,7 +453,7 @@ static bool is_kept_for(const char *who, const char *id)
 static void large_answers_make_way_for_their_own_tenant(void **state)
 {
     (void)state;
-    char bob[SERVER_ASYNC_ID], ann[3][SERVER_ASYNC_ID], refused[SERVER_ASYNC_ID];
+    char bob[SERVER_JOB_ID], ann[3][SERVER_JOB_ID], refused[SERVER_JOB_ID];
     assert_true(keep("bob", 100 << 10, bob));
     for (int i = 0; i < 3; i++) assert_true(keep("ann", 400 << 10, ann[i]));
     assert_true(is_kept_for("bob", bob) && !is_kept_for("ann", ann[0]));
@@ -465,59 +465,62 @@ static void large_answers_make_way_for_their_own_tenant(void **state)
 static void answers_have_a_share_of_the_budget(void **state)
 {
     (void)state;
-    struct server_async *jobs[3];
+    struct server_deferred_job *jobs[3];
     answer_size = 600 << 10; /* of 1 MiB */
     for (int i = 0; i < 2; i++) {
         jobs[i] = start(answer);
         assert_int_equal(state_of(jobs[i]), PROTO_JOB_DONE);
-        server_async_release(jobs[i]); /* the first is gone when the second has come */
+        server_deferred_job_release(jobs[i]); /* the first is gone when the second has come */
         assert_int_equal(counted(), answer_size);
     }
     answer_size = 2 << 20;
     jobs[2] = start(answer);
-    assert_int_equal(server_jobs_look(jobs[2]).answer->status, 507);
-    server_async_release(jobs[2]);
+    assert_int_equal(server_deferred_job_describe(jobs[2]).answer->status, 507);
+    server_deferred_job_release(jobs[2]);
 }
 
 static void are_listed_by_age(void **state)
 {
     (void)state;
-    struct server_async *jobs[4], *listed[4];
+    struct server_deferred_job *jobs[4], *listed[4];
     for (int i = 0; i < 4; i++) jobs[i] = start(answer);
     for (int i = 0; i < 3; i++)
-        assert_true(strcmp(server_jobs_look(jobs[i]).id, server_jobs_look(jobs[i + 1]).id) < 0);
-    assert_int_equal(server_jobs_list(server.jobs, "", NULL, 3, listed), 3);
+        assert_true(strcmp(server_deferred_job_describe(jobs[i]).id,
+                           server_deferred_job_describe(jobs[i + 1]).id) < 0);
+    assert_int_equal(server_job_table_list(server.jobs, "", NULL, 3, listed), 3);
     for (int i = 0; i < 3; i++) assert_ptr_equal(listed[i], jobs[i]);
-    for (int i = 0; i < 3; i++) server_async_release(listed[i]);
-    server_jobs_cancel(server.jobs, jobs[1]); /* a page may begin behind one that is gone */
-    assert_int_equal(server_jobs_list(server.jobs, "", server_jobs_look(jobs[1]).id, 4, listed), 2);
+    for (int i = 0; i < 3; i++) server_deferred_job_release(listed[i]);
+    server_job_table_cancel(server.jobs, jobs[1]); /* a page may begin behind one that is gone */
+    assert_int_equal(
+        server_job_table_list(server.jobs, "", server_deferred_job_describe(jobs[1]).id, 4, listed),
+        2);
     assert_ptr_equal(listed[0], jobs[2]);
     assert_ptr_equal(listed[1], jobs[3]);
-    for (int i = 0; i < 2; i++) server_async_release(listed[i]);
-    assert_int_equal(server_jobs_list(server.jobs, "", "zzz", 4, listed), 0);
-    for (int i = 0; i < 4; i++) server_async_release(jobs[i]);
+    for (int i = 0; i < 2; i++) server_deferred_job_release(listed[i]);
+    assert_int_equal(server_job_table_list(server.jobs, "", "zzz", 4, listed), 0);
+    for (int i = 0; i < 4; i++) server_deferred_job_release(jobs[i]);
 }
 
 static void are_known_to_their_tenant_only(void **state)
 {
     (void)state;
-    struct server_async *listed[4];
+    struct server_deferred_job *listed[4];
     tenant = "a";
-    struct server_async *job = start(answer);
-    assert_true(is_there(server_jobs_look(job).id));
+    struct server_deferred_job *job = start(answer);
+    assert_true(is_there(server_deferred_job_describe(job).id));
     tenant = "";
-    assert_false(is_there(server_jobs_look(job).id));
-    assert_int_equal(server_jobs_list(server.jobs, "", NULL, 4, listed), 0);
-    assert_int_equal(server_jobs_list(server.jobs, "b", NULL, 4, listed), 0);
-    assert_int_equal(server_jobs_list(server.jobs, "a", NULL, 4, listed), 1);
-    server_async_release(listed[0]);
-    server_async_release(job);
+    assert_false(is_there(server_deferred_job_describe(job).id));
+    assert_int_equal(server_job_table_list(server.jobs, "", NULL, 4, listed), 0);
+    assert_int_equal(server_job_table_list(server.jobs, "b", NULL, 4, listed), 0);
+    assert_int_equal(server_job_table_list(server.jobs, "a", NULL, 4, listed), 1);
+    server_deferred_job_release(listed[0]);
+    server_deferred_job_release(job);
 }
 
 static void odd_ids_are_not_found(void **state)
 {
     (void)state;
-    server_async_release(start(answer));
+    server_deferred_job_release(start(answer));
     static const char *const ids[] = {"", "x", "000000000000000000000000",
                                       "ffffffffffffffffffffffff", "0000000000000000000000000"};
     for (size_t i = 0; i < COUNT(ids); i++) assert_false(is_there(ids[i]));
@@ -527,20 +530,20 @@ static void a_drain_refuses_what_waits(void **state)
 {
     (void)state;
     struct proto_problem problem;
-    struct server_async *running = start(wait_in_a_worker);
+    struct server_deferred_job *running = start(wait_in_a_worker);
     sem_wait(&begun);
-    struct server_async *queued = start(wait_in_a_worker);
-    server_jobs_drain(server.jobs);
+    struct server_deferred_job *queued = start(wait_in_a_worker);
+    server_job_table_drain(server.jobs);
     wait_for(queued, PROTO_JOB_FAILED);
-    assert_int_equal(server_jobs_look(queued).answer->status, 503);
-    assert_non_null(strstr(server_jobs_look(queued).answer->body, "draining"));
+    assert_int_equal(server_deferred_job_describe(queued).answer->status, 503);
+    assert_non_null(strstr(server_deferred_job_describe(queued).answer->body, "draining"));
     assert_int_equal(state_of(running), PROTO_JOB_RUNNING);
     assert_null(start_or_refuse(answer, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_DRAINING);
     sem_post(&hold);
     wait_for(running, PROTO_JOB_DONE);
-    server_async_release(running);
-    server_async_release(queued);
+    server_deferred_job_release(running);
+    server_deferred_job_release(queued);
 }
 
 int main(void)

@@ -1,0 +1,539 @@
+/* See job_table.h. */
+#include "server/jobs/job_table.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/log.h"
+#include "server/http/events.h"
+#include "server/http/reply.h"
+#include "server/jobs/job_id.h"
+#include "server/jobs/job_usage.h"
+#include "server/store/key.h"
+
+#define EXPIRE_NS      UINT64_C(1000000000)
+#define PROGRESS_STEPS 1000000
+
+struct server_job_table {
+    struct server_host *host;
+    struct server_job_limits limits;
+    pthread_mutex_t lock;
+    struct server_deferred_job **list; /* by id */
+    uint32_t count;
+    uint64_t expired_ns;
+    atomic_size_t held; /* bytes of answers */
+    struct server_job_usage *usages;
+    uint64_t active; /* jobs that have not ended */
+    bool is_draining;
+    uint64_t ended[PROTO_JOB_STATE_COUNT];
+};
+
+struct server_deferred_job {
+    struct server_transport transport; /* first: an exchange finds its job by it */
+    struct server_job_table *table;
+    atomic_uint references;
+    char id[SERVER_JOB_ID], tenant[SERVER_TENANT + 1], key[SERVER_CREDENTIAL_NAME];
+    char *request; /* "POST /v1/…" */
+    int64_t created;
+    atomic_uint progress; /* in PROGRESS_STEPS; never falls */
+    size_t own;           /* bytes of SERVER_BUDGET_RECORDS that are counted for this struct */
+    /* Under the table's lock: */
+    enum proto_job_state state;
+    struct server_exchange *exchange; /* NULL: it is answered */
+    uint64_t ended_ns;
+    struct server_job_usage *usage; /* NULL: the job is not in the table */
+    size_t held;                    /* bytes of SERVER_BUDGET_JOBS that are counted for the job */
+    /* Written before the state becomes DONE or FAILED, then constant: */
+    struct proto_job_answer answer;
+    struct proto_job_header headers[SERVER_RESPONSE_HEADERS];
+    char *header_values;
+    void *body; /* NULL: the answer's body is static, or there is none */
+};
+
+/* --- references ------------------------------------------------------------------------------- */
+
+struct server_deferred_job *server_deferred_job_retain(struct server_deferred_job *job)
+{
+    atomic_fetch_add(&job->references, 1);
+    return job;
+}
+
+static void answer_uncount(struct server_job_table *table, size_t bytes)
+{
+    server_budget_give(table->host->budget, SERVER_BUDGET_JOBS, bytes);
+    atomic_fetch_sub(&table->held, bytes);
+}
+
+void server_deferred_job_release(struct server_deferred_job *job)
+{
+    if (!job || atomic_fetch_sub(&job->references, 1) != 1) return;
+    answer_uncount(job->table, job->held);
+    server_budget_give(job->table->host->budget, SERVER_BUDGET_RECORDS, job->own);
+    free(job->body);
+    free(job->header_values);
+    free(job->request);
+    free(job);
+}
+
+/* --- states ----------------------------------------------------------------------------------- */
+
+struct proto_job server_deferred_job_describe(struct server_deferred_job *job)
+{
+    pthread_mutex_lock(&job->table->lock);
+    bool is_answered = job->state == PROTO_JOB_DONE || job->state == PROTO_JOB_FAILED;
+    struct proto_job out = {.id = job->id,
+                            .request = job->request,
+                            .state = job->state,
+                            .progress = (double)atomic_load(&job->progress) / PROGRESS_STEPS,
+                            .created = job->created,
+                            .answer = is_answered ? &job->answer : NULL};
+    pthread_mutex_unlock(&job->table->lock);
+    if (out.state == PROTO_JOB_DONE) out.progress = 1;
+    return out;
+}
+
+const char *server_deferred_job_key(const struct server_deferred_job *job)
+{
+    return job->key;
+}
+
+/* Under the lock. */
+static void job_end(struct server_deferred_job *job, enum proto_job_state state)
+{
+    job->state = state;
+    job->ended_ns = gd_now_ns();
+    job->table->ended[state]++;
+    job->table->active--;
+    job->usage->active--;
+}
+
+static void job_notify(struct server_deferred_job *job)
+{
+    server_events_wake(job->table->host->events, job);
+}
+
+/* --- the table, under the lock ---------------------------------------------------------------- */
+
+/* Index of the first job whose id is not below `id`. */
+static uint32_t table_index(const struct server_job_table *table, const char *id)
+{
+    uint32_t low = 0, high = table->count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (strcmp(table->list[middle]->id, id) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Releases a job that was taken out of the list. */
+static void table_drop(struct server_job_table *table, struct server_deferred_job *job)
+{
+    struct server_job_usage *usage = job->usage;
+    job->usage = NULL;
+    usage->amounts[SERVER_JOB_UNIT_BYTES] -= job->held;
+    if (--usage->amounts[SERVER_JOB_UNIT_JOBS] == 0) server_job_usage_remove(&table->usages, usage);
+    server_deferred_job_release(job);
+}
+
+static void table_remove(struct server_job_table *table, uint32_t index)
+{
+    struct server_deferred_job *job = table->list[index];
+    table->count--;
+    memmove(&table->list[index], &table->list[index + 1],
+            (table->count - index) * sizeof *table->list);
+    table_drop(table, job);
+}
+
+/* Drops the oldest ended job of the largest user, which may be the newcomer with `more`. False: it
+ * has none. */
+static bool table_evict(struct server_job_table *table, enum server_job_unit unit,
+                        const struct server_job_usage *newcomer, uint64_t more)
+{
+    const struct server_job_usage *largest =
+        server_job_usage_largest(table->usages, unit, newcomer, more);
+    for (uint32_t i = 0; i < table->count; i++) {
+        const struct server_deferred_job *job = table->list[i];
+        if (job->usage != largest || !proto_job_has_ended(job->state)) continue;
+        if (unit == SERVER_JOB_UNIT_BYTES && !job->held) continue;
+        table_remove(table, i);
+        return true;
+    }
+    return false;
+}
+
+static bool job_is_expired(const struct server_deferred_job *job, uint64_t now_ns)
+{
+    uint64_t ttl_ns = job->table->limits.ttl_s * UINT64_C(1000000000);
+    return proto_job_has_ended(job->state) &&
+           now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
+}
+
+/* Finds room for one more job of the usage, which counts it already. The problem shows a tenant no
+ * numbers of others. */
+static bool table_admit(struct server_job_table *table, const struct server_job_usage *usage,
+                        struct proto_problem *problem)
+{
+    const struct server_job_limits *limits = &table->limits;
+    uint64_t own = server_job_usage_active(table->usages, usage->tenant),
+             others = table->active - own;
+    bool has_share = !limits->are_tenanted || !own || 2 * own + others < limits->jobs;
+    if (has_share &&
+        (table->count < limits->jobs || table_evict(table, SERVER_JOB_UNIT_JOBS, usage, 0)))
+        return true;
+    (void)proto_problem_set(
+        problem, PROTO_PROBLEM_OVERLOADED,
+        "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
+        (unsigned long long)(limits->are_tenanted ? own : table->active),
+        limits->are_tenanted ? " of yours" : "");
+    problem->retry_after = 1;
+    return false;
+}
+
+static bool table_add(struct server_job_table *table, struct server_deferred_job *job,
+                      struct proto_problem *problem)
+{
+    if (table->is_draining) return proto_problem_from_status(problem, GD_CANCELLED, NULL);
+    struct server_job_usage *usage = server_job_usage_of(&table->usages, job->tenant, job->key);
+    if (!usage) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    usage->amounts[SERVER_JOB_UNIT_JOBS]++;
+    if (!table_admit(table, usage, problem)) {
+        if (--usage->amounts[SERVER_JOB_UNIT_JOBS] == 0)
+            server_job_usage_remove(&table->usages, usage);
+        return false;
+    }
+    job->created = server_job_id_create(job->id);
+    job->usage = usage;
+    usage->active++;
+    table->active++;
+    table->list[table->count++] = server_deferred_job_retain(job);
+    return true;
+}
+
+/* --- answers ---------------------------------------------------------------------------------- */
+
+/* Under the lock. A job that is not in the table any more has no usage. */
+static void answer_count(struct server_deferred_job *job, size_t bytes)
+{
+    if (job->usage) job->usage->amounts[SERVER_JOB_UNIT_BYTES] += bytes - job->held;
+    job->held = bytes;
+}
+
+/* Under the lock: drops ended jobs until so many bytes fit. */
+static bool answer_make_room(struct server_deferred_job *job, size_t bytes)
+{
+    struct server_job_table *table = job->table;
+    if (bytes > table->limits.answer_bytes || !job->usage) return false;
+    while (atomic_load(&table->held) + bytes > table->limits.answer_bytes)
+        if (!table_evict(table, SERVER_JOB_UNIT_BYTES, job->usage, bytes)) return false;
+    return true;
+}
+
+/* Counts the bytes of the job's answer, which the job holds then. */
+static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
+{
+    struct server_job_table *table = job->table;
+    pthread_mutex_lock(&table->lock);
+    bool fits = answer_make_room(job, bytes);
+    if (fits) {
+        atomic_fetch_add(&table->held, bytes);
+        answer_count(job, bytes);
+    }
+    pthread_mutex_unlock(&table->lock);
+    if (!fits || server_budget_take(table->host->budget, SERVER_BUDGET_JOBS, bytes)) return fits;
+    atomic_fetch_sub(&table->held, bytes);
+    pthread_mutex_lock(&table->lock);
+    answer_count(job, 0);
+    pthread_mutex_unlock(&table->lock);
+    return false;
+}
+
+/* Moves body and headers from the response to the job. False without memory, with nothing moved;
+ * never without headers. */
+static bool answer_take(struct server_deferred_job *job, struct server_response *response)
+{
+    size_t size = 0;
+    uint32_t count = response->header_count;
+    for (uint32_t i = 0; i < count; i++) size += strlen(response->headers[i].value) + 1;
+    char *at = job->header_values = count ? malloc(size) : NULL;
+    if (count && !at) return false;
+    job->answer = (struct proto_job_answer){.status = response->status,
+                                            .media_type = response->media_type,
+                                            .body = response->body,
+                                            .size = response->body ? response->size : 0,
+                                            .headers = job->headers};
+    for (uint32_t i = 0; i < count; i++) {
+        const struct server_response_header *header = &response->headers[i];
+        if (strcmp(header->name, "Vary") == 0) continue; /* a saved answer has one form */
+        job->headers[job->answer.header_count++] = (struct proto_job_header){header->name, at};
+        at = stpcpy(at, header->value) + 1;
+    }
+    job->body = response->owned;
+    response->owned = NULL;
+    return true;
+}
+
+static void answer_save(struct server_deferred_job *job, struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    size_t bytes = response->owned ? response->size : 0;
+    if (answer_reserve(job, bytes) && answer_take(job, response)) return;
+    server_reply_drop_body(exchange);
+    server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                         "the answer of %zu bytes is more than can be kept for jobs at this "
+                         "moment; ask for less of it, "
+                         "ask without Prefer: respond-async, or raise --memory-budget",
+                         bytes);
+    (void)answer_take(job, response); /* a refusal has no headers */
+}
+
+/* --- the transport ---------------------------------------------------------------------------- */
+
+static struct server_deferred_job *exchange_job(struct server_exchange *exchange)
+{
+    return (struct server_deferred_job *)exchange->transport;
+}
+
+static void on_begin(struct server_exchange *exchange)
+{
+    struct server_deferred_job *job = exchange_job(exchange);
+    pthread_mutex_lock(&job->table->lock);
+    bool is_new = job->state == PROTO_JOB_QUEUED;
+    if (is_new) job->state = PROTO_JOB_RUNNING;
+    pthread_mutex_unlock(&job->table->lock);
+    if (is_new) job_notify(job);
+}
+
+static void on_report(struct server_exchange *exchange, double part)
+{
+    struct server_deferred_job *job = exchange_job(exchange);
+    unsigned step = part <= 0 ? 0 : part < 1 ? (unsigned)(part * PROGRESS_STEPS) : PROGRESS_STEPS;
+    unsigned before = atomic_load_explicit(&job->progress, memory_order_relaxed);
+    while (step > before && !atomic_compare_exchange_weak(&job->progress, &before, step)) continue;
+}
+
+static void job_log(const struct server_deferred_job *job, const struct server_exchange *exchange,
+                    enum proto_job_state state)
+{
+    struct server_log_line line;
+    bool is_internal = exchange->response.status == 500;
+    if (!server_log_begin(&line, is_internal ? SERVER_LOG_ERROR : SERVER_LOG_INFO, "job")) return;
+    server_log_text(&line, "job", job->id);
+    server_log_text(&line, "state", proto_job_state_name(state));
+    server_log_text(&line, "method", exchange->method);
+    server_log_text(&line, "path", exchange->path);
+    server_log_text(&line, "route", exchange->match.route->path);
+    server_log_integer(&line, "status", exchange->response.status);
+    server_log_text(&line, "code", server_exchange_code(exchange));
+    server_log_text(&line, "key", server_grant_name(&exchange->grant));
+    server_log_integer(&line, "bytes", (int64_t)exchange->response.size);
+    server_log_milliseconds(&line, "ms", gd_now_ns() - exchange->started_ns);
+    server_log_text(&line, "request_id", exchange->request_id);
+    server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
+    server_log_end(&line);
+}
+
+/* The exchange is answered. The answer of a cancelled job is dropped. */
+static void on_finish(struct server_exchange *exchange)
+{
+    struct server_deferred_job *job = exchange_job(exchange);
+    if (server_deferred_job_describe(job).state != PROTO_JOB_CANCELLED) answer_save(job, exchange);
+    pthread_mutex_lock(&job->table->lock);
+    job->exchange = NULL;
+    if (job->state != PROTO_JOB_CANCELLED)
+        job_end(job, job->answer.status < 400 ? PROTO_JOB_DONE : PROTO_JOB_FAILED);
+    enum proto_job_state state = job->state;
+    pthread_mutex_unlock(&job->table->lock);
+    job_log(job, exchange, state);
+    server_exchange_destroy(exchange);
+    job_notify(job);
+    server_deferred_job_release(job);
+}
+
+/* --- the start of a job ----------------------------------------------------------------------- */
+
+/* A job with one reference, not in the table yet. NULL without memory. */
+static struct server_deferred_job *job_create(struct server_job_table *table,
+                                              struct server_exchange *exchange)
+{
+    struct server_deferred_job *job = calloc(1, sizeof *job);
+    if (!job) return NULL;
+    const char *key = server_grant_name(&exchange->grant);
+    size_t bytes = sizeof *job + exchange->target_size;
+    job->table = table;
+    job->references = 1;
+    job->transport = (struct server_transport){.finish = on_finish,
+                                               .is_gone = server_exchange_is_unwanted,
+                                               .begin = on_begin,
+                                               .report = on_report};
+    snprintf(job->tenant, sizeof job->tenant, "%s", exchange->tenant);
+    snprintf(job->key, sizeof job->key, "%s", key ? key : "");
+    if (server_budget_take(table->host->budget, SERVER_BUDGET_RECORDS, bytes)) job->own = bytes;
+    if (job->own && asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0)
+        job->request = NULL;
+    if (job->request) job->exchange = server_exchange_detach(exchange, &job->transport);
+    if (job->exchange) {
+        job->exchange->job.is_patient = true;
+        return job;
+    }
+    server_deferred_job_release(job);
+    return NULL;
+}
+
+struct server_deferred_job *server_job_table_start(struct server_job_table *table,
+                                                   struct server_exchange *exchange,
+                                                   struct proto_problem *problem)
+{
+    struct server_deferred_job *job = job_create(table, exchange);
+    if (!job) {
+        (void)proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+        return NULL;
+    }
+    pthread_mutex_lock(&table->lock);
+    bool is_added = table_add(table, job, problem);
+    pthread_mutex_unlock(&table->lock);
+    if (!is_added) {
+        server_exchange_destroy(job->exchange);
+        server_deferred_job_release(job);
+        return NULL;
+    }
+    server_deferred_job_retain(job); /* for the exchange */
+    server_exchange_run(job->exchange);
+    table->host->watch(table->host->watcher);
+    return job;
+}
+
+/* --- found, ended, dropped -------------------------------------------------------------------- */
+
+/* Under the lock: may the tenant see the job? */
+static bool job_is_visible(const struct server_deferred_job *job, const char *tenant,
+                           uint64_t now_ns)
+{
+    return strcmp(job->tenant, tenant) == 0 && !job_is_expired(job, now_ns);
+}
+
+struct server_deferred_job *server_job_table_find(struct server_job_table *table,
+                                                  const char *tenant, const char *id, size_t size)
+{
+    char text[SERVER_JOB_ID];
+    if (size != SERVER_JOB_ID - 1) return NULL;
+    memcpy(text, id, size);
+    text[size] = '\0';
+    pthread_mutex_lock(&table->lock);
+    uint32_t index = table_index(table, text);
+    struct server_deferred_job *job = index < table->count ? table->list[index] : NULL;
+    if (job && strcmp(job->id, text) == 0 && job_is_visible(job, tenant, gd_now_ns()))
+        server_deferred_job_retain(job);
+    else
+        job = NULL;
+    pthread_mutex_unlock(&table->lock);
+    return job;
+}
+
+uint32_t server_job_table_list(struct server_job_table *table, const char *tenant,
+                               const char *after, uint32_t most, struct server_deferred_job **out)
+{
+    uint32_t count = 0;
+    uint64_t now = gd_now_ns();
+    pthread_mutex_lock(&table->lock);
+    uint32_t index = after ? table_index(table, after) : 0;
+    if (after && index < table->count && strcmp(table->list[index]->id, after) == 0) index++;
+    for (; index < table->count && count < most; index++)
+        if (job_is_visible(table->list[index], tenant, now))
+            out[count++] = server_deferred_job_retain(table->list[index]);
+    pthread_mutex_unlock(&table->lock);
+    return count;
+}
+
+void server_job_table_cancel(struct server_job_table *table, struct server_deferred_job *job)
+{
+    pthread_mutex_lock(&table->lock);
+    bool has_ended = proto_job_has_ended(job->state);
+    uint32_t index = table_index(table, job->id);
+    if (!has_ended) {
+        job_end(job, PROTO_JOB_CANCELLED);
+        atomic_store(&job->exchange->job.is_unwanted, true);
+    } else if (index < table->count && table->list[index] == job) {
+        table_remove(table, index);
+    }
+    pthread_mutex_unlock(&table->lock);
+    if (!has_ended) job_notify(job);
+}
+
+void server_job_table_expire(struct server_job_table *table, uint64_t now_ns)
+{
+    pthread_mutex_lock(&table->lock);
+    if (now_ns - table->expired_ns >= EXPIRE_NS) {
+        uint32_t kept = 0;
+        for (uint32_t i = 0; i < table->count; i++) {
+            if (job_is_expired(table->list[i], now_ns))
+                table_drop(table, table->list[i]);
+            else
+                table->list[kept++] = table->list[i];
+        }
+        table->count = kept;
+        table->expired_ns = now_ns;
+    }
+    pthread_mutex_unlock(&table->lock);
+}
+
+void server_job_table_drain(struct server_job_table *table)
+{
+    pthread_mutex_lock(&table->lock);
+    table->is_draining = true;
+    for (uint32_t i = 0; i < table->count; i++)
+        if (table->list[i]->state == PROTO_JOB_QUEUED)
+            atomic_store(&table->list[i]->exchange->job.is_unwanted, true);
+    pthread_mutex_unlock(&table->lock);
+}
+
+bool server_job_table_is_empty(struct server_job_table *table)
+{
+    pthread_mutex_lock(&table->lock);
+    bool is_empty = table->count == 0;
+    pthread_mutex_unlock(&table->lock);
+    return is_empty;
+}
+
+struct server_job_statistics server_job_table_statistics(struct server_job_table *table,
+                                                         const char *tenant)
+{
+    struct server_job_statistics statistics = {0};
+    pthread_mutex_lock(&table->lock);
+    for (uint32_t i = 0; i < table->count; i++)
+        if (!tenant || strcmp(table->list[i]->tenant, tenant) == 0)
+            statistics.now[table->list[i]->state]++;
+    if (!tenant) memcpy(statistics.ended, table->ended, sizeof statistics.ended);
+    pthread_mutex_unlock(&table->lock);
+    return statistics;
+}
+
+/* --- life ------------------------------------------------------------------------------------- */
+
+struct server_job_table *server_job_table_create(struct server_host *host,
+                                                 const struct server_job_limits *limits)
+{
+    struct server_job_table *table = calloc(1, sizeof *table);
+    if (!table) return NULL;
+    table->host = host;
+    table->limits = *limits;
+    table->list = calloc(limits->jobs, sizeof *table->list);
+    pthread_mutex_init(&table->lock, NULL);
+    if (table->list) return table;
+    server_job_table_destroy(table);
+    return NULL;
+}
+
+void server_job_table_destroy(struct server_job_table *table)
+{
+    if (!table) return;
+    for (uint32_t i = 0; i < table->count; i++) table_drop(table, table->list[i]);
+    pthread_mutex_destroy(&table->lock);
+    free(table->list);
+    free(table);
+}
