@@ -37,7 +37,7 @@ void server_handle_nearest(struct server_exchange *exchange);
 /* matrix.c */
 void server_handle_matrix(struct server_exchange *exchange);
 
-/* batch.c */
+/* batch_stream.c */
 void server_handle_batch(struct server_exchange *exchange);
 
 /* sets.c */

@@ -1,0 +1,337 @@
+/* Batch stream: many queries in one request, a line of JSON each, answered in their order by the
+ * steps of single requests (query.h).
+ *
+ * DESIGN. One worker works line by line; a line that waits for a field of another request parks the
+ * exchange. When time or memory is over, each line that is left is answered with the problem.
+ *
+ * Answers are collected. If no line takes long, they leave as one response. Before the first long
+ * line, or when many bytes are ready, the request is answered with a stream (relay.h), and an
+ * exchange detached from it does the rest; what is ready then goes to the stream before each long
+ * line. A job (Prefer: respond-async) collects all. */
+#include "server/query/handlers.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "proto/accept.h"
+#include "proto/batch.h"
+#include "proto/decode.h"
+#include "server/http/relay.h"
+#include "server/http/reply.h"
+#include "server/query/query.h"
+#include "server/query/request.h"
+
+#define NDJSON "application/x-ndjson"
+/* bytes of collected answers after which lines are refused */
+#define ANSWER_MOST ((size_t)64 << 20)
+/* bytes of collected answers that go to the stream even before a quick line */
+#define FLUSH_BYTES 65536
+
+struct batch {
+    struct server_exchange *exchange; /* the request's, or the detached one */
+    struct server_surface *surface;
+    struct proto_batch_line line; /* in work */
+    struct server_query *query;   /* of that line; NULL: it is answered */
+    size_t begin;                 /* of its answer */
+    struct proto_writer writer;   /* of answers that are not in the stream */
+    struct server_relay *relay;   /* NULL: the request is not answered yet */
+    bool is_whole;                /* all lines are answered in the stream */
+    bool is_refused;              /* the line is late */
+};
+
+static void batch_free(void *state)
+{
+    struct batch *batch = state;
+    if (batch->relay) server_relay_end(batch->relay, batch->is_whole);
+    server_relay_release(batch->relay);
+    server_query_destroy(batch->query);
+    server_surface_release(batch->surface);
+    proto_writer_free(&batch->writer);
+    free(batch);
+}
+
+/* --- one line --------------------------------------------------------------------------------- */
+
+static const struct server_query_kind *kind_find(const char *name, struct proto_problem *problem)
+{
+    static const struct server_query_kind *const kinds[] = {
+        &server_query_distance,        &server_query_path,
+        &server_query_nearest,         &server_query_matrix,
+        &server_query_distance_to_set, &server_query_curve_distance};
+    char names[256] = "";
+    size_t length = 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
+        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "",
+                                   kinds[i]->name);
+    }
+    proto_problem_refuse(problem, "/query", "a batch has no query \"%s\"; it takes %s", name,
+                         names);
+    return NULL;
+}
+
+static bool line_create_query(struct batch *batch, const char *name, struct proto_problem *problem)
+{
+    const struct server_query_kind *kind = kind_find(name, problem);
+    if (!kind) return false;
+    batch->query = server_query_create(kind, batch->exchange, batch->surface);
+    if (!batch->query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    double size = (double)batch->exchange->body.size;
+    batch->query->begun = (double)(batch->line.text - batch->exchange->body.bytes) / size;
+    batch->query->share = (double)batch->line.size / size;
+    return true;
+}
+
+static bool line_read(struct batch *batch, struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
+    struct proto_batch_query line;
+    if (!server_request_begin_parsing(batch->exchange, batch->line.text, batch->line.size, problem))
+        return false;
+    bool is_read = proto_batch_decode(&batch->line, &line, problem);
+    bool ok = is_read && line_create_query(batch, line.name, problem) &&
+              proto_batch_options(&line, &parameters, batch->query->kind->fields,
+                                  &batch->query->options, problem) &&
+              batch->query->kind->decode(batch->query, line.document, problem);
+    if (is_read) proto_batch_query_free(&line);
+    server_request_end_parsing(batch->exchange);
+    return ok;
+}
+
+/* Deadline, drain and client of the batch. */
+static enum gd_status batch_check(const struct batch *batch)
+{
+    const struct server_body *body = &batch->exchange->body;
+    struct server_monitor monitor = {.exchange = batch->exchange, .share = 1};
+    struct gd_control control = server_exchange_control(&monitor);
+    return gd_control_check(&control,
+                            (double)(batch->line.text - body->bytes) / (double)body->size);
+}
+
+static bool line_admit(const struct batch *batch, struct proto_problem *problem)
+{
+    enum gd_status status = batch_check(batch);
+    if (status) return proto_problem_from_status(problem, status, NULL);
+    if (batch->begin < ANSWER_MOST) return true;
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "the answers before this line take the %zu bytes that those of a batch may "
+                      "take; send this line and "
+                      "the rest as another batch",
+                      ANSWER_MOST);
+    return proto_problem_limit(problem, ANSWER_MOST);
+}
+
+/* Writes the answer or the problem. */
+static void line_end(struct batch *batch, bool ok, struct proto_problem *problem)
+{
+    if (ok) {
+        server_query_encode(batch->query, &batch->writer);
+        proto_batch_end(&batch->writer, batch->begin);
+        ok = proto_writer_check(&batch->writer, problem);
+    }
+    if (!ok) proto_batch_refuse(&batch->writer, batch->begin, &batch->line, problem);
+    server_query_destroy(batch->query);
+    batch->query = NULL;
+}
+
+/* False: the exchange is parked. */
+static bool line_turn(struct batch *batch, enum server_query_turn turn,
+                      struct proto_problem *problem)
+{
+    if (turn == SERVER_QUERY_DONE || turn == SERVER_QUERY_FAILED)
+        line_end(batch, turn == SERVER_QUERY_DONE, problem);
+    return turn != SERVER_QUERY_PARKED;
+}
+
+/* Starts the next line. False: there are no more. */
+static bool line_begin(struct batch *batch)
+{
+    const struct server_body *body = &batch->exchange->body;
+    struct proto_problem problem;
+    if (!proto_batch_next(body->bytes, body->size, &batch->line)) return false;
+    batch->begin = proto_batch_begin(&batch->writer);
+    if (line_admit(batch, &problem) && line_read(batch, &problem))
+        line_turn(batch, server_query_glance(batch->query, &problem), &problem);
+    else
+        line_end(batch, false, &problem);
+    return true;
+}
+
+static void line_end_late(struct batch *batch)
+{
+    struct proto_problem problem;
+    enum gd_status status = batch_check(batch);
+    (void)proto_problem_from_status(&problem, status ? status : GD_DEADLINE, NULL);
+    batch->is_refused = false;
+    line_end(batch, false, &problem);
+}
+
+/* --- the stream ------------------------------------------------------------------------------- */
+
+/* Bytes of answered lines. */
+static size_t batch_ready(const struct batch *batch)
+{
+    return batch->query ? batch->begin : batch->writer.size;
+}
+
+static void stream_write(struct batch *batch)
+{
+    struct proto_writer *writer = &batch->writer;
+    size_t ready = batch_ready(batch);
+    server_relay_write(batch->relay, writer->data, ready);
+    writer->size -= ready;
+    memmove(writer->data, writer->data + ready, writer->size);
+    batch->begin = 0;
+}
+
+static bool on_is_gone(struct server_exchange *exchange)
+{
+    const struct batch *batch = exchange->state;
+    return server_relay_is_over(batch->relay);
+}
+
+/* A late line that waits for a field is refused, and so are all lines after it. */
+static void on_refuse(struct server_job *job, enum server_refusal why)
+{
+    struct batch *batch = server_exchange_of(job)->state;
+    (void)why;
+    batch->is_refused = batch->query != NULL;
+    job->run(job);
+}
+
+/* Answers the request with the relay's stream; returns an exchange for the rest of the work, or
+ * NULL without memory. */
+static struct server_exchange *stream_detach(struct batch *batch, struct server_relay *relay,
+                                             bool is_packed)
+{
+    static const struct server_transport transport = {
+        .finish = server_exchange_destroy, .is_gone = on_is_gone, .can_stream = true};
+    struct server_exchange *exchange = batch->exchange;
+    struct server_exchange *rest = server_exchange_detach(exchange, &transport);
+    if (!rest) return NULL;
+    struct server_stream *stream = server_relay_open(relay);
+    if (!stream) {
+        exchange->body = rest->body;
+        rest->body = (struct server_body){0};
+        server_exchange_destroy(rest);
+        return NULL;
+    }
+    server_reply_tag(exchange, batch->surface->record->etag);
+    server_reply_coding(exchange, is_packed);
+    server_reply_stream(exchange, 200, NDJSON, stream);
+    return rest;
+}
+
+/* True: the request is answered, and the batch belongs to the detached exchange, perhaps to another
+ * thread. False, without memory: the batch goes on collecting. */
+static bool stream_start(struct batch *batch)
+{
+    struct server_exchange *exchange = batch->exchange;
+    struct server_host *host = exchange->host;
+    bool is_packed = server_reply_takes_gzip(exchange);
+    struct server_relay *relay = server_relay_create(host, is_packed);
+    struct server_exchange *rest = relay ? stream_detach(batch, relay, is_packed) : NULL;
+    if (!rest) {
+        server_relay_release(relay);
+        return false;
+    }
+    rest->job.deadline_ns = exchange->job.deadline_ns;
+    rest->job.refuse = on_refuse;
+    rest->work = exchange->work;
+    server_exchange_keep(rest, batch, batch_free);
+    server_exchange_keep(exchange, NULL, NULL);
+    batch->relay = relay;
+    batch->exchange = rest;
+    if (batch->query) batch->query->exchange = rest;
+    server_exchange_count_deferred(host);
+    server_workers_resume(host->workers, &rest->job);
+    return true;
+}
+
+/* True: the work is over for now: the exchange is answered (`is_done`) or parked. */
+static bool stream_pass(struct batch *batch, bool *is_done)
+{
+    size_t ready = batch_ready(batch);
+    *is_done = false;
+    if (!batch->exchange->transport->can_stream || ready < (batch->query ? 1 : FLUSH_BYTES))
+        return false;
+    if (!batch->relay) return *is_done = stream_start(batch);
+    stream_write(batch);
+    return server_relay_wait(batch->relay, &batch->exchange->job);
+}
+
+/* --- the request ------------------------------------------------------------------------------ */
+
+static void batch_reply(struct batch *batch)
+{
+    struct server_exchange *exchange = batch->exchange;
+    if (batch->relay) {
+        stream_write(batch);
+        batch->is_whole = !batch->writer.failure;
+        server_reply_empty(exchange, 200);
+        return;
+    }
+    server_reply_tag(exchange, batch->surface->record->etag);
+    server_reply_text(exchange, 200, NDJSON, &batch->writer);
+}
+
+static bool batch_work(struct server_exchange *exchange)
+{
+    struct batch *batch = exchange->state;
+    struct proto_problem problem;
+    bool is_done;
+    if (batch->is_refused) line_end_late(batch);
+    while (!batch->relay || !server_relay_is_over(batch->relay)) {
+        if (stream_pass(batch, &is_done)) return is_done;
+        if (batch->query) {
+            if (!line_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem))
+                return false;
+        } else if (!line_begin(batch)) {
+            break;
+        }
+    }
+    batch_reply(batch);
+    return true;
+}
+
+static bool request_check(struct server_exchange *exchange, struct proto_options *options,
+                          struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    const char *type = server_exchange_header(exchange, "Content-Type");
+    size_t size = type ? strcspn(type, "; \t") : 0;
+    if (!proto_accept_quality(server_exchange_header(exchange, "Accept"), NDJSON))
+        return proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                                 "the answer is lines of JSON; send Accept: " NDJSON " or none");
+    if (type && (size != strlen(NDJSON) || strncasecmp(type, NDJSON, size) != 0))
+        return proto_problem_set(
+            problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+            "a batch is lines of JSON: send it with the header Content-Type: " NDJSON);
+    return proto_batch_parse(&parameters, options, problem);
+}
+
+void server_handle_batch(struct server_exchange *exchange)
+{
+    struct proto_options options;
+    struct proto_problem problem;
+    if (!request_check(exchange, &options, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    struct batch *batch = calloc(1, sizeof *batch);
+    if (!batch) {
+        server_surface_release(surface);
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                             "the system is out of memory");
+        return;
+    }
+    *batch = (struct batch){.exchange = exchange, .surface = surface};
+    server_reply_writer(exchange, &batch->writer);
+    server_exchange_keep(exchange, batch, batch_free);
+    server_exchange_shorten(exchange, options.timeout_ms);
+    server_exchange_defer(exchange, batch_work, NULL);
+}
