@@ -14,11 +14,9 @@ void server_handle_get_readyz(struct server_exchange *exchange);
 void server_handle_get_metrics(struct server_exchange *exchange);
 void server_handle_get_service(struct server_exchange *exchange);
 
-/* upload.c, of surfaces of any kind */
+/* surfaces.c, of any kind */
 void server_handle_create_surface(struct server_exchange *exchange);
 void server_handle_put_surface(struct server_exchange *exchange);
-
-/* surfaces.c, of any kind */
 void server_handle_list_surfaces(struct server_exchange *exchange);
 void server_handle_get_surface(struct server_exchange *exchange);
 void server_handle_delete_surface(struct server_exchange *exchange);
@@ -66,7 +64,7 @@ void server_handle_voronoi(struct server_exchange *exchange);
 /* sampling.c */
 void server_handle_farthest_points(struct server_exchange *exchange);
 
-/* nurbs.c, nurbs_geodesic.c, nurbs_tessellate.c */
+/* evaluate.c, nurbs_geodesic.c, tessellate.c */
 void server_handle_nurbs_evaluate(struct server_exchange *exchange);
 void server_handle_nurbs_nearest(struct server_exchange *exchange);
 void server_handle_nurbs_geodesic(struct server_exchange *exchange);
@@ -74,11 +72,11 @@ void server_handle_nurbs_point_curve_distance(struct server_exchange *exchange);
 void server_handle_nurbs_curve_distance(struct server_exchange *exchange);
 void server_handle_nurbs_tessellate(struct server_exchange *exchange);
 
-/* vertex_origins.c */
+/* tessellate.c */
 void server_handle_get_mesh_parameters(struct server_exchange *exchange);
 void server_handle_get_mesh_places(struct server_exchange *exchange);
 
-/* subdivisions.c, subdivisions_trace.c, subdivisions_path.c, subdivisions_discretize.c */
+/* evaluate.c, subdivision_paths.c, tessellate.c */
 void server_handle_subdivision_evaluate(struct server_exchange *exchange);
 void server_handle_subdivision_nearest(struct server_exchange *exchange);
 void server_handle_subdivision_trace(struct server_exchange *exchange);

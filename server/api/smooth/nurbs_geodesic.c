@@ -1,66 +1,37 @@
-/* Shortest paths on NURBS surfaces: between two points, a point and a curve, two curves; by a
- * worker. */
+/* Shortest paths on NURBS surfaces, by a worker: between two points, a point and a curve, or two
+ * curves. */
 #include "server/query/handlers.h"
 
 #include "proto/geodesic_like.h"
 #include "server/query/query.h"
 #include "server/surfaces/kinds.h"
 
-#define BYTES_A_FACE 1024 /* of the tessellation: two fields, and the ways that are followed */
-#define BYTES_A_PATH ((size_t)1 << 20)
-#define WHAT         "the search for the path"
+#define SEARCH_BYTES   ((size_t)1 << 20)
+#define BYTES_PER_FACE 1024 /* of the tessellation: two fields, and the paths that are followed */
+#define WHAT           "the search for the path"
 
-struct finding {
+struct search {
     struct server_query query; /* first */
     struct proto_geodesic wanted;
     struct gd_domain_curve *ends[2];
-    struct server_monitor monitor;
     struct gd_geodesics found;
     struct gd_detail detail;
 };
 
-/* --- the question ----------------------------------------------------------------------------- */
-
-/* Why there are no paths on this surface. */
-static bool refuse_surface(const struct server_nurbs *nurbs, struct proto_problem *problem)
+/* A surface without a tessellation has no paths; the problem says why. */
+static bool search_decode(struct server_query *query, const json_t *document,
+                          const struct proto_geodesic_form *form, struct proto_problem *problem)
 {
-    const char *why =
-        nurbs->detail.text[0] ? nurbs->detail.text : gd_status_sentence(nurbs->refusal);
+    const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
+    if (nurbs->tessellation)
+        return proto_geodesic_decode(document, form, &((struct search *)query)->wanted, problem);
     proto_problem_set(
         problem, PROTO_PROBLEM_INVALID_MESH,
         "shortest paths are first looked for on a tessellation, and this surface has none: %s",
-        why);
+        nurbs->detail.text[0] ? nurbs->detail.text : gd_status_sentence(nurbs->refusal));
     problem->reason = gd_status_name(nurbs->refusal);
     return false;
 }
-
-static bool decode(struct server_query *query, const json_t *document,
-                   const struct proto_geodesic_form *form, struct proto_problem *problem)
-{
-    const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
-    if (!nurbs->tessellation) return refuse_surface(nurbs, problem);
-    return proto_geodesic_decode(document, form, &((struct finding *)query)->wanted, problem);
-}
-
-static bool decode_points(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
-{
-    return decode(query, document, &proto_geodesic_between_points, problem);
-}
-
-static bool decode_point_and_curve(struct server_query *query, const json_t *document,
-                                   struct proto_problem *problem)
-{
-    return decode(query, document, &proto_geodesic_to_curve, problem);
-}
-
-static bool decode_curves(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
-{
-    return decode(query, document, &proto_geodesic_between_curves, problem);
-}
-
-/* --- the answer ------------------------------------------------------------------------------- */
 
 static size_t found_bytes(const struct gd_geodesics *found)
 {
@@ -75,109 +46,107 @@ static size_t found_bytes(const struct gd_geodesics *found)
     return bytes;
 }
 
-static enum gd_status find(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status search_call(void *user, const struct gd_control *control, size_t *kept)
 {
-    struct finding *finding = user;
-    const struct gd_tessellation *tessellation =
-        server_nurbs_of(finding->query.surface)->tessellation;
-    enum gd_status status =
-        gd_geodesic_solve(tessellation, finding->ends[0], finding->ends[1],
-                          &finding->wanted.options, control, &finding->found, &finding->detail);
-    if (!status) *kept = found_bytes(&finding->found);
+    struct search *search = user;
+    enum gd_status status = gd_geodesic_solve(
+        server_nurbs_of(search->query.surface)->tessellation, search->ends[0], search->ends[1],
+        &search->wanted.options, control, &search->found, &search->detail);
+    if (!status) *kept = found_bytes(&search->found);
     return status;
 }
 
-static enum gd_status find_paths(struct finding *finding)
+/* Checks the control after each end: a long curve takes tens of milliseconds. */
+static bool search_locate(struct search *search, struct server_monitor *monitor,
+                          struct proto_problem *problem)
 {
-    struct server_query *query = &finding->query;
-    const struct gd_mesh *mesh =
-        gd_tessellation_mesh(server_nurbs_of(query->surface)->tessellation);
-    finding->monitor = server_query_monitor(query, 0, 1);
-    return server_query_call(query, &finding->monitor, find, finding,
-                             BYTES_A_PATH + gd_mesh_summary(mesh)->faces * (size_t)BYTES_A_FACE);
-}
-
-/* Long curves take tens of milliseconds each. */
-static bool locate_ends(struct finding *finding, struct proto_problem *problem)
-{
-    const struct gd_parametric *surface = server_nurbs_of(finding->query.surface)->surface;
-    finding->monitor = server_query_monitor(&finding->query, 0, 1);
-    const struct gd_control control = server_exchange_control(&finding->monitor);
+    const struct gd_parametric *surface = server_nurbs_of(search->query.surface)->surface;
+    const struct gd_control control = server_exchange_control(monitor);
     for (int k = 0; k < 2; k++) {
-        const struct proto_domain_curve *wanted = &finding->wanted.ends[k];
-        bool located =
-            proto_domain_curve_locate(surface, wanted, &control, &finding->ends[k], problem);
+        bool is_located = proto_domain_curve_locate(surface, &search->wanted.ends[k], &control,
+                                                    &search->ends[k], problem);
         enum gd_status status = gd_control_check(&control, 0);
-        if (status)
-            return server_query_fail(&finding->query, status, WHAT, problem) == SERVER_QUERY_DONE;
-        if (!located) return false;
+        if (status) {
+            server_query_fail(&search->query, status, WHAT, problem);
+            return false;
+        }
+        if (!is_located) return false;
     }
     return true;
 }
 
-static enum gd_status write_answer(struct finding *finding)
+static enum server_query_turn search_solve(struct server_query *query,
+                                           struct proto_problem *problem)
 {
-    const struct proto_geodesic_answer answer = {.request = &finding->wanted,
-                                                 .ends = {finding->ends[0], finding->ends[1]},
-                                                 .found = &finding->found};
-    return proto_geodesic_encode(&finding->query.draft, &answer, &finding->query.options);
-}
-
-static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
-{
-    struct finding *finding = (struct finding *)query;
-    if (!locate_ends(finding, problem)) return SERVER_QUERY_FAILED;
-    enum gd_status status = find_paths(finding);
+    struct search *search = (struct search *)query;
+    struct server_monitor monitor = server_query_monitor(query, 0, 1);
+    const struct gd_mesh *mesh =
+        gd_tessellation_mesh(server_nurbs_of(query->surface)->tessellation);
+    if (!search_locate(search, &monitor, problem)) return SERVER_QUERY_FAILED;
+    enum gd_status status =
+        server_query_call(query, &monitor, search_call, search,
+                          SEARCH_BYTES + gd_mesh_summary(mesh)->faces * (size_t)BYTES_PER_FACE);
     if (status == GD_INVALID_ARGUMENT) {
-        proto_problem_from_status(problem, status, &finding->detail);
+        proto_problem_from_status(problem, status, &search->detail);
         return SERVER_QUERY_FAILED;
     }
     if (status) return server_query_fail(query, status, WHAT, problem);
-    return server_query_end_draft(query, write_answer(finding), "the answer", problem);
+    const struct proto_geodesic_answer answer = {.request = &search->wanted,
+                                                 .ends = {search->ends[0], search->ends[1]},
+                                                 .found = &search->found};
+    status = proto_geodesic_encode(&query->draft, &answer, &query->options);
+    return server_query_end_draft(query, status, "the answer", problem);
 }
 
-static void release(struct server_query *query)
+static void search_release(struct server_query *query)
 {
-    struct finding *finding = (struct finding *)query;
-    gd_geodesics_free(&finding->found);
-    for (int k = 0; k < 2; k++) gd_domain_curve_release(finding->ends[k]);
-    proto_geodesic_free(&finding->wanted);
+    struct search *search = (struct search *)query;
+    gd_geodesics_free(&search->found);
+    for (int k = 0; k < 2; k++) gd_domain_curve_release(search->ends[k]);
+    proto_geodesic_free(&search->wanted);
 }
 
-/* --- the three questions ---------------------------------------------------------------------- */
+/* --- the three operations --------------------------------------------------------------------- */
 
-static const struct server_query_kind geodesic_kind = {.name = "geodesic",
-                                                       .size = sizeof(struct finding),
-                                                       .fields = proto_geodesic_fields,
-                                                       .decode = decode_points,
-                                                       .solve = solve,
-                                                       .release = release};
+#define SEARCH_STEPS                                                                               \
+    .size = sizeof(struct search), .fields = proto_geodesic_fields, .solve = search_solve,         \
+    .release = search_release
 
-static const struct server_query_kind point_curve_kind = {.name = "point-curve-distance",
-                                                          .size = sizeof(struct finding),
-                                                          .fields = proto_geodesic_fields,
-                                                          .decode = decode_point_and_curve,
-                                                          .solve = solve,
-                                                          .release = release};
-
-static const struct server_query_kind curves_kind = {.name = "curve-distance",
-                                                     .size = sizeof(struct finding),
-                                                     .fields = proto_geodesic_fields,
-                                                     .decode = decode_curves,
-                                                     .solve = solve,
-                                                     .release = release};
+static bool points_decode(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
+{
+    return search_decode(query, document, &proto_geodesic_between_points, problem);
+}
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)
 {
-    server_query_handle(exchange, &geodesic_kind);
+    static const struct server_query_kind kind = {
+        .name = "geodesic", .decode = points_decode, SEARCH_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+static bool point_curve_decode(struct server_query *query, const json_t *document,
+                               struct proto_problem *problem)
+{
+    return search_decode(query, document, &proto_geodesic_to_curve, problem);
 }
 
 void server_handle_nurbs_point_curve_distance(struct server_exchange *exchange)
 {
-    server_query_handle(exchange, &point_curve_kind);
+    static const struct server_query_kind kind = {
+        .name = "point-curve-distance", .decode = point_curve_decode, SEARCH_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+static bool curves_decode(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
+{
+    return search_decode(query, document, &proto_geodesic_between_curves, problem);
 }
 
 void server_handle_nurbs_curve_distance(struct server_exchange *exchange)
 {
-    server_query_handle(exchange, &curves_kind);
+    static const struct server_query_kind kind = {
+        .name = "curve-distance", .decode = curves_decode, SEARCH_STEPS};
+    server_query_handle(exchange, &kind);
 }

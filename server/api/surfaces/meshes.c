@@ -1,16 +1,29 @@
-/* Meshes: what they have besides what all surfaces have (surfaces.c): the file that they can be
- * sent back as. */
+/* Meshes: their file and their boundaries, besides what all surfaces have (surfaces.c). */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
 
 #include "gd/io.h"
 #include "proto/page.h"
-#include "server/query/request.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
+#include "server/query/request.h"
 
-/* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an
+/* --- content ---------------------------------------------------------------------------------- */
+
+struct content {
+    struct server_surface *surface;
+    enum gd_format format;
+};
+
+static void content_free(void *state)
+{
+    struct content *content = state;
+    server_surface_release(content->surface);
+    free(content);
+}
+
+/* Upper bound of the bytes of polygons and text together: a double has at most 25 characters, an
  * index 11. */
 static size_t content_cost(const struct gd_mesh *mesh)
 {
@@ -19,19 +32,7 @@ static size_t content_cost(const struct gd_mesh *mesh)
            4096;
 }
 
-struct content {
-    struct server_surface *surface;
-    enum gd_format format;
-};
-
-static void free_content(void *state)
-{
-    struct content *content = state;
-    server_surface_release(content->surface);
-    free(content);
-}
-
-static enum gd_status write_content(const struct content *content, char **bytes, size_t *size)
+static enum gd_status content_write(const struct content *content, char **bytes, size_t *size)
 {
     struct gd_polygons polygons;
     enum gd_status status = gd_mesh_polygons(content->surface->mesh, &polygons);
@@ -41,9 +42,10 @@ static enum gd_status write_content(const struct content *content, char **bytes,
     return status;
 }
 
-static bool send_content(struct server_exchange *exchange)
+static bool content_send(struct server_exchange *exchange)
 {
     const struct content *content = exchange->state;
+    const struct server_record *record = content->surface->record;
     struct server_budget *budget = exchange->host->budget;
     size_t cost = content_cost(content->surface->mesh), size;
     struct proto_problem problem;
@@ -54,7 +56,7 @@ static bool send_content(struct server_exchange *exchange)
         return true;
     }
     exchange->held = cost;
-    enum gd_status status = write_content(content, &bytes, &size);
+    enum gd_status status = content_write(content, &bytes, &size);
     if (status) {
         proto_problem_from_status(&problem, status, NULL);
         server_reply_problem(exchange, &problem);
@@ -62,30 +64,29 @@ static bool send_content(struct server_exchange *exchange)
     }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
-    server_reply_tag(exchange, content->surface->record->etag);
+    server_reply_tag(exchange, record->etag);
     server_reply_header(exchange, "Vary", "Accept");
     server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
-                        content->surface->record->name, gd_format_name(content->format));
+                        record->name, gd_format_name(content->format));
     server_reply_bytes(exchange, 200, gd_format_media_type(content->format), bytes, size);
     return true;
 }
 
-/* Replies without the file when the client has it already, so that it need not be written, or even
- * loaded. */
-static bool is_known(struct server_exchange *exchange)
+/* Replies 304 if the client has the file: then the mesh need not be loaded. */
+static bool content_is_known(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
     struct server_listed listed;
     if (!precondition.if_none_match[0]) return false;
     if (!server_request_record(exchange, &listed)) return true;
-    bool is_same = server_precondition_known(&precondition, listed.record->etag);
-    if (is_same) {
+    bool is_known = server_precondition_known(&precondition, listed.record->etag);
+    if (is_known) {
         server_reply_tag(exchange, listed.record->etag);
         server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
         server_reply_empty(exchange, 304);
     }
     server_listed_release(&listed);
-    return is_same;
+    return is_known;
 }
 
 void server_handle_get_mesh_content(struct server_exchange *exchange)
@@ -98,7 +99,7 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return;
     }
-    if (is_known(exchange)) return;
+    if (content_is_known(exchange)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct content *content = malloc(sizeof *content);
@@ -108,8 +109,8 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
         return;
     }
     *content = (struct content){surface, format};
-    server_exchange_keep(exchange, content, free_content);
-    server_exchange_defer(exchange, send_content, NULL);
+    server_exchange_keep(exchange, content, content_free);
+    server_exchange_defer(exchange, content_send, NULL);
 }
 
 /* --- boundaries ------------------------------------------------------------------------------- */

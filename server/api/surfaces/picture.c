@@ -7,30 +7,28 @@
 
 #include "proto/accept.h"
 #include "proto/picture.h"
-#include "server/work/budgeted_call.h"
-#include "server/query/field_query.h"
-#include "server/query/shortest.h"
-#include "server/query/pair_search.h"
 #include "server/http/reply.h"
-#include "server/query/api.h"
+#include "server/query/field_query.h"
+#include "server/query/pair_search.h"
+#include "server/query/shortest.h"
 
-/* What most pictures take. */
-#define BYTES_A_FACE    100
-#define BYTES_AN_EDGE   32 /* while an isoline is traced */
-#define BYTES_A_PIXEL   32
-#define BYTES_A_PICTURE ((size_t)8 << 20)
+/* bytes that most pictures need */
+#define PICTURE_BYTES   ((size_t)8 << 20)
+#define BYTES_PER_FACE  100
+#define BYTES_PER_EDGE  32 /* while an isoline is traced */
+#define BYTES_PER_PIXEL 32
 
 #define PATH_SHARE 0.3 /* of the work */
-#define WHAT       "the picture"
 
-typedef enum gd_status renderer(const struct gd_picture *picture, const struct gd_control *control,
-                                void **bytes, size_t *size);
-
-struct format {
-    renderer *render;
-    const char *media_type;
-    const char *policy; /* Content-Security-Policy; NULL: as of data */
-};
+static const struct format {
+    const char *name, *media_type;
+    const char *policy; /* Content-Security-Policy; NULL: that of data */
+    enum gd_status (*render)(const struct gd_picture *picture, const struct gd_control *control,
+                             void **bytes, size_t *size);
+} png = {"picture.png", "image/png", NULL, gd_picture_png},
+  /* opened as a page, it may show the image that it embeds and nothing else */
+    svg = {"picture.svg", "image/svg+xml", "default-src 'none'; img-src data:; sandbox",
+           gd_picture_svg};
 
 struct picture {
     struct server_field_query field; /* first */
@@ -38,11 +36,11 @@ struct picture {
     struct proto_located_points stops;
     struct gd_pair_answer route;
     const struct format *format;
-    void *file; /* when it is there */
+    void *file; /* NULL: not rendered yet, or replied */
     size_t size;
 };
 
-static void release(struct server_query *query)
+static void picture_release(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
     free(picture->file);
@@ -52,19 +50,40 @@ static void release(struct server_query *query)
     server_field_query_release(query);
 }
 
-/* --- the path --------------------------------------------------------------------------------- */
+/* --- the question ----------------------------------------------------------------------------- */
 
-static bool refuse_absence(struct proto_problem *problem)
+static bool has_field(const struct picture *picture)
 {
-    return proto_problem_refuse(
-        problem, "to",
-        "no path leads there: the points lie in different components of the mesh; leave out "
-        "from and to, or name others");
+    return picture->wanted.field || picture->wanted.has_source;
 }
 
-/* Leg by leg. */
-static bool find_route(struct picture *picture, const struct server_monitor *whole,
-                       struct proto_problem *problem)
+static enum server_query_turn picture_draw(struct server_field_query *query,
+                                           const struct gd_field *field,
+                                           struct server_monitor *part,
+                                           struct proto_problem *problem);
+
+static bool picture_parse(struct server_query *query, const struct proto_parameters *parameters,
+                          struct proto_problem *problem)
+{
+    struct picture *picture = (struct picture *)query;
+    struct proto_picture *wanted = &picture->wanted;
+    struct proto_set set;
+    picture->format = strcmp(query->kind->name, png.name) == 0 ? &png : &svg;
+    picture->field.answer = picture_draw;
+    if (!proto_picture_parse(parameters, wanted, problem)) return false;
+    if (wanted->stops.count &&
+        !proto_points_locate(query->surface->mesh, &wanted->stops, &picture->stops, problem))
+        return false;
+    if (wanted->field) return server_field_query_of_id(&picture->field, wanted->field, problem);
+    return !wanted->has_source || (proto_set_of_point(&wanted->source, &set, problem) &&
+                                   server_field_query_of_set(&picture->field, &set, 0, problem));
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+/* The path through the stops. */
+static bool picture_find_route(struct picture *picture, const struct server_monitor *whole,
+                               struct proto_problem *problem)
 {
     uint32_t legs = picture->stops.count ? picture->stops.count - 1 : 0;
     for (uint32_t i = 0; i < legs; i++) {
@@ -79,12 +98,14 @@ static bool find_route(struct picture *picture, const struct server_monitor *who
             return false;
         }
     }
-    return !isinf(picture->route.distance) || refuse_absence(problem);
+    return !isinf(picture->route.distance) ||
+           proto_problem_refuse(
+               problem, "to",
+               "no path leads there: the points lie in different components of the mesh; leave out "
+               "from and to, or name others");
 }
 
-/* --- the picture ------------------------------------------------------------------------------ */
-
-static enum gd_status render(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status picture_render(void *user, const struct gd_control *control, size_t *kept)
 {
     struct picture *picture = user;
     enum gd_status status =
@@ -93,100 +114,53 @@ static enum gd_status render(void *user, const struct gd_control *control, size_
     return status;
 }
 
-static size_t grant_of(const struct gd_picture *picture)
+static enum server_query_turn picture_draw(struct server_field_query *field_query,
+                                           const struct gd_field *field,
+                                           struct server_monitor *part,
+                                           struct proto_problem *problem)
 {
-    const struct gd_mesh_summary *summary = gd_mesh_summary(picture->mesh);
-    return BYTES_A_PICTURE + (size_t)picture->width * picture->height * BYTES_A_PIXEL +
-           (size_t)summary->faces * BYTES_A_FACE +
-           (picture->field ? (size_t)summary->edges * BYTES_AN_EDGE : 0);
-}
-
-/* The file's bytes go with the exchange. */
-static enum server_query_turn draw(struct picture *picture, const struct gd_field *field,
-                                   struct server_monitor *part, struct proto_problem *problem)
-{
-    struct server_query *query = &picture->field.query;
+    struct picture *picture = (struct picture *)field_query;
+    struct server_query *query = &field_query->query;
     struct server_monitor first = server_monitor_portion(part, 0, PATH_SHARE),
                           second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
-    if (!find_route(picture, &first, problem)) return SERVER_QUERY_FAILED;
+    const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
+    if (!picture_find_route(picture, &first, problem)) return SERVER_QUERY_FAILED;
     wanted->mesh = query->surface->mesh;
     wanted->field = field;
     wanted->path = picture->route.path.count ? &picture->route.path : NULL;
-    const struct server_budgeted_call call = {.make = render,
-                                              .user = picture,
-                                              .control = server_exchange_control(&second),
-                                              .grant = grant_of(wanted)};
-    enum gd_status status = server_budgeted_call_run(query->exchange->host->workspaces, &call);
-    if (status) return server_query_fail(query, status, WHAT, problem);
+    size_t bytes = PICTURE_BYTES + (size_t)wanted->width * wanted->height * BYTES_PER_PIXEL +
+                   (size_t)summary->faces * BYTES_PER_FACE +
+                   (field ? (size_t)summary->edges * BYTES_PER_EDGE : 0);
+    enum gd_status status = server_query_call(query, &second, picture_render, picture, bytes);
+    if (status) return server_query_fail(query, status, "the picture", problem);
+    query->held -= picture->size; /* the response takes the file over from the exchange */
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;
 }
 
-static enum server_query_turn answer(struct server_field_query *query, const struct gd_field *field,
-                                     struct server_monitor *part, struct proto_problem *problem)
-{
-    return draw((struct picture *)query, field, part, problem);
-}
-
-/* --- the steps -------------------------------------------------------------------------------- */
-
-static bool has_field(const struct picture *picture)
-{
-    return picture->wanted.field || picture->wanted.has_source;
-}
-
-static bool find_field(struct picture *picture, struct proto_problem *problem)
-{
-    struct proto_set set;
-    picture->field.answer = answer;
-    if (picture->wanted.field)
-        return server_field_query_of_id(&picture->field, picture->wanted.field, problem);
-    return !picture->wanted.has_source ||
-           (proto_set_of_point(&picture->wanted.source, &set, problem) &&
-            server_field_query_of_set(&picture->field, &set, 0, problem));
-}
-
-static bool parse(struct server_query *query, const struct proto_parameters *parameters,
-                  struct proto_problem *problem)
-{
-    struct picture *picture = (struct picture *)query;
-    if (!proto_picture_parse(parameters, &picture->wanted, problem)) return false;
-    if (picture->wanted.stops.count &&
-        !proto_points_locate(query->surface->mesh, &picture->wanted.stops, &picture->stops,
-                             problem))
-        return false;
-    return find_field(picture, problem);
-}
-
-static enum server_query_turn glance(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn picture_glance(struct server_query *query,
+                                             struct proto_problem *problem)
 {
     return has_field((struct picture *)query) ? server_field_query_glance(query, problem)
                                               : SERVER_QUERY_AGAIN;
 }
 
-static bool join(struct server_query *query)
+static bool picture_join(struct server_query *query)
 {
     return has_field((struct picture *)query) && server_field_query_join(query);
 }
 
-static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn picture_solve(struct server_query *query,
+                                            struct proto_problem *problem)
 {
     struct picture *picture = (struct picture *)query;
     struct server_monitor whole = server_query_monitor(query, 0, 1);
     if (has_field(picture)) return server_field_query_solve(query, problem);
-    return draw(picture, NULL, &whole, problem);
+    return picture_draw(&picture->field, NULL, &whole, problem);
 }
 
-/* --- the two formats -------------------------------------------------------------------------- */
-
-/* An SVG that is opened as a page may show the image that it embeds, and nothing else. */
-static const struct format png = {gd_picture_png, "image/png", NULL},
-                           svg = {gd_picture_svg, "image/svg+xml",
-                                  "default-src 'none'; img-src data:; sandbox"};
-
-/* Hands the file over. */
-static void reply(struct server_query *query)
+static void picture_reply(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
     void *file = picture->file;
@@ -195,46 +169,32 @@ static void reply(struct server_query *query)
     server_reply_bytes(query->exchange, 200, picture->format->media_type, file, picture->size);
 }
 
-static bool parse_png(struct server_query *query, const struct proto_parameters *parameters,
-                      struct proto_problem *problem)
-{
-    ((struct picture *)query)->format = &png;
-    return parse(query, parameters, problem);
-}
-
-static bool parse_svg(struct server_query *query, const struct proto_parameters *parameters,
-                      struct proto_problem *problem)
-{
-    ((struct picture *)query)->format = &svg;
-    return parse(query, parameters, problem);
-}
+/* --- the two formats -------------------------------------------------------------------------- */
 
 #define PICTURE_STEPS                                                                              \
-    .size = sizeof(struct picture), .parameters = proto_picture_parameters, .glance = glance,      \
-    .join = join, .solve = solve, .reply = reply, .release = release
+    .size = sizeof(struct picture), .parameters = proto_picture_parameters,                        \
+    .parse = picture_parse, .glance = picture_glance, .join = picture_join,                        \
+    .solve = picture_solve, .reply = picture_reply, .release = picture_release
 
-static const struct server_query_kind png_kind = {.name = "picture.png",
-                                                  .parse = parse_png,
-                                                  PICTURE_STEPS},
-                                      svg_kind = {
-                                          .name = "picture.svg", .parse = parse_svg, PICTURE_STEPS};
+static const struct server_query_kind png_kind = {.name = "picture.png", PICTURE_STEPS},
+                                      svg_kind = {.name = "picture.svg", PICTURE_STEPS};
 
-static void handle(struct server_exchange *exchange, const struct server_query_kind *kind,
-                   const struct format *format)
+static void picture_handle(struct server_exchange *exchange, const struct server_query_kind *kind,
+                           const char *media_type)
 {
-    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), format->media_type))
+    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), media_type))
         server_query_handle(exchange, kind);
     else
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                             "the answer is %s, which Accept excludes", format->media_type);
+                             "the answer is %s, which Accept excludes", media_type);
 }
 
 void server_handle_picture_png(struct server_exchange *exchange)
 {
-    handle(exchange, &png_kind, &png);
+    picture_handle(exchange, &png_kind, png.media_type);
 }
 
 void server_handle_picture_svg(struct server_exchange *exchange)
 {
-    handle(exchange, &svg_kind, &svg);
+    picture_handle(exchange, &svg_kind, svg.media_type);
 }

@@ -1,0 +1,262 @@
+/* Evaluate and nearest on smooth surfaces: position and derivatives at many places, and the place
+ * nearest to a point of space. Each has one flow and, for each kind of surface, its steps. */
+#include "server/api/smooth/smooth.h"
+
+#include "proto/jet.h"
+#include "proto/limit_jet.h"
+#include "server/query/api.h"
+#include "server/query/handlers.h"
+#include "server/surfaces/kinds.h"
+#include "server/surfaces/kinds.h"
+
+#define NEAREST_BYTES ((size_t)1 << 20)
+
+enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
+                                          const struct gd_detail *detail, const char *what,
+                                          struct proto_problem *problem)
+{
+    if (status == GD_BUDGET || !detail->text[0])
+        return server_query_fail(query, status, what, problem);
+    if (status == GD_INTERNAL) status = GD_DEGENERATE_FACE;
+    proto_problem_from_status(problem, status, detail);
+    if (status == GD_TOO_LARGE)
+        proto_problem_limit(problem, query->exchange->host->api->config->max_faces);
+    return SERVER_QUERY_FAILED;
+}
+
+static const struct gd_parametric *nurbs_of(const struct server_query *query)
+{
+    return server_nurbs_of(query->surface)->surface;
+}
+
+static const struct gd_subdivision *subdivision_of(const struct server_query *query)
+{
+    return server_subdivision_of(query->surface)->surface;
+}
+
+/* --- evaluate: {"points": [one per place]} ---------------------------------------------------- */
+
+enum { NURBS_ROUND = 64, LIMIT_ROUND = 256 };
+
+struct evaluation {
+    struct server_query query; /* first */
+    union {
+        struct proto_uvs nurbs;
+        struct proto_limit_places limit;
+    } places;
+    uint32_t count;
+    uint32_t quick; /* so many places are evaluated in the HTTP thread */
+    uint32_t round; /* places between two checks of clock and budget */
+    enum gd_status (*write)(struct evaluation *evaluation, uint32_t first, uint32_t count,
+                            const struct gd_control *control);
+    struct gd_detail detail; /* of a failure */
+};
+
+static enum gd_status evaluation_write_round(struct evaluation *evaluation, uint32_t first)
+{
+    uint32_t total = evaluation->count, left = total - first,
+             count = left < evaluation->round ? left : evaluation->round;
+    struct server_monitor monitor =
+        server_query_monitor(&evaluation->query, (double)first / total, (double)count / total);
+    const struct gd_control control = server_exchange_control(&monitor);
+    enum gd_status status = evaluation->write(evaluation, first, count, &control);
+    if (!status) status = server_query_check_draft(&evaluation->query);
+    return status ? status : gd_control_check(&control, 1);
+}
+
+static enum server_query_turn evaluation_solve(struct server_query *query,
+                                               struct proto_problem *problem)
+{
+    struct evaluation *evaluation = (struct evaluation *)query;
+    struct proto_writer *writer = &query->draft;
+    enum gd_status status = GD_OK;
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "points");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < evaluation->count && !status; i += evaluation->round)
+        status = evaluation_write_round(evaluation, i);
+    proto_write_array_end(writer);
+    proto_write_object_end(writer);
+    if (status)
+        return server_smooth_fail(query, status, &evaluation->detail, "the answer", problem);
+    return server_query_end_draft(query, GD_OK, "the answer", problem);
+}
+
+static enum server_query_turn evaluation_glance(struct server_query *query,
+                                                struct proto_problem *problem)
+{
+    const struct evaluation *evaluation = (const struct evaluation *)query;
+    if (evaluation->count > evaluation->quick) return SERVER_QUERY_AGAIN;
+    return evaluation_solve(query, problem);
+}
+
+#define EVALUATION_STEPS                                                                           \
+    .name = "evaluate", .size = sizeof(struct evaluation), .glance = evaluation_glance,            \
+    .solve = evaluation_solve
+
+static enum gd_status nurbs_write(struct evaluation *evaluation, uint32_t first, uint32_t count,
+                                  const struct gd_control *control)
+{
+    struct server_query *query = &evaluation->query;
+    enum gd_status status = GD_OK;
+    (void)control; /* a round takes well below a millisecond */
+    for (uint32_t i = first; i < first + count && !status; i++) {
+        const double *uv = evaluation->places.nurbs.items[i];
+        struct gd_jet jet;
+        status = gd_parametric_evaluate(nurbs_of(query), uv[0], uv[1], &jet);
+        if (!status) proto_jet_encode(&query->draft, &jet, query->options.fields);
+    }
+    return status;
+}
+
+static bool nurbs_decode(struct server_query *query, const json_t *document,
+                         struct proto_problem *problem)
+{
+    struct evaluation *evaluation = (struct evaluation *)query;
+    struct proto_uvs *places = &evaluation->places.nurbs;
+    if (!proto_jets_decode(document, nurbs_of(query), places, problem)) return false;
+    evaluation->count = places->count;
+    evaluation->quick = 8; /* some microseconds each */
+    evaluation->round = NURBS_ROUND;
+    evaluation->write = nurbs_write;
+    return true;
+}
+
+static void nurbs_release(struct server_query *query)
+{
+    proto_uvs_free(&((struct evaluation *)query)->places.nurbs);
+}
+
+void server_handle_nurbs_evaluate(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.fields = proto_jet_fields,
+                                                  .decode = nurbs_decode,
+                                                  .release = nurbs_release,
+                                                  EVALUATION_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first, uint32_t count,
+                                  const struct gd_control *control)
+{
+    struct server_query *query = &evaluation->query;
+    struct gd_limit_jet jets[LIMIT_ROUND];
+    enum gd_status status =
+        gd_limit_evaluate_many(subdivision_of(query), evaluation->places.limit.items + first, count,
+                               control, jets, &evaluation->detail);
+    for (uint32_t i = 0; i < count && !status; i++)
+        proto_limit_jet_encode(&query->draft, &jets[i], query->options.fields);
+    return status;
+}
+
+static bool limit_decode(struct server_query *query, const json_t *document,
+                         struct proto_problem *problem)
+{
+    struct evaluation *evaluation = (struct evaluation *)query;
+    struct proto_limit_places *places = &evaluation->places.limit;
+    if (!proto_limit_jets_decode(document, subdivision_of(query), places, problem)) return false;
+    evaluation->count = places->count;
+    evaluation->quick = 4; /* some microseconds each, ten times that near a vertex */
+    evaluation->round = LIMIT_ROUND;
+    evaluation->write = limit_write;
+    return true;
+}
+
+static void limit_release(struct server_query *query)
+{
+    proto_limit_places_free(&((struct evaluation *)query)->places.limit);
+}
+
+void server_handle_subdivision_evaluate(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.fields = proto_limit_jet_fields,
+                                                  .decode = limit_decode,
+                                                  .release = limit_release,
+                                                  EVALUATION_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+/* --- nearest: the place nearest to {"xyz": …} ------------------------------------------------- */
+
+struct nearest {
+    struct server_query query; /* first */
+    struct gd_vec3 xyz;
+    union {
+        struct gd_parametric_foot nurbs;
+        struct gd_limit_foot limit;
+    } found;
+    struct gd_detail detail; /* of a failure */
+};
+
+static bool nearest_decode(struct server_query *query, const json_t *document,
+                           struct proto_problem *problem)
+{
+    return proto_foot_decode(document, &((struct nearest *)query)->xyz, problem);
+}
+
+static enum server_query_turn nearest_solve(struct server_query *query, server_query_maker *find,
+                                            struct proto_problem *problem)
+{
+    struct nearest *nearest = (struct nearest *)query;
+    struct server_monitor monitor = server_query_monitor(query, 0, 1);
+    enum gd_status status = server_query_call(query, &monitor, find, nearest, NEAREST_BYTES);
+    if (status) return server_smooth_fail(query, status, &nearest->detail, "the search", problem);
+    return SERVER_QUERY_DONE;
+}
+
+#define NEAREST_STEPS .name = "nearest", .size = sizeof(struct nearest), .decode = nearest_decode
+
+static enum gd_status nurbs_find(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct nearest *nearest = user;
+    (void)kept;
+    return gd_parametric_nearest(nurbs_of(&nearest->query), nearest->xyz, control,
+                                 &nearest->found.nurbs, NULL);
+}
+
+static enum server_query_turn nurbs_nearest(struct server_query *query,
+                                            struct proto_problem *problem)
+{
+    return nearest_solve(query, nurbs_find, problem);
+}
+
+static void nurbs_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    proto_foot_encode(writer, &((const struct nearest *)query)->found.nurbs, query->options.fields);
+}
+
+void server_handle_nurbs_nearest(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {
+        .fields = proto_foot_fields, .solve = nurbs_nearest, .encode = nurbs_encode, NEAREST_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+static enum gd_status limit_find(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct nearest *nearest = user;
+    (void)kept;
+    return gd_limit_nearest(subdivision_of(&nearest->query), nearest->xyz, control,
+                            &nearest->found.limit, &nearest->detail);
+}
+
+static enum server_query_turn limit_nearest(struct server_query *query,
+                                            struct proto_problem *problem)
+{
+    return nearest_solve(query, limit_find, problem);
+}
+
+static void limit_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    proto_limit_foot_encode(writer, &((const struct nearest *)query)->found.limit,
+                            query->options.fields);
+}
+
+void server_handle_subdivision_nearest(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.fields = proto_limit_foot_fields,
+                                                  .solve = limit_nearest,
+                                                  .encode = limit_encode,
+                                                  NEAREST_STEPS};
+    server_query_handle(exchange, &kind);
+}

@@ -1,0 +1,333 @@
+/* Geodesics of a subdivision surface, by a worker: distance and shortest path between two places,
+ * on the discretization of a level; traces from a place, on a discretization or on the smooth
+ * surface.
+ */
+#include "server/api/smooth/smooth.h"
+
+#include <math.h>
+
+#include "proto/limit_pair.h"
+#include "proto/limit_trace.h"
+#include "proto/member.h"
+#include "server/query/api.h"
+#include "server/query/handlers.h"
+#include "server/surfaces/kinds.h"
+
+#define SEARCH_BYTES   ((size_t)4 << 20) /* with the traces that straighten the path */
+#define BYTES_PER_EDGE 224               /* as a search on any mesh (pair_search.c) */
+#define TRACE_BYTES    ((size_t)1 << 20) /* of one on the smooth surface */
+#define BUILD_SHARE    0.3               /* of the work, if there is no discretization yet */
+
+static const struct gd_subdivision *subdivision_of(const struct server_query *query)
+{
+    return server_subdivision_of(query->surface)->surface;
+}
+
+/* The discretization of a level, to be released: the query's work up to BUILD_SHARE. */
+static enum gd_status discretization_get(const struct server_query *query, uint32_t level,
+                                         struct server_discretization **out,
+                                         struct gd_detail *detail)
+{
+    struct server_subdivision *subdivision = server_subdivision_of(query->surface);
+    struct server_monitor monitor = server_query_monitor(query, 0, BUILD_SHARE);
+    const struct server_discretization_request request = {.slot = &subdivision->slot,
+                                                          .surface = subdivision->surface,
+                                                          .level = level,
+                                                          .control =
+                                                              server_exchange_control(&monitor),
+                                                          .detail = detail};
+    return server_discretizations_get(query->exchange->host->api->discretizations, &request, out);
+}
+
+/* --- distance, path --------------------------------------------------------------------------- */
+
+struct pair {
+    struct server_query query; /* first */
+    struct proto_limit_pair wanted;
+    struct server_discretization *discretization;
+    struct gd_limit_shortest found;
+    struct gd_detail detail;
+};
+
+static void pair_release(struct server_query *query)
+{
+    struct pair *pair = (struct pair *)query;
+    gd_limit_shortest_free(&pair->found);
+    server_discretization_release(pair->discretization);
+}
+
+static bool pair_decode(struct server_query *query, const json_t *document,
+                        struct proto_problem *problem)
+{
+    return proto_limit_pair_decode(document, subdivision_of(query), &((struct pair *)query)->wanted,
+                                   problem);
+}
+
+static enum gd_status pair_call(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct pair *pair = user;
+    enum gd_status status =
+        gd_limit_shortest_find(pair->discretization->mesh, &pair->wanted.from, &pair->wanted.to,
+                               control, &pair->found, &pair->detail);
+    if (!status) *kept = 2 * (size_t)pair->found.step_count * sizeof *pair->found.steps;
+    return status;
+}
+
+static enum gd_status pair_search(struct pair *pair)
+{
+    struct server_monitor monitor =
+        server_query_monitor(&pair->query, BUILD_SHARE, 1 - BUILD_SHARE);
+    size_t edges = gd_mesh_summary(gd_limit_mesh_mesh(pair->discretization->mesh))->edges;
+    return server_query_call(&pair->query, &monitor, pair_call, pair,
+                             SEARCH_BYTES + edges * BYTES_PER_EDGE);
+}
+
+static enum server_query_turn pair_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct pair *pair = (struct pair *)query;
+    const struct gd_limit_point places[2] = {pair->wanted.from, pair->wanted.to};
+    struct gd_limit_jet jets[2];
+    enum gd_status status =
+        discretization_get(query, pair->wanted.level, &pair->discretization, &pair->detail);
+    if (!status)
+        status =
+            gd_limit_evaluate_many(subdivision_of(query), places, 2, NULL, jets, &pair->detail);
+    if (!status) status = pair_search(pair);
+    if (status) return server_smooth_fail(query, status, &pair->detail, "the search", problem);
+    const struct gd_vec3 ends[2] = {jets[0].position, jets[1].position};
+    proto_limit_pair_encode(&query->draft, &pair->wanted, ends, &pair->found, &query->options);
+    return server_query_end_draft(query, GD_OK, "the answer", problem);
+}
+
+#define PAIR_STEPS                                                                                 \
+    .size = sizeof(struct pair), .decode = pair_decode, .solve = pair_solve, .release = pair_release
+
+void server_handle_subdivision_distance(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {
+        .name = "distance", .fields = proto_limit_distance_fields, PAIR_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+void server_handle_subdivision_path(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {
+        .name = "path", .fields = proto_limit_path_fields, PAIR_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+/* --- trace ------------------------------------------------------------------------------------ */
+
+struct trace {
+    struct server_query query; /* first */
+    struct proto_limit_trace wanted;
+    struct gd_limit_jet jet; /* at the start */
+    struct gd_detail detail;
+    /* On a mesh: */
+    struct server_discretization *discretization;
+    struct gd_point start;
+    uint32_t lanes; /* paths at once */
+    /* On the smooth surface, of the path under way: */
+    struct gd_vec3 direction;
+    struct gd_limit_path path;
+};
+
+static void trace_release(struct server_query *query)
+{
+    struct trace *trace = (struct trace *)query;
+    server_discretization_release(trace->discretization);
+    proto_limit_trace_free(&trace->wanted);
+}
+
+static bool trace_decode(struct server_query *query, const json_t *document,
+                         struct proto_problem *problem)
+{
+    return proto_limit_trace_decode(document, subdivision_of(query),
+                                    &((struct trace *)query)->wanted, problem);
+}
+
+/* The monitor of some of the paths. */
+static struct server_monitor trace_monitor(const struct trace *trace, uint32_t first,
+                                           uint32_t count)
+{
+    double share = (1 - BUILD_SHARE) / trace->wanted.ways.count;
+    return server_query_monitor(&trace->query, BUILD_SHARE + first * share, count * share);
+}
+
+static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_point *place,
+                                     struct gd_limit_jet *out)
+{
+    return gd_limit_evaluate(subdivision_of(&trace->query), place, out, &trace->detail);
+}
+
+/* Takes memory for one path, twice its size since it is copied while it grows; for several at once,
+ * which is faster, if the budget has spare bytes. */
+static enum gd_status mesh_reserve(struct trace *trace)
+{
+    struct server_budget *budget = trace->query.exchange->host->budget;
+    size_t one = 2 * (size_t)trace->wanted.ways.options.step_limit * sizeof(struct gd_point);
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
+    bool has_room =
+        server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, (GD_TRACE_LANES - 1) * one);
+    trace->lanes = has_room ? GD_TRACE_LANES : 1;
+    trace->query.held += trace->lanes * one;
+    return GD_OK;
+}
+
+static enum gd_status mesh_prepare(struct trace *trace)
+{
+    enum gd_status status = discretization_get(&trace->query, trace->wanted.level,
+                                               &trace->discretization, &trace->detail);
+    if (status) return status;
+    const struct gd_limit_mesh *mesh = trace->discretization->mesh;
+    status = gd_limit_mesh_point(mesh, &trace->wanted.start, &trace->start, &trace->detail);
+    trace->wanted.ways.options.normals = gd_limit_mesh_normals(mesh);
+    return status ? status : mesh_reserve(trace);
+}
+
+/* The path of a direction that leads over the boundary: it ends where it starts. */
+static enum gd_status mesh_stay(struct trace *trace, struct gd_vec3 direction,
+                                const struct gd_control *control, struct gd_trace *out)
+{
+    const struct gd_mesh *mesh = gd_limit_mesh_mesh(trace->discretization->mesh);
+    struct gd_direction ahead;
+    enum gd_status status = gd_direction_at_angle(mesh, &trace->start, 0, &ahead, &trace->detail);
+    if (!status)
+        status = gd_trace_follow(mesh, &trace->start, &ahead, 0, &trace->wanted.ways.options,
+                                 control, out, &trace->detail);
+    if (status) return status;
+    out->end = GD_TRACE_END_BOUNDARY;
+    out->direction.xyz = gd_limit_direction(&trace->jet, gd_limit_angle(&trace->jet, direction));
+    return GD_OK;
+}
+
+/* Follows `count` paths; the caller frees all of them, even after an error. */
+static enum gd_status mesh_follow(struct trace *trace, uint32_t first, uint32_t count,
+                                  const struct gd_control *control, struct gd_trace *out)
+{
+    const struct gd_mesh *mesh = gd_limit_mesh_mesh(trace->discretization->mesh);
+    const struct proto_limit_trace *wanted = &trace->wanted;
+    struct gd_direction ahead[GD_TRACE_LANES];
+    struct gd_trace followed[GD_TRACE_LANES];
+    uint32_t path_of[GD_TRACE_LANES], going = 0;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count; i++) out[i] = (struct gd_trace){0};
+    for (uint32_t i = 0; i < count && !status; i++) {
+        struct gd_vec3 direction = proto_limit_trace_direction(wanted, &trace->jet, first + i);
+        status = gd_direction_along(mesh, &trace->start, direction, &ahead[going], &trace->detail);
+        if (!status) path_of[going++] = i;
+        if (status == GD_NOT_ON_SURFACE) status = mesh_stay(trace, direction, control, &out[i]);
+    }
+    if (!status)
+        status = gd_trace_follow_many(mesh, &trace->start, ahead, going, wanted->length,
+                                      &wanted->ways.options, control, followed, &trace->detail);
+    for (uint32_t k = 0; k < going && !status; k++) out[path_of[k]] = followed[k];
+    return status;
+}
+
+static enum gd_status mesh_write(struct trace *trace, uint32_t first, uint32_t count)
+{
+    const struct gd_limit_mesh *mesh = trace->discretization->mesh;
+    struct server_monitor monitor = trace_monitor(trace, first, count);
+    const struct gd_control control = server_exchange_control(&monitor);
+    struct gd_trace paths[GD_TRACE_LANES];
+    enum gd_status status = mesh_follow(trace, first, count, &control, paths);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct gd_path *path = &paths[i].path;
+        struct gd_limit_jet end;
+        if (!status) {
+            struct gd_limit_point place = gd_limit_mesh_place(mesh, &path->points[path->count - 1]);
+            status = trace_evaluate(trace, &place, &end);
+        }
+        if (!status)
+            proto_limit_trace_encode_mesh(&trace->query.draft, mesh, &paths[i], &end,
+                                          trace->query.options.geometry);
+        gd_trace_free(&paths[i]);
+    }
+    return status ? status : gd_control_check(&control, 1);
+}
+
+static enum gd_status smooth_call(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct trace *trace = user;
+    enum gd_status status =
+        gd_limit_trace(subdivision_of(&trace->query), &trace->wanted.start, trace->direction,
+                       trace->wanted.length, control, &trace->path, &trace->detail);
+    if (!status) *kept = 2 * (size_t)trace->path.step_count * sizeof *trace->path.steps;
+    return status;
+}
+
+static enum gd_status smooth_write(struct trace *trace, uint32_t i)
+{
+    struct server_monitor monitor = trace_monitor(trace, i, 1);
+    struct gd_limit_path *path = &trace->path;
+    struct gd_limit_jet end;
+    size_t held = trace->query.held;
+    trace->direction = proto_limit_trace_direction(&trace->wanted, &trace->jet, i);
+    enum gd_status status =
+        server_query_call(&trace->query, &monitor, smooth_call, trace, TRACE_BYTES);
+    if (status) return status;
+    status = trace_evaluate(trace, &path->steps[path->step_count - 1].place, &end);
+    if (!status)
+        proto_limit_trace_encode_smooth(&trace->query.draft, path, &end,
+                                        trace->query.options.geometry);
+    gd_limit_path_free(path);
+    server_query_give(&trace->query, trace->query.held - held);
+    return status;
+}
+
+static enum gd_status trace_write_paths(struct trace *trace)
+{
+    struct proto_writer *writer = &trace->query.draft;
+    bool is_smooth = trace->wanted.smooth;
+    uint32_t total = trace->wanted.ways.count;
+    enum gd_status status = is_smooth ? GD_OK : mesh_prepare(trace);
+    proto_write_key(writer, "paths");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0, count; i < total && !status; i += count) {
+        count = is_smooth ? 1 : total - i < trace->lanes ? total - i : trace->lanes;
+        status = is_smooth ? smooth_write(trace, i) : mesh_write(trace, i, count);
+        if (!status) status = server_query_check_draft(&trace->query);
+    }
+    proto_write_array_end(writer);
+    return status;
+}
+
+static enum server_query_turn trace_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct trace *trace = (struct trace *)query;
+    const struct proto_limit_trace *wanted = &trace->wanted;
+    struct proto_writer *writer = &query->draft;
+    uint32_t fields = query->options.fields;
+    enum gd_status status = trace_evaluate(trace, &wanted->start, &trace->jet);
+    if (!status && isnan(trace->jet.normal.x)) {
+        proto_problem_refuse(
+            problem, "/start",
+            "the surface has no tangent plane there, and so no directions: it is the tip of a "
+            "spike (a corner inside of a smooth surface), or control points "
+            "coincide; start beside it");
+        return SERVER_QUERY_FAILED;
+    }
+    proto_write_object_begin(writer);
+    if (!status && fields & PROTO_LIMIT_TRACE_FIELD_START) {
+        proto_write_key(writer, "start");
+        proto_limit_place_encode(writer, &wanted->start, trace->jet.position);
+    }
+    if (!status && !wanted->smooth && fields & PROTO_LIMIT_TRACE_FIELD_LEVEL)
+        proto_member_uint(writer, "level", wanted->level);
+    if (!status && fields & PROTO_LIMIT_TRACE_FIELD_PATHS) status = trace_write_paths(trace);
+    proto_write_object_end(writer);
+    if (status) return server_smooth_fail(query, status, &trace->detail, "the trace", problem);
+    return server_query_end_draft(query, GD_OK, "the trace", problem);
+}
+
+void server_handle_subdivision_trace(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.name = "trace",
+                                                  .size = sizeof(struct trace),
+                                                  .fields = proto_limit_trace_fields,
+                                                  .decode = trace_decode,
+                                                  .solve = trace_solve,
+                                                  .release = trace_release};
+    server_query_handle(exchange, &kind);
+}

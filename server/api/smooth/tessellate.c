@@ -1,0 +1,409 @@
+/* Tessellate and discretize: a smooth surface becomes a mesh resource whose attachment holds the
+ * place of each vertex on the surface. A worker makes the mesh, the registry's writer stores it.
+ * GET …/parameters (of NURBS) and GET …/places (of subdivision surfaces) read the attachment. */
+#include "server/api/smooth/smooth.h"
+
+#include <assert.h>
+#include <endian.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/discretization.h"
+#include "proto/tessellation.h"
+#include "server/http/reply.h"
+#include "server/query/api.h"
+#include "server/query/derived_mesh.h"
+#include "server/query/handlers.h"
+#include "server/query/request.h"
+#include "server/surfaces/kinds.h"
+#include "server/surfaces/kinds.h"
+
+/* bytes that most calls need */
+#define TESSELLATE_BYTES ((size_t)8 << 20)
+#define DISCRETIZE_BYTES ((size_t)16 << 20)
+
+enum { NUMBERS_MOST = 4, VERTICES_PER_CHECK = 65536 };
+
+/* --- the attachment --------------------------------------------------------------------------- */
+
+/* Stands before the places, one per vertex, in the byte order of this machine. */
+struct head {
+    char word[8]; /* without a NUL */
+    char surface[PROTO_MESH_NAME + 8], etag[SERVER_ETAG + 7];
+    double period[2]; /* NURBS only */
+};
+
+/* The attachments of meshes of one kind of surface. */
+struct format {
+    char word[8];
+    size_t head, item; /* bytes of the head, and of one vertex */
+    uint32_t numbers;  /* of one vertex */
+    void (*read)(const void *item, double *out);
+    const char *maker, *noun;
+};
+
+static void uv_read(const void *item, double *out)
+{
+    memcpy(out, item, 2 * sizeof *out);
+}
+
+static void place_read(const void *item, double *out)
+{
+    const struct gd_limit_point *place = item;
+    out[0] = place->face, out[1] = place->corner, out[2] = place->u, out[3] = place->v;
+}
+
+static const struct format nurbs_format = {.word = {'n', 'u', 'r', 'b', 's', 'u', 'v', '1'},
+                                           .head = sizeof(struct head),
+                                           .item = 2 * sizeof(double),
+                                           .numbers = 2,
+                                           .read = uv_read,
+                                           .maker = "tessellate",
+                                           .noun = "parameters"},
+                           limit_format = {.word = {'l', 'i', 'm', 'i', 't', 'u', 'v', '1'},
+                                           .head = offsetof(struct head, period),
+                                           .item = sizeof(struct gd_limit_point),
+                                           .numbers = 4,
+                                           .read = place_read,
+                                           .maker = "discretize",
+                                           .noun = "places"};
+
+static_assert(offsetof(struct head, period) % _Alignof(struct gd_limit_point) == 0,
+              "places follow their head");
+
+static size_t attachment_size(const struct format *format, uint32_t vertices)
+{
+    return format->head + vertices * format->item;
+}
+
+static void *attachment_items(const struct format *format, const struct head *head)
+{
+    return (char *)head + format->head;
+}
+
+/* --- the mesh --------------------------------------------------------------------------------- */
+
+struct meshing {
+    struct server_query query; /* first */
+    struct proto_tessellation tessellate;
+    struct proto_discretization discretize;
+    struct gd_tessellation *tessellation;
+    struct gd_discretization discretization;
+    struct gd_detail detail;
+    struct server_derived_meshes meshes;
+};
+
+/* How one kind of surface becomes a mesh. */
+struct mesher {
+    const struct format *format;
+    const char *name; /* of the mesh */
+    const struct gd_polygons *polygons;
+    enum gd_status (*write)(const struct meshing *meshing, const struct gd_control *control,
+                            struct head *head);
+};
+
+static void meshing_release(struct server_query *query)
+{
+    struct meshing *meshing = (struct meshing *)query;
+    server_derived_meshes_free(&meshing->meshes);
+    gd_tessellation_release(meshing->tessellation);
+    gd_discretization_free(&meshing->discretization);
+}
+
+/* Adds the mesh. Meanwhile the attachment is in memory twice: derived meshes keep a copy. */
+static bool meshing_add(struct meshing *meshing, const struct mesher *mesher,
+                        struct proto_problem *problem)
+{
+    struct server_exchange *exchange = meshing->query.exchange;
+    const struct server_record *record = meshing->query.surface->record;
+    struct server_budget *budget = exchange->host->budget;
+    size_t size = attachment_size(mesher->format, mesher->polygons->position_count);
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, size))
+        return server_budget_refuse(budget, "the mesh", size, problem);
+    struct head *head = calloc(1, size);
+    struct server_monitor monitor = {.exchange = exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    const struct server_attachment attachment = {head, size};
+    enum gd_status status = GD_NO_MEMORY;
+    if (head) {
+        memcpy(head->word, mesher->format->word, sizeof head->word);
+        strcpy(head->surface, record->name);
+        strcpy(head->etag, record->etag);
+        status = mesher->write(meshing, &control, head);
+    }
+    bool ok = status ? proto_problem_from_status(problem, status, NULL)
+                     : server_derived_meshes_add(&meshing->meshes, mesher->name, mesher->polygons,
+                                                 &attachment, problem);
+    free(head);
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, size);
+    return ok;
+}
+
+/* By the registry's writer: answers as an upload does. */
+static bool meshing_store(struct server_exchange *exchange)
+{
+    struct server_derived_meshes *meshes = &((struct meshing *)exchange->state)->meshes;
+    enum server_store_outcome outcome = server_derived_meshes_store(meshes);
+    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
+        server_request_fail(exchange, outcome);
+        return true;
+    }
+    struct server_surface *mesh = meshes->list[0].surface;
+    const struct server_listed listed = {mesh->record, mesh};
+    server_reply_header(exchange, "Location", "/v1/meshes/%s", mesh->record->name);
+    server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
+    return true;
+}
+
+static enum server_query_turn meshing_end(struct meshing *meshing, const struct mesher *mesher,
+                                          struct proto_problem *problem)
+{
+    struct server_exchange *exchange = meshing->query.exchange;
+    server_derived_meshes_begin(&meshing->meshes, exchange);
+    if (!meshing_add(meshing, mesher, problem)) return SERVER_QUERY_FAILED;
+    (void)server_request_write(exchange, meshing_store);
+    return SERVER_QUERY_PARKED;
+}
+
+static const char *const no_fields[] = {NULL};
+
+#define MESHING_STEPS                                                                              \
+    .size = sizeof(struct meshing), .fields = no_fields, .release = meshing_release
+
+/* --- tessellate ------------------------------------------------------------------------------- */
+
+static bool tessellate_decode(struct server_query *query, const json_t *document,
+                              struct proto_problem *problem)
+{
+    uint32_t max_faces = (uint32_t)query->exchange->host->api->config->max_faces;
+    return proto_tessellation_decode(document, max_faces, &((struct meshing *)query)->tessellate,
+                                     problem);
+}
+
+static enum gd_status tessellate_call(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct meshing *meshing = user;
+    enum gd_status status = gd_tessellation_build(server_nurbs_of(meshing->query.surface)->surface,
+                                                  &meshing->tessellate.options, control,
+                                                  &meshing->tessellation, &meshing->detail);
+    if (!status) *kept = gd_tessellation_memsize(meshing->tessellation);
+    return status;
+}
+
+static enum gd_status tessellate_write(const struct meshing *meshing,
+                                       const struct gd_control *control, struct head *head)
+{
+    const struct gd_tessellation *tessellation = meshing->tessellation;
+    const struct gd_parametric *surface = gd_tessellation_surface(tessellation);
+    const struct gd_axis *axes[] = {gd_parametric_axis_u(surface), gd_parametric_axis_v(surface)};
+    double(*uv)[2] = attachment_items(&nurbs_format, head);
+    uint32_t count = gd_tessellation_polygons(tessellation)->position_count;
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 2; k++)
+        head->period[k] = axes[k]->closed ? axes[k]->high - axes[k]->low : 0;
+    for (uint32_t i = 0; !status && i < count; i++) {
+        if (i % VERTICES_PER_CHECK == 0) status = gd_control_check(control, 0);
+        gd_tessellation_vertex(tessellation, (struct gd_vertex){i}, uv[i]);
+    }
+    return status;
+}
+
+static enum server_query_turn tessellate_solve(struct server_query *query,
+                                               struct proto_problem *problem)
+{
+    struct meshing *meshing = (struct meshing *)query;
+    struct server_monitor monitor = server_query_monitor(query, 0, 0.5);
+    enum gd_status status =
+        server_query_call(query, &monitor, tessellate_call, meshing, TESSELLATE_BYTES);
+    if (status) {
+        server_query_fail(query, status, "the tessellation", problem);
+        if (status != GD_BUDGET) proto_problem_from_status(problem, status, &meshing->detail);
+        if (status == GD_TOO_LARGE) proto_problem_limit(problem, GD_TESSELLATION_FACES_MAX);
+        return SERVER_QUERY_FAILED;
+    }
+    const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh,
+                                  gd_tessellation_polygons(meshing->tessellation),
+                                  tessellate_write};
+    return meshing_end(meshing, &mesher, problem);
+}
+
+void server_handle_nurbs_tessellate(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.name = "tessellate",
+                                                  .decode = tessellate_decode,
+                                                  .solve = tessellate_solve,
+                                                  MESHING_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+/* --- discretize ------------------------------------------------------------------------------- */
+
+static bool discretize_decode(struct server_query *query, const json_t *document,
+                              struct proto_problem *problem)
+{
+    uint32_t max_faces = (uint32_t)query->exchange->host->api->config->max_faces;
+    return proto_discretization_decode(document, server_subdivision_of(query->surface)->surface,
+                                       max_faces, &((struct meshing *)query)->discretize, problem);
+}
+
+static enum gd_status discretize_call(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct meshing *meshing = user;
+    struct gd_discretization *out = &meshing->discretization;
+    enum gd_status status =
+        gd_discretize(server_subdivision_of(meshing->query.surface)->surface,
+                      &meshing->discretize.options, control, out, &meshing->detail);
+    if (!status)
+        *kept = out->polygons.position_count *
+                    (sizeof *out->polygons.positions + sizeof *out->places + sizeof *out->normals) +
+                gd_polygons_corner_count(&out->polygons) * sizeof *out->polygons.corners;
+    return status;
+}
+
+static enum gd_status discretize_write(const struct meshing *meshing,
+                                       const struct gd_control *control, struct head *head)
+{
+    const struct gd_discretization *made = &meshing->discretization;
+    return server_derived_mesh_copy(attachment_items(&limit_format, head), made->places,
+                                    made->polygons.position_count * sizeof *made->places, control);
+}
+
+static enum server_query_turn discretize_solve(struct server_query *query,
+                                               struct proto_problem *problem)
+{
+    struct meshing *meshing = (struct meshing *)query;
+    struct server_monitor monitor = server_query_monitor(query, 0, 0.3);
+    enum gd_status status =
+        server_query_call(query, &monitor, discretize_call, meshing, DISCRETIZE_BYTES);
+    if (status)
+        return server_smooth_fail(query, status, &meshing->detail, "the discretization", problem);
+    const struct mesher mesher = {&limit_format, meshing->discretize.mesh,
+                                  &meshing->discretization.polygons, discretize_write};
+    return meshing_end(meshing, &mesher, problem);
+}
+
+void server_handle_subdivision_discretize(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.name = "discretize",
+                                                  .decode = discretize_decode,
+                                                  .solve = discretize_solve,
+                                                  MESHING_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+/* --- GET …/parameters, GET …/places ----------------------------------------------------------- */
+
+struct reading {
+    struct server_query query; /* first */
+    const struct format *format;
+    const struct head *head;
+    uint32_t count; /* of vertices */
+};
+
+static bool reading_parse(struct server_query *query, const struct format *format,
+                          struct proto_problem *problem)
+{
+    struct reading *reading = (struct reading *)query;
+    const struct server_surface *mesh = query->surface;
+    reading->format = format;
+    reading->head = mesh->attachment;
+    reading->count = gd_mesh_summary(mesh->mesh)->index_count;
+    if (reading->head && mesh->record->attachment_size == attachment_size(format, reading->count) &&
+        memcmp(reading->head->word, format->word, sizeof format->word) == 0)
+        return true;
+    return proto_problem_set(problem, PROTO_PROBLEM_NOT_FOUND,
+                             "the mesh '%s' was not made by %s, so its vertices have no %s",
+                             mesh->record->name, format->maker, format->noun);
+}
+
+static enum server_query_turn reading_solve(struct server_query *query,
+                                            struct proto_problem *problem)
+{
+    (void)query, (void)problem;
+    return SERVER_QUERY_DONE;
+}
+
+/* Each vertex' numbers as little-endian doubles. */
+static size_t reading_bytes(const struct server_query *query, void *out)
+{
+    const struct reading *reading = (const struct reading *)query;
+    const struct format *format = reading->format;
+    const char *item = attachment_items(format, reading->head);
+    uint64_t *at = out;
+    for (uint32_t i = 0; i < reading->count && out; i++, item += format->item) {
+        double numbers[NUMBERS_MOST];
+        format->read(item, numbers);
+        for (uint32_t k = 0; k < format->numbers; k++, at++) {
+            memcpy(at, &numbers[k], sizeof *at);
+            *at = htole64(*at);
+        }
+    }
+    return (size_t)reading->count * format->numbers * sizeof *at;
+}
+
+/* JSON and bytes share one ETag. */
+static unsigned reading_status(struct server_query *query)
+{
+    server_reply_header(query->exchange, "Vary", "Accept");
+    return 200;
+}
+
+#define READING_STEPS                                                                              \
+    .size = sizeof(struct reading), .solve = reading_solve, .bytes = reading_bytes,                \
+    .status = reading_status
+
+static bool parameters_parse(struct server_query *query, const struct proto_parameters *unused,
+                             struct proto_problem *problem)
+{
+    (void)unused;
+    return reading_parse(query, &nurbs_format, problem);
+}
+
+static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct reading *reading = (const struct reading *)query;
+    const struct head *head = reading->head;
+    const struct proto_vertex_parameters out = {.surface = head->surface,
+                                                .etag = head->etag,
+                                                .period = {head->period[0], head->period[1]},
+                                                .uv = attachment_items(&nurbs_format, head),
+                                                .count = reading->count};
+    proto_vertex_parameters_encode(writer, &out, query->options.fields);
+}
+
+void server_handle_get_mesh_parameters(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.name = "parameters",
+                                                  .fields = proto_vertex_parameters_fields,
+                                                  .parse = parameters_parse,
+                                                  .encode = parameters_encode,
+                                                  READING_STEPS};
+    server_query_handle(exchange, &kind);
+}
+
+static bool places_parse(struct server_query *query, const struct proto_parameters *unused,
+                         struct proto_problem *problem)
+{
+    (void)unused;
+    return reading_parse(query, &limit_format, problem);
+}
+
+static void places_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct reading *reading = (const struct reading *)query;
+    const struct proto_vertex_places out = {.surface = reading->head->surface,
+                                            .etag = reading->head->etag,
+                                            .items = attachment_items(&limit_format, reading->head),
+                                            .count = reading->count};
+    proto_vertex_places_encode(writer, &out, query->options.fields);
+}
+
+void server_handle_get_mesh_places(struct server_exchange *exchange)
+{
+    static const struct server_query_kind kind = {.name = "places",
+                                                  .fields = proto_vertex_places_fields,
+                                                  .parse = places_parse,
+                                                  .encode = places_encode,
+                                                  READING_STEPS};
+    server_query_handle(exchange, &kind);
+}
