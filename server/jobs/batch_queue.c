@@ -5,6 +5,12 @@
 #include <stdlib.h>
 #include <time.h>
 
+/* A statement's array of values, and their number. */
+#define VALUES(...)                                                                                \
+    ((const struct server_sql_value[]){__VA_ARGS__}),                                              \
+        (int)(sizeof((const struct server_sql_value[]){__VA_ARGS__}) /                             \
+              sizeof(struct server_sql_value))
+
 const char *const server_batch_queue_tables[] = {
     "CREATE TABLE IF NOT EXISTS batches (id TEXT PRIMARY KEY, tenant TEXT NOT NULL, document BLOB "
     "NOT NULL,"
@@ -17,8 +23,6 @@ const char *const server_batch_queue_tables[] = {
     " answer BLOB, PRIMARY KEY (batch, item)) WITHOUT ROWID",
     "CREATE INDEX IF NOT EXISTS items_waiting ON items (batch, item) WHERE status = 0",
     "CREATE INDEX IF NOT EXISTS batches_of_tenants ON batches (tenant, id)", NULL};
-
-#define COUNT(values) ((int)(sizeof(values) / sizeof((values)[0])))
 
 static int64_t now_ms(void)
 {
@@ -34,35 +38,28 @@ static void copy_text(char *to, size_t size, const struct server_sql_value *valu
 
 /* --- batches ---------------------------------------------------------------------------------- */
 
-/* Items first: those without a batch are nobody's. */
+/* Items first: without a batch nobody claims them. */
 enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
                                                  const struct server_batch_order *order)
 {
     const struct server_sql_value id = server_sql_text(order->batch->id),
                                   items = server_sql_integer(order->batch->items);
-    const struct server_sql_value those[] = {id, items};
-    const struct server_sql_value batch[] = {id,
-                                             server_sql_text(order->tenant),
-                                             server_sql_bytes(order->document, order->size),
-                                             server_sql_text(order->etag),
-                                             items,
-                                             server_sql_integer(order->batch->created)};
     enum server_store_outcome outcome = sql->run(
         sql,
-        SERVER_SQL("WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT "
-                   "number + 1 FROM numbers"
-                   " WHERE number + 1 < $2)"
-                   " INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true ON "
-                   "CONFLICT (batch, item) "
-                   "DO NOTHING",
-                   those, COUNT(those)));
+        SERVER_SQL(
+            "WITH RECURSIVE numbers (number) AS"
+            " (SELECT CAST(0 AS bigint) UNION ALL SELECT number + 1 FROM numbers WHERE number + 1"
+            " < $2) INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true"
+            " ON CONFLICT (batch, item) DO NOTHING",
+            VALUES(id, items)));
     if (outcome) return outcome;
-    return sql->run(
-        sql,
-        SERVER_SQL("INSERT INTO batches (id, tenant, document, etag, items, created) VALUES ($1, "
-                   "$2, $3, $4, $5, $6)"
-                   " ON CONFLICT (id) DO NOTHING",
-                   batch, COUNT(batch)));
+    return sql->run(sql,
+                    SERVER_SQL("INSERT INTO batches (id, tenant, document, etag, items, created)"
+                               " VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (id) DO NOTHING",
+                               VALUES(id, server_sql_text(order->tenant),
+                                      server_sql_bytes(order->document, order->size),
+                                      server_sql_text(order->etag), items,
+                                      server_sql_integer(order->batch->created))));
 }
 
 static bool on_count(void *user, const struct server_sql_value *row)
@@ -74,31 +71,25 @@ static bool on_count(void *user, const struct server_sql_value *row)
 enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
                                                    int64_t *count)
 {
-    const struct server_sql_value whose = server_sql_text(tenant);
     *count = 0;
-    return sql->run(sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1", &whose, 1,
-                                    on_count, count));
+    return sql->run(sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1",
+                                    VALUES(server_sql_text(tenant)), on_count, count));
 }
-
-struct listing {
-    struct server_batch *batches;
-    uint32_t count, most;
-};
 
 static bool on_batch(void *user, const struct server_sql_value *row)
 {
-    struct listing *listing = user;
-    struct server_batch *batch = &listing->batches[listing->count++];
+    struct server_batch_list *list = user;
+    struct server_batch *batch = &list->batches[list->count++];
     *batch = (struct server_batch){.items = row[1].integer,
                                    .created = row[2].integer,
                                    .is_cancelled = row[3].integer != 0,
                                    .done = row[4].integer,
                                    .failed = row[5].integer};
     copy_text(batch->id, sizeof batch->id, &row[0]);
-    return listing->count < listing->most;
+    return list->count < list->most;
 }
 
-#define SHOWN                                                                                      \
+#define SELECT_BATCH                                                                               \
     "SELECT id, items, created, cancelled,"                                                        \
     " (SELECT count(*) FROM items WHERE batch = id AND status > 0),"                               \
     " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
@@ -106,26 +97,22 @@ static bool on_batch(void *user, const struct server_sql_value *row)
 enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
                                                   const char *id, struct server_batch *out)
 {
-    const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(id)};
-    struct listing listing = {out, 0, 1};
-    enum server_store_outcome outcome =
-        sql->run(sql, SERVER_SQL(SHOWN "WHERE tenant = $1 AND id = $2", values, COUNT(values),
-                                 on_batch, &listing));
-    return !outcome && !listing.count ? SERVER_STORE_ABSENT : outcome;
+    struct server_batch_list list = {.batches = out, .most = 1};
+    enum server_store_outcome outcome = sql->run(
+        sql, SERVER_SQL(SELECT_BATCH "WHERE tenant = $1 AND id = $2",
+                        VALUES(server_sql_text(tenant), server_sql_text(id)), on_batch, &list));
+    return !outcome && !list.count ? SERVER_STORE_ABSENT : outcome;
 }
 
 enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
-                                                  const char *after, uint32_t most,
-                                                  struct server_batch *out, uint32_t *count)
+                                                  const char *after, struct server_batch_list *list)
 {
-    const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(after),
-                                              server_sql_integer(most)};
-    struct listing listing = {out, 0, most};
-    enum server_store_outcome outcome =
-        sql->run(sql, SERVER_SQL(SHOWN "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3", values,
-                                 COUNT(values), on_batch, &listing));
-    *count = listing.count;
-    return outcome;
+    list->count = 0;
+    return sql->run(sql,
+                    SERVER_SQL(SELECT_BATCH "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3",
+                               VALUES(server_sql_text(tenant), server_sql_text(after),
+                                      server_sql_integer(list->most)),
+                               on_batch, list));
 }
 
 struct document {
@@ -147,11 +134,10 @@ static bool on_document(void *user, const struct server_sql_value *row)
 enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
                                                       void **document, size_t *size)
 {
-    const struct server_sql_value which = server_sql_text(id);
     struct document found = {0};
     enum server_store_outcome outcome =
-        sql->run(sql, SERVER_SQL("SELECT document FROM batches WHERE id = $1", &which, 1,
-                                 on_document, &found));
+        sql->run(sql, SERVER_SQL("SELECT document FROM batches WHERE id = $1",
+                                 VALUES(server_sql_text(id)), on_document, &found));
     if (outcome) return outcome;
     if (!found.is_there) return SERVER_STORE_ABSENT;
     if (!found.bytes) return SERVER_STORE_NO_MEMORY;
@@ -161,32 +147,29 @@ enum server_store_outcome server_batch_queue_document(struct server_store_sql *s
 }
 
 enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id,
-                                                     int64_t after, uint32_t most,
-                                                     server_sql_visit *visit, void *user)
+                                                     int64_t after, server_sql_visit *visit,
+                                                     void *user)
 {
-    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(after),
-                                              server_sql_integer(most)};
-    return sql->run(
-        sql,
-        SERVER_SQL(
-            "SELECT item, status, answer FROM items WHERE batch = $1 AND item > $2 AND status > 0"
-            " ORDER BY item LIMIT $3",
-            values, COUNT(values), visit, user));
+    return sql->run(sql, SERVER_SQL("SELECT item, status, answer FROM items WHERE batch = $1"
+                                    " AND item > $2 AND status > 0 ORDER BY item LIMIT $3",
+                                    VALUES(server_sql_text(id), server_sql_integer(after),
+                                           server_sql_integer(SERVER_BATCH_ANSWERS)),
+                                    visit, user));
 }
 
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
 {
-    const struct server_sql_value which = server_sql_text(id);
-    return sql->run(sql, SERVER_SQL("UPDATE batches SET cancelled = 1 WHERE id = $1", &which, 1));
+    return sql->run(sql, SERVER_SQL("UPDATE batches SET cancelled = 1 WHERE id = $1",
+                                    VALUES(server_sql_text(id))));
 }
 
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
-    const struct server_sql_value which = server_sql_text(id);
     enum server_store_outcome outcome =
-        sql->run(sql, SERVER_SQL("DELETE FROM batches WHERE id = $1", &which, 1));
-    return outcome ? outcome
-                   : sql->run(sql, SERVER_SQL("DELETE FROM items WHERE batch = $1", &which, 1));
+        sql->run(sql, SERVER_SQL("DELETE FROM batches WHERE id = $1", VALUES(server_sql_text(id))));
+    if (outcome) return outcome;
+    return sql->run(sql,
+                    SERVER_SQL("DELETE FROM items WHERE batch = $1", VALUES(server_sql_text(id))));
 }
 
 /* --- items ------------------------------------------------------------------------------------ */
@@ -208,16 +191,13 @@ static bool on_owner(void *user, const struct server_sql_value *row)
     return false;
 }
 
-/* An item that waits, of the first of those tenants that has one, of its oldest batch; none:
- * `*out` stays as it is. */
-static enum server_store_outcome claim_of(struct server_store_sql *sql, const char *node,
-                                          const char *tenants, const char *after,
-                                          struct server_batch_claim *out)
+/* Claims an item of the oldest batch of the first tenant that the condition admits; leaves `*out`
+ * as it is if there is none. */
+static enum server_store_outcome claim_where(struct server_store_sql *sql, const char *node,
+                                             const char *condition, const char *after,
+                                             struct server_batch_claim *out)
 {
     int64_t now = now_ms();
-    const struct server_sql_value values[] = {server_sql_integer(now),
-                                              server_sql_integer(now + SERVER_BATCH_LEASE),
-                                              server_sql_text(node), server_sql_text(after)};
     char text[1024];
     snprintf(text, sizeof text,
              "WITH oldest AS (SELECT b.id FROM batches b WHERE b.cancelled = 0 AND %s AND EXISTS"
@@ -227,8 +207,12 @@ static enum server_store_outcome claim_of(struct server_store_sql *sql, const ch
              " AND i.status = 0 AND i.lease < $1 ORDER BY i.item LIMIT 1%s)"
              " UPDATE items SET lease = $2, node = $3, attempts = attempts + 1 WHERE status = 0"
              " AND (batch, item) IN (SELECT batch, item FROM next) RETURNING batch, item, attempts",
-             tenants, sql->skip_locked);
-    return sql->run(sql, SERVER_SQL(text, values, COUNT(values), on_claim, out));
+             condition, sql->skip_locked);
+    return sql->run(sql, SERVER_SQL(text,
+                                    VALUES(server_sql_integer(now),
+                                           server_sql_integer(now + SERVER_BATCH_LEASE),
+                                           server_sql_text(node), server_sql_text(after)),
+                                    on_claim, out));
 }
 
 enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
@@ -236,31 +220,30 @@ enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql,
                                                    struct server_batch_claim *out)
 {
     struct server_batch_claim claim = {.id = ""};
-    enum server_store_outcome outcome = claim_of(sql, node, "b.tenant > $4", after, &claim);
-    if (!outcome && !claim.id[0]) outcome = claim_of(sql, node, "b.tenant <= $4", after, &claim);
+    enum server_store_outcome outcome = claim_where(sql, node, "b.tenant > $4", after, &claim);
+    if (!outcome && !claim.id[0]) outcome = claim_where(sql, node, "b.tenant <= $4", after, &claim);
     if (outcome) return outcome;
     if (!claim.id[0]) return SERVER_STORE_ABSENT;
-    const struct server_sql_value which = server_sql_text(claim.id);
-    outcome = sql->run(sql, SERVER_SQL("SELECT tenant, etag FROM batches WHERE id = $1", &which, 1,
-                                       on_owner, &claim));
+    outcome = sql->run(sql, SERVER_SQL("SELECT tenant, etag FROM batches WHERE id = $1",
+                                       VALUES(server_sql_text(claim.id)), on_owner, &claim));
     if (!outcome) *out = claim;
     return outcome;
 }
 
-enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id,
-                                                   int64_t item, const char *node)
+enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
+                                                   const struct server_batch_claim *claim,
+                                                   const char *node)
 {
-    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item),
-                                              server_sql_text(node),
-                                              server_sql_integer(now_ms() + SERVER_BATCH_LEASE)};
     int64_t renewed = -1;
     enum server_store_outcome outcome = sql->run(
         sql,
         SERVER_SQL(
-            "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3 AND status = "
-            "0"
-            " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0) RETURNING item",
-            values, COUNT(values), on_count, &renewed));
+            "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3"
+            " AND status = 0 AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0)"
+            " RETURNING item",
+            VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+                   server_sql_text(node), server_sql_integer(now_ms() + SERVER_BATCH_LEASE)),
+            on_count, &renewed));
     return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
 }
 
@@ -269,16 +252,14 @@ enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql
                                                     const char *node, bool was_tried,
                                                     int64_t pause_ms)
 {
-    const struct server_sql_value values[] = {
-        server_sql_text(claim->id), server_sql_integer(claim->item), server_sql_text(node),
-        server_sql_integer(pause_ms ? now_ms() + pause_ms : 0),
-        server_sql_integer(was_tried ? claim->attempts : claim->attempts - 1)};
-    return sql->run(
-        sql,
-        SERVER_SQL(
-            "UPDATE items SET lease = $4, node = '', attempts = $5 WHERE batch = $1 AND item = $2"
-            " AND node = $3 AND status = 0",
-            values, COUNT(values)));
+    int64_t lease = pause_ms ? now_ms() + pause_ms : 0;
+    int64_t attempts = was_tried ? claim->attempts : claim->attempts - 1;
+    return sql->run(sql,
+                    SERVER_SQL("UPDATE items SET lease = $4, node = '', attempts = $5"
+                               " WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0",
+                               VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+                                      server_sql_text(node), server_sql_integer(lease),
+                                      server_sql_integer(attempts))));
 }
 
 enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql)
@@ -286,15 +267,14 @@ enum server_store_outcome server_batch_queue_return_all(struct server_store_sql 
     return sql->run(sql, SERVER_SQL("UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0"));
 }
 
-enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id,
-                                                    int64_t item, unsigned status,
-                                                    const void *answer, size_t size)
+enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
+                                                    const struct server_batch_claim *claim,
+                                                    unsigned status, const void *answer,
+                                                    size_t size)
 {
-    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item),
-                                              server_sql_integer(status),
-                                              server_sql_bytes(answer, size)};
-    return sql->run(
-        sql, SERVER_SQL("UPDATE items SET status = $3, answer = $4, lease = 0 WHERE batch = $1 AND "
-                        "item = $2 AND status = 0",
-                        values, COUNT(values)));
+    return sql->run(sql,
+                    SERVER_SQL("UPDATE items SET status = $3, answer = $4, lease = 0"
+                               " WHERE batch = $1 AND item = $2 AND status = 0",
+                               VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+                                      server_sql_integer(status), server_sql_bytes(answer, size))));
 }

@@ -1,17 +1,16 @@
 /* Batch queue: batches (proto/many.h) as rows: what they ask, and each item's lease and answer.
- * Whichever daemon has time takes the next item.
+ * Whichever daemon has time claims the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled
  *     items    batch, item, lease, node, attempts, status, answer
  *
- * DESIGN. At least once: who takes an item has it for LEASE, and renews that while it works; the
- * item of one who is gone is taken by another. An answer is written once: the first that comes
- * stays. So each statement can be run again, and a daemon that was slow or cut off does no harm.
- * Leases are in the time of the daemons' own clocks, which may differ by much less than a lease; if
- * they differ by more an item is worked on twice. An item whose daemon has died over it too often
- * is given up.
+ * DESIGN. Each item is worked on at least once. A daemon holds a claimed item for
+ * SERVER_BATCH_LEASE and renews the lease while it works; when the lease of a dead daemon ends,
+ * another one claims the item. The first answer stays. So every statement can be repeated, and a
+ * slow or isolated daemon does no harm. Leases use the daemons' own clocks: if those differ by more
+ * than a lease, an item is worked on twice. After SERVER_BATCH_TRIES attempts an item fails.
  *
- * Thread-safe. Outcomes as sql.h. */
+ * Thread-safe. Outcomes as in sql.h. */
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
 #define SERVER_JOBS_BATCH_QUEUE_H
 
@@ -19,9 +18,10 @@
 #include "server/store/key.h"
 #include "server/store/sql.h"
 
-#define SERVER_BATCH_ID    25    /* with the NUL */
-#define SERVER_BATCH_LEASE 15000 /* ms */
-#define SERVER_BATCH_TRIES 5
+#define SERVER_BATCH_ID      25    /* with the NUL */
+#define SERVER_BATCH_LEASE   15000 /* ms */
+#define SERVER_BATCH_TRIES   5
+#define SERVER_BATCH_ANSWERS 16 /* that are read at once; they may be large */
 
 /* The statements that make the tables in SQLite, NULL-terminated (PostgreSQL's:
  * store/postgres/schema.c). */
@@ -31,45 +31,50 @@ struct server_batch {
     char id[SERVER_BATCH_ID];
     int64_t items, created; /* created: seconds since 1970 */
     bool is_cancelled;
-    int64_t done, failed; /* items that have an answer; those whose answer is a problem */
+    int64_t done, failed; /* items with an answer; those whose answer is a problem */
 };
 
-/* A batch that begins: nothing of it is done. All borrowed. */
+/* A new batch. All borrowed. */
 struct server_batch_order {
-    const struct server_batch *batch; /* its name, items and time */
+    const struct server_batch *batch; /* id, items and time */
     const char *tenant;
-    const void *document; /* as it was sent */
+    const void *document; /* as the client sent it */
     size_t size;
-    const char *etag; /* of the mesh that all items are about, "": of several */
+    const char *etag; /* of the mesh that all items use; "": they use several */
 };
 
-/* Adds a batch. Once: the second time changes nothing. */
+/* Adds a batch; has no effect if it is there. */
 enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
                                                  const struct server_batch_order *order);
 
-/* How many batches the tenant has. */
+/* Counts the tenant's batches. */
 enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
                                                    int64_t *count);
 
-/* The tenant's batch; ABSENT. */
+/* Finds the tenant's batch; ABSENT. */
 enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
                                                   const char *id, struct server_batch *out);
 
-/* Up to `most` of the tenant's batches with ids after `after` ("": from the first). */
-enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
-                                                  const char *after, uint32_t most,
-                                                  struct server_batch *out, uint32_t *count);
+struct server_batch_list {
+    struct server_batch *batches; /* room for `most` */
+    uint32_t most, count;
+};
 
-/* The document of a batch, malloc'ed; ABSENT. */
+/* Lists the tenant's batches with ids above `after` ("": from the first). */
+enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
+                                                  const char *after,
+                                                  struct server_batch_list *list);
+
+/* Reads the document of a batch into memory of malloc; ABSENT. */
 enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
                                                       void **document, size_t *size);
 
-/* Shows the answers of items after `after`, in their order: item, status, answer. */
+/* Visits the next SERVER_BATCH_ANSWERS answers after item `after`, sorted: item, status, answer. */
 enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id,
-                                                     int64_t after, uint32_t most,
-                                                     server_sql_visit *visit, void *user);
+                                                     int64_t after, server_sql_visit *visit,
+                                                     void *user);
 
-/* No more items are begun. */
+/* No more items of the batch are claimed. */
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
 
@@ -78,29 +83,31 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Takes the next item. Tenants take turns: it is of the first tenant behind `after` (the one
- * that the item before was of) that has an item to be done, and of its oldest batch. ABSENT:
- * there is none for now. */
+/* Claims the next item for the daemon `node`. Tenants take turns: the item belongs to the first
+ * tenant above `after`, the last item's, with an item to be done, and to its oldest batch. ABSENT:
+ * there is none now. */
 enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                                    const char *after,
                                                    struct server_batch_claim *out);
 
-/* ABSENT: the item is another's, answered, or not wanted any more. */
-enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id,
-                                                   int64_t item, const char *node);
+/* ABSENT: the item is claimed by another daemon, answered, or cancelled. */
+enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
+                                                   const struct server_batch_claim *claim,
+                                                   const char *node);
 
-/* Gives all items back that are not answered: at the start of the only daemon that there is. */
-enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql);
-
-/* Gives an item back, for whoever has time after `pause_ms`. `was_tried`: the attempt counts. */
+/* Returns an item to the queue, to be claimed after `pause_ms`. `was_tried`: the attempt counts. */
 enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql,
                                                     const struct server_batch_claim *claim,
                                                     const char *node, bool was_tried,
                                                     int64_t pause_ms);
 
-/* The item's answer, unless it has one. */
-enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id,
-                                                    int64_t item, unsigned status,
-                                                    const void *answer, size_t size);
+/* Returns all items without an answer: at the start of a daemon that shares the queue with none. */
+enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql);
+
+/* Writes the item's answer, unless it has one. */
+enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
+                                                    const struct server_batch_claim *claim,
+                                                    unsigned status, const void *answer,
+                                                    size_t size);
 
 #endif

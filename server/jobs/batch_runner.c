@@ -220,8 +220,8 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
         (void)server_batch_queue_return(runner->sql, claim, runner->node, !was_refused,
                                         atomic_load(&runner->is_draining) ? 0 : PAUSE_MS);
         atomic_fetch_add(&runner->returned, 1);
-    } else if (!server_batch_queue_answer(runner->sql, claim->id, claim->item, item->status,
-                                          item->answer, item->size)) {
+    } else if (!server_batch_queue_answer(runner->sql, claim, item->status, item->answer,
+                                          item->size)) {
         atomic_fetch_add(&runner->answered, 1);
     }
 }
@@ -259,7 +259,7 @@ static void runner_renew(struct server_batch_runner *runner)
     struct item *item = runner->items;
     pthread_mutex_unlock(&runner->lock);
     for (; item; item = item->next) {
-        if (server_batch_queue_renew(runner->sql, item->claim.id, item->claim.item, runner->node) !=
+        if (server_batch_queue_renew(runner->sql, &item->claim, runner->node) !=
             SERVER_STORE_ABSENT)
             continue;
         pthread_mutex_lock(&runner->lock);

@@ -15,7 +15,6 @@
 #include "server/store/kind.h"
 
 #define BATCHES_MOST 1000 /* of a tenant */
-#define READ_AT_ONCE 16   /* answers, which may be large */
 
 _Static_assert(SERVER_BATCH_ID == SERVER_JOB_ID, "batches have ids of jobs");
 
@@ -157,23 +156,19 @@ static bool list_batches(struct server_exchange *exchange)
 {
     struct proto_page page;
     struct proto_writer writer;
-    uint32_t count = 0;
+    struct server_batch batches[PROTO_PAGE_MOST + 1];
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql || !server_request_page(exchange, &page)) return true;
-    struct server_batch *batches = calloc(page.limit + 1, sizeof *batches);
-    enum server_store_outcome outcome =
-        batches ? server_batch_queue_list(sql, exchange->tenant, page.after ? page.after : "",
-                                          page.limit + 1, batches, &count)
-                : SERVER_STORE_NO_MEMORY;
-    if (check_outcome(exchange, outcome)) {
-        uint32_t shown = count < page.limit ? count : page.limit;
-        server_reply_writer(exchange, &writer);
-        proto_page_begin(&writer, "batches");
-        for (uint32_t i = 0; i < shown; i++) batch_encode(&writer, &batches[i]);
-        proto_page_end(&writer, count > page.limit ? batches[shown - 1].id : NULL);
-        server_reply_json(exchange, 200, &writer);
-    }
-    free(batches);
+    struct server_batch_list list = {.batches = batches, .most = page.limit + 1};
+    if (!check_outcome(exchange, server_batch_queue_list(sql, exchange->tenant,
+                                                         page.after ? page.after : "", &list)))
+        return true;
+    uint32_t shown = list.count < page.limit ? list.count : page.limit;
+    server_reply_writer(exchange, &writer);
+    proto_page_begin(&writer, "batches");
+    for (uint32_t i = 0; i < shown; i++) batch_encode(&writer, &batches[i]);
+    proto_page_end(&writer, list.count > page.limit ? batches[shown - 1].id : NULL);
+    server_reply_json(exchange, 200, &writer);
     return true;
 }
 
@@ -248,9 +243,8 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
     proto_page_begin(&answers->writer, "results");
     do {
         answers->seen = 0;
-        outcome =
-            server_batch_queue_answers(sql, id, answers->last, READ_AT_ONCE, on_answer, answers);
-    } while (!outcome && answers->seen == READ_AT_ONCE && !answers->is_cut);
+        outcome = server_batch_queue_answers(sql, id, answers->last, on_answer, answers);
+    } while (!outcome && answers->seen == SERVER_BATCH_ANSWERS && !answers->is_cut);
     if (!check_outcome(exchange, outcome)) {
         proto_writer_free(&answers->writer);
         return;

@@ -85,7 +85,9 @@ static struct server_batch find(struct server_store_sql *sql, const char *tenant
 static void answer(struct server_store_sql *sql, const char *id, int64_t item, unsigned status,
                    const char *text)
 {
-    assert_int_equal(server_batch_queue_answer(sql, id, item, status, text, strlen(text)),
+    struct server_batch_claim claim = {.item = item};
+    strcpy(claim.id, id);
+    assert_int_equal(server_batch_queue_answer(sql, &claim, status, text, strlen(text)),
                      SERVER_STORE_DONE);
 }
 
@@ -95,7 +97,7 @@ static void batches_are_their_tenants(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     struct server_batch batch, batches[4];
-    uint32_t count;
+    struct server_batch_list list = {.batches = batches, .most = 4};
     int64_t total;
     void *document;
     size_t size;
@@ -108,12 +110,10 @@ static void batches_are_their_tenants(void **state)
     assert_int_equal(batch.done + batch.failed + batch.is_cancelled, 0);
     assert_int_equal(server_batch_queue_count(sql, "ann", &total), SERVER_STORE_DONE);
     assert_int_equal(total, 2);
-    assert_int_equal(server_batch_queue_list(sql, "ann", "", 4, batches, &count),
-                     SERVER_STORE_DONE);
-    assert_int_equal(count, 2);
-    assert_int_equal(server_batch_queue_list(sql, "ann", ID_A, 4, batches, &count),
-                     SERVER_STORE_DONE);
-    assert_int_equal(count, 1);
+    assert_int_equal(server_batch_queue_list(sql, "ann", "", &list), SERVER_STORE_DONE);
+    assert_int_equal(list.count, 2);
+    assert_int_equal(server_batch_queue_list(sql, "ann", ID_A, &list), SERVER_STORE_DONE);
+    assert_int_equal(list.count, 1);
     assert_string_equal(batches[0].id, ID_B);
     assert_int_equal(server_batch_queue_document(sql, ID_A, &document, &size), SERVER_STORE_DONE);
     assert_int_equal(size, 7);
@@ -172,8 +172,7 @@ static void the_first_answer_stays(void **state)
     answer(sql, ID_A, 2, 404, "no");
     answer(sql, ID_A, 0, 200, "yes");
     answer(sql, ID_A, 0, 200, "again");
-    assert_int_equal(server_batch_queue_answers(sql, ID_A, -1, 10, on_answer, text),
-                     SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_answers(sql, ID_A, -1, on_answer, text), SERVER_STORE_DONE);
     assert_string_equal(text, "0:200:yes 2:404:no ");
     struct server_batch batch = find(sql, "", ID_A);
     assert_int_equal(batch.done, 2);
@@ -186,8 +185,8 @@ static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
     struct server_store_sql *sql = sql_of(state);
     add(sql, ID_A, "", 1);
     struct server_batch_claim taken = claim(sql, "x");
-    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_DONE);
-    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "y"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_renew(sql, &taken, "x"), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_renew(sql, &taken, "y"), SERVER_STORE_ABSENT);
     /* not his */
     assert_int_equal(server_batch_queue_return(sql, &taken, "y", false, 0), SERVER_STORE_DONE);
     assert_int_equal(claim(sql, "y").item, -1);
@@ -195,7 +194,7 @@ static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
     taken = claim(sql, "y");
     assert_int_equal(taken.item, 0);
     assert_int_equal(taken.attempts, 1);
-    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_renew(sql, &taken, "x"), SERVER_STORE_ABSENT);
     assert_int_equal(server_batch_queue_return(sql, &taken, "y", true, 60000), SERVER_STORE_DONE);
     assert_int_equal(claim(sql, "x").item, -1); /* in a minute */
     assert_int_equal(server_batch_queue_return_all(sql), SERVER_STORE_DONE);
@@ -207,11 +206,12 @@ static void what_is_cancelled_is_not_begun(void **state)
     struct server_store_sql *sql = sql_of(state);
     struct server_batch batch;
     add(sql, ID_A, "", 2);
-    assert_int_equal(claim(sql, "x").item, 0);
+    struct server_batch_claim taken = claim(sql, "x");
+    assert_int_equal(taken.item, 0);
     assert_int_equal(server_batch_queue_cancel(sql, ID_A), SERVER_STORE_DONE);
     assert_true(find(sql, "", ID_A).is_cancelled);
     assert_int_equal(claim(sql, "x").item, -1);
-    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_renew(sql, &taken, "x"), SERVER_STORE_ABSENT);
     assert_int_equal(server_batch_queue_remove(sql, ID_A), SERVER_STORE_DONE);
     assert_int_equal(server_batch_queue_find(sql, "", ID_A, &batch), SERVER_STORE_ABSENT);
     assert_int_equal(server_batch_queue_remove(sql, ID_A), SERVER_STORE_DONE);
