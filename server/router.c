@@ -13,19 +13,19 @@
 #include "server/http/reply.h"
 #include "server/query/api.h"
 
-#define QUERY_BODY_LIMIT (UINT64_C(1) << 20) /* bytes of a query's JSON */
-#define BATCH_BODY_LIMIT (UINT64_C(4) << 20) /* of what begins a batch */
-/* larger JSON takes longer to parse than the HTTP thread may be kept */
-#define INLINE_BODY_LIMIT 8192
+/* bytes of the JSON of a query, and of a new batch */
+#define QUERY_BODY_LIMIT  (UINT64_C(1) << 20)
+#define BATCH_BODY_LIMIT  (UINT64_C(4) << 20)
+#define INLINE_BODY_LIMIT 8192 /* larger JSON is parsed by a worker */
 #define CORS_SECONDS      600
-#define SERIALS           4096 /* of requests, that a thread takes at a time */
+#define SERIALS           4096 /* request numbers that a thread reserves at once */
 #define CORS_HEADERS                                                                               \
     "Authorization, Content-Encoding, Content-Type, If-Match, If-None-Match, Prefer, "             \
     "X-Request-Id, traceparent"
 #define REQUEST_ID_CHARACTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
 
-/* Writes the hexadecimal digits of the value; returns their end. */
-static char *print_hex(uint64_t value, char *at)
+/* Writes the hexadecimal digits of the value; returns their end. Faster than snprintf. */
+static char *hex_write(uint64_t value, char *at)
 {
     int digits = 1;
     while (digits < 16 && value >> 4 * digits) digits++;
@@ -34,8 +34,8 @@ static char *print_hex(uint64_t value, char *at)
     return at;
 }
 
-/* The next of the numbers that the thread has taken for itself, many at a time: so threads don't
- * wait for each other's. */
+/* A number that no other request of this process has. Threads share no counter but when they
+ * reserve SERIALS of them. */
 static uint64_t next_serial(void)
 {
     static atomic_uint_least64_t taken;
@@ -45,8 +45,8 @@ static uint64_t next_serial(void)
     return next++;
 }
 
-/* Echoes the client's X-Request-Id, or makes one that no other request of this process has. */
-static void identify(struct server_exchange *exchange)
+/* Takes over the client's X-Request-Id or generates one. */
+static void set_request_id(struct server_exchange *exchange)
 {
     const char *given = server_exchange_header(exchange, "X-Request-Id");
     size_t size = given ? strlen(given) : 0;
@@ -54,9 +54,9 @@ static void identify(struct server_exchange *exchange)
         strcpy(exchange->request_id, given);
         return;
     }
-    char *at = print_hex(exchange->started_ns, exchange->request_id);
+    char *at = hex_write(exchange->started_ns, exchange->request_id);
     *at++ = '-';
-    *print_hex(next_serial(), at) = '\0';
+    *hex_write(next_serial(), at) = '\0';
 }
 
 static bool admit(struct server_exchange *exchange, struct proto_problem *problem)
@@ -73,44 +73,36 @@ static bool admit(struct server_exchange *exchange, struct proto_problem *proble
     return true;
 }
 
-/* A page of a listed origin asks first what it may send. What it may see of answers, reply.c says.
- */
-static void allow_page(struct server_exchange *exchange, const struct proto_problem *problem)
-{
-    if (!exchange->cors_origin ||
-        !server_exchange_header(exchange, "Access-Control-Request-Method"))
-        return;
-    server_reply_header(exchange, "Access-Control-Allow-Methods", "%s", problem->allow);
-    server_reply_header(exchange, "Access-Control-Allow-Headers", "%s", CORS_HEADERS);
-    server_reply_header(exchange, "Access-Control-Max-Age", "%d", CORS_SECONDS);
-}
-
-/* OPTIONS tells what the resource allows, as a 405 would. It needs no key: browsers send none with
- * it. */
+/* Answers OPTIONS with the methods of the resource, and a CORS preflight of a listed origin with
+ * what it may send. No key is needed, since browsers send none. */
 static bool answer_options(struct server_exchange *exchange, const struct proto_problem *problem)
 {
     if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED ||
         !server_exchange_is(exchange, "OPTIONS"))
         return false;
     server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
-    allow_page(exchange, problem);
+    if (exchange->cors_origin &&
+        server_exchange_header(exchange, "Access-Control-Request-Method")) {
+        server_reply_header(exchange, "Access-Control-Allow-Methods", "%s", problem->allow);
+        server_reply_header(exchange, "Access-Control-Allow-Headers", "%s", CORS_HEADERS);
+        server_reply_header(exchange, "Access-Control-Max-Age", "%d", CORS_SECONDS);
+    }
     server_reply_empty(exchange, 204);
     return true;
 }
 
-/* The viewer's files are no operations of the API. */
+/* Answers with a file of the viewer. */
 static bool answer_asset(struct server_exchange *exchange, const struct proto_problem *problem)
 {
-    if (problem->code != PROTO_PROBLEM_NOT_FOUND) return false;
-    if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return false;
-    const struct proto_asset *asset =
-        proto_asset_find(proto_assets, proto_asset_count, exchange->path);
-    if (!asset) return false;
-    server_reply_asset(exchange, asset);
-    return true;
+    const struct proto_asset *asset = NULL;
+    if (problem->code == PROTO_PROBLEM_NOT_FOUND &&
+        (server_exchange_is(exchange, "GET") || server_exchange_is(exchange, "HEAD")))
+        asset = proto_asset_find(proto_assets, proto_asset_count, exchange->path);
+    if (asset) server_reply_asset(exchange, asset);
+    return asset != NULL;
 }
 
-/* A path that does not exist is told only to who may ask. */
+/* Unauthenticated clients get 401, never 404. */
 static bool authorize(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct proto_route *route = exchange->match.route;
@@ -125,7 +117,7 @@ static bool authorize(struct server_exchange *exchange, struct proto_problem *pr
     return true;
 }
 
-/* The codings of the body: none, or gzip. */
+/* Accepts a body without coding or with gzip. */
 static bool prepare_coding(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const char *coding = server_exchange_header(exchange, "Content-Encoding");
@@ -180,12 +172,12 @@ static bool begin(struct server_exchange *exchange, struct proto_problem *proble
 void server_router_begin(struct server_exchange *exchange)
 {
     struct proto_problem problem;
-    identify(exchange);
+    set_request_id(exchange);
     if (!begin(exchange, &problem)) server_reply_problem(exchange, &problem);
     if (!exchange->response.status) exchange->response.close = false;
 }
 
-/* A handler that is run by a worker from its first step on. */
+/* By a worker. */
 static bool run_handler(struct server_exchange *exchange)
 {
     exchange->match.route->handle(exchange);
@@ -195,7 +187,7 @@ static bool run_handler(struct server_exchange *exchange)
 void server_router_dispatch(struct server_exchange *exchange)
 {
     const struct proto_route *route = exchange->match.route;
-    /* the time begins when all is there */
+    /* the timeout starts when the body is read */
     uint64_t now_ns = exchange->body.size ? gd_now_ns() : exchange->started_ns;
     exchange->job.deadline_ns = now_ns + exchange->host->timeout_ms * 1000000;
     if (server_request_follows_first(exchange)) return;

@@ -1,17 +1,16 @@
-/* Router: what happens to a request before and around its handler. */
+/* Router: a request before and around its handler. */
 #ifndef SERVER_ROUTER_H
 #define SERVER_ROUTER_H
 
 #include "server/http/exchange.h"
 
-/* After the headers: identifies, checks the framing, admits, finds the route, decides on the body.
- * If it has replied (response.status is set), a body that was announced is not to be read, and the
- * connection is to be closed. */
+/* After the headers: sets the id, checks framing, Host and Origin, finds the route, checks the key
+ * and decides about the body. If it replies (response.status is set), the body is not to be read
+ * and the connection is to be closed. */
 void server_router_begin(struct server_exchange *exchange);
 
-/* After the body: unless there is a reply already, has the operation done, or makes a job of it
- * when that is what the client prefers. Returns with a reply, or with `work` set: then the exchange
- * is to be submitted. */
+/* After the body: calls the handler, or starts a job if the client prefers that. Returns with a
+ * reply, or with `work` set: then the exchange is to be submitted. */
 void server_router_end(struct server_exchange *exchange);
 
 /* Calls the handler, with a deadline from now on. Returns as server_router_end does. */
