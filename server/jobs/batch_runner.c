@@ -40,9 +40,10 @@ struct server_batch_runner {
     const struct server_config *config;
     struct server_thread *thread;
     pthread_mutex_t lock;
-    struct server_store_sql *sql; /* set once, under the lock; NULL: not opened yet */
-    struct item *items;           /* under the lock; only the thread removes items */
-    atomic_bool cant_open;        /* the last attempt failed */
+    _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL: not opened yet */
+    char path[SERVER_DISK_PATH];            /* of the queue's file; unused with PostgreSQL */
+    struct item *items;                     /* under the lock; only the thread removes items */
+    atomic_bool cant_open;                  /* the last attempt failed */
     atomic_bool is_draining;
     atomic_uint running;
     atomic_uint_least64_t answered, returned;
@@ -56,31 +57,22 @@ struct server_batch_runner {
 
 /* --- the queue's database --------------------------------------------------------------------- */
 
-static void local_path(const struct server_config *config, char path[SERVER_DISK_PATH])
-{
-    if (config->store == SERVER_STORE_KIND_MEMORY)
-        strcpy(path, ":memory:");
-    else
-        snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_SQL_BATCHES, config->data_dir);
-}
-
 /* Under the lock. */
 static void runner_open(struct server_batch_runner *runner, char *error, size_t error_size)
 {
-    char path[SERVER_DISK_PATH];
     snprintf(error, error_size, "out of memory");
     if (runner->config->store == SERVER_STORE_KIND_POSTGRES) {
         runner->sql = server_store_sql_postgres_open(runner->config->store_url);
         return;
     }
-    local_path(runner->config, path);
-    runner->sql = server_store_sql_local_open(path, server_batch_queue_tables, error, error_size);
-    if (runner->sql) {
-        (void)server_batch_queue_return_all(runner->sql); /* of a daemon that has ended */
-        atomic_store(&runner->cant_open, false);
-    } else if (!atomic_exchange(&runner->cant_open, true)) {
+    struct server_store_sql *sql =
+        server_store_sql_local_open(runner->path, server_batch_queue_tables, error, error_size);
+    if (sql)
+        (void)server_batch_queue_return_all(sql); /* items of a daemon that has ended */
+    else if (!atomic_load(&runner->cant_open))
         server_log_message(SERVER_LOG_ERROR, "batches_unavailable", "%s", error);
-    }
+    atomic_store(&runner->cant_open, !sql);
+    runner->sql = sql;
 }
 
 struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *runner, char *error,
@@ -88,24 +80,19 @@ struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *run
 {
     pthread_mutex_lock(&runner->lock);
     if (!runner->sql) runner_open(runner, error, error_size);
-    struct server_store_sql *sql = runner->sql;
     pthread_mutex_unlock(&runner->lock);
-    return sql;
+    return runner->sql;
 }
 
 /* Opens the queue if there is one. A folder that never had a batch has no database, and this
  * creates none. */
 static bool runner_has_queue(struct server_batch_runner *runner)
 {
-    char path[SERVER_DISK_PATH], error[256];
-    const struct server_config *config = runner->config;
-    pthread_mutex_lock(&runner->lock);
-    bool is_open = runner->sql != NULL;
-    pthread_mutex_unlock(&runner->lock);
-    if (is_open) return true;
-    if (config->store == SERVER_STORE_KIND_MEMORY) return false;
-    local_path(config, path);
-    if (config->store == SERVER_STORE_KIND_LOCAL && !server_disk_exists(path)) return false;
+    char error[256];
+    enum server_store_kind store = runner->config->store;
+    if (runner->sql) return true;
+    if (store == SERVER_STORE_KIND_MEMORY) return false;
+    if (store == SERVER_STORE_KIND_LOCAL && !server_disk_exists(runner->path)) return false;
     return server_batch_runner_sql(runner, error, sizeof error) != NULL;
 }
 
@@ -226,22 +213,17 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
-/* Removes an answered item from the list; NULL: there is none. */
-static struct item *runner_take_answered(struct server_batch_runner *runner)
-{
-    pthread_mutex_lock(&runner->lock);
-    struct item **link = &runner->items;
-    while (*link && !(*link)->status) link = &(*link)->next;
-    struct item *item = *link;
-    if (item) *link = item->next;
-    pthread_mutex_unlock(&runner->lock);
-    return item;
-}
-
+/* Settles all answered items. */
 static void runner_settle(struct server_batch_runner *runner)
 {
-    struct item *item;
-    while ((item = runner_take_answered(runner))) {
+    for (;;) {
+        pthread_mutex_lock(&runner->lock);
+        struct item **link = &runner->items;
+        while (*link && !(*link)->status) link = &(*link)->next;
+        struct item *item = *link;
+        if (item) *link = item->next;
+        pthread_mutex_unlock(&runner->lock);
+        if (!item) return;
         item_settle(runner, item);
         atomic_fetch_sub(&runner->running, 1);
         free(item->answer);
@@ -358,6 +340,8 @@ struct server_batch_runner *server_batch_runner_create(struct server_host *host,
     if (!runner) return NULL;
     runner->host = host;
     runner->config = config;
+    snprintf(runner->path, sizeof runner->path, "%s/" SERVER_SQL_BATCHES, config->data_dir);
+    if (config->store == SERVER_STORE_KIND_MEMORY) strcpy(runner->path, ":memory:");
     (void)server_job_id_create(runner->node);
     pthread_mutex_init(&runner->lock, NULL);
     (void)runner_has_queue(runner); /* damage shows before the first batch */
@@ -385,9 +369,10 @@ void server_batch_runner_destroy(struct server_batch_runner *runner)
 {
     if (!runner) return;
     server_thread_stop(runner->thread);
-    if (runner->sql) {
+    struct server_store_sql *sql = runner->sql;
+    if (sql) {
         runner_settle(runner);
-        runner->sql->close(runner->sql);
+        sql->close(sql);
     }
     proto_many_free(&runner->many);
     pthread_mutex_destroy(&runner->lock);

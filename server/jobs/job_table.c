@@ -61,16 +61,11 @@ struct server_deferred_job *server_deferred_job_retain(struct server_deferred_jo
     return job;
 }
 
-static void answer_uncount(struct server_job_table *table, size_t bytes)
-{
-    server_budget_give(table->host->budget, SERVER_BUDGET_JOBS, bytes);
-    atomic_fetch_sub(&table->held, bytes);
-}
-
 void server_deferred_job_release(struct server_deferred_job *job)
 {
     if (!job || atomic_fetch_sub(&job->references, 1) != 1) return;
-    answer_uncount(job->table, job->held);
+    atomic_fetch_sub(&job->table->held, job->held);
+    server_budget_give(job->table->host->budget, SERVER_BUDGET_JOBS, job->held);
     server_budget_give(job->table->host->budget, SERVER_BUDGET_RECORDS, job->own);
     free(job->body);
     free(job->header_values);
@@ -224,22 +219,14 @@ static void answer_count(struct server_deferred_job *job, size_t bytes)
     job->held = bytes;
 }
 
-/* Under the lock: drops ended jobs until so many bytes fit. */
-static bool answer_make_room(struct server_deferred_job *job, size_t bytes)
-{
-    struct server_job_table *table = job->table;
-    if (bytes > table->limits.answer_bytes || !job->usage) return false;
-    while (atomic_load(&table->held) + bytes > table->limits.answer_bytes)
-        if (!table_evict(table, SERVER_JOB_UNIT_BYTES, job->usage, bytes)) return false;
-    return true;
-}
-
-/* Counts the bytes of the job's answer, which the job holds then. */
+/* Drops ended jobs until the bytes of the job's answer fit, and counts them. False: no room. */
 static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
 {
     struct server_job_table *table = job->table;
     pthread_mutex_lock(&table->lock);
-    bool fits = answer_make_room(job, bytes);
+    bool fits = bytes <= table->limits.answer_bytes && job->usage;
+    while (fits && atomic_load(&table->held) + bytes > table->limits.answer_bytes)
+        fits = table_evict(table, SERVER_JOB_UNIT_BYTES, job->usage, bytes);
     if (fits) {
         atomic_fetch_add(&table->held, bytes);
         answer_count(job, bytes);

@@ -20,15 +20,17 @@
 
 #define PATH_SHARE 0.3 /* of the work */
 
-static const struct format {
+struct format {
     const char *name, *media_type;
     const char *policy; /* Content-Security-Policy; NULL: that of data */
     enum gd_status (*render)(const struct gd_picture *picture, const struct gd_control *control,
                              void **bytes, size_t *size);
-} png = {"picture.png", "image/png", NULL, gd_picture_png},
-  /* opened as a page, it may show the image that it embeds and nothing else */
-    svg = {"picture.svg", "image/svg+xml", "default-src 'none'; img-src data:; sandbox",
-           gd_picture_svg};
+};
+
+/* An SVG that is opened as a page may show the image that it embeds and nothing else. */
+static const struct format png = {"picture.png", "image/png", NULL, gd_picture_png},
+                           svg = {"picture.svg", "image/svg+xml",
+                                  "default-src 'none'; img-src data:; sandbox", gd_picture_svg};
 
 struct picture {
     struct server_field_query field; /* first */
