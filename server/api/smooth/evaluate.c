@@ -36,7 +36,17 @@ static const struct gd_subdivision *subdivision_of(const struct server_query *qu
 
 /* --- evaluate: {"points": [one per place]} ---------------------------------------------------- */
 
-enum { NURBS_ROUND = 64, LIMIT_ROUND = 256 };
+enum { LIMIT_ROUND = 256 };
+
+struct evaluation;
+
+struct evaluator {
+    struct server_query_kind kind; /* first */
+    uint32_t quick;                /* so many places are evaluated in the HTTP thread */
+    uint32_t round;                /* places between two checks of clock and budget */
+    enum gd_status (*write)(struct evaluation *evaluation, uint32_t first, uint32_t count,
+                            const struct gd_control *control);
+};
 
 struct evaluation {
     struct server_query query; /* first */
@@ -45,21 +55,23 @@ struct evaluation {
         struct proto_limit_places limit;
     } places;
     uint32_t count;
-    uint32_t quick; /* so many places are evaluated in the HTTP thread */
-    uint32_t round; /* places between two checks of clock and budget */
-    enum gd_status (*write)(struct evaluation *evaluation, uint32_t first, uint32_t count,
-                            const struct gd_control *control);
     struct gd_detail detail; /* of a failure */
 };
 
+static const struct evaluator *evaluator_of(const struct server_query *query)
+{
+    return (const struct evaluator *)query->kind;
+}
+
 static enum gd_status evaluation_write_round(struct evaluation *evaluation, uint32_t first)
 {
+    const struct evaluator *by = evaluator_of(&evaluation->query);
     uint32_t total = evaluation->count, left = total - first,
-             count = left < evaluation->round ? left : evaluation->round;
+             count = left < by->round ? left : by->round;
     struct server_monitor monitor =
         server_query_monitor(&evaluation->query, (double)first / total, (double)count / total);
     const struct gd_control control = server_exchange_control(&monitor);
-    enum gd_status status = evaluation->write(evaluation, first, count, &control);
+    enum gd_status status = by->write(evaluation, first, count, &control);
     if (!status) status = server_query_check_draft(&evaluation->query);
     return status ? status : gd_control_check(&control, 1);
 }
@@ -73,7 +85,7 @@ static enum server_query_turn evaluation_solve(struct server_query *query,
     proto_write_object_begin(writer);
     proto_write_key(writer, "points");
     proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < evaluation->count && !status; i += evaluation->round)
+    for (uint32_t i = 0; i < evaluation->count && !status; i += evaluator_of(query)->round)
         status = evaluation_write_round(evaluation, i);
     proto_write_array_end(writer);
     proto_write_object_end(writer);
@@ -85,8 +97,7 @@ static enum server_query_turn evaluation_solve(struct server_query *query,
 static enum server_query_turn evaluation_glance(struct server_query *query,
                                                 struct proto_problem *problem)
 {
-    const struct evaluation *evaluation = (const struct evaluation *)query;
-    if (evaluation->count > evaluation->quick) return SERVER_QUERY_AGAIN;
+    if (((struct evaluation *)query)->count > evaluator_of(query)->quick) return SERVER_QUERY_AGAIN;
     return evaluation_solve(query, problem);
 }
 
@@ -116,9 +127,6 @@ static bool nurbs_decode(struct server_query *query, const json_t *document,
     struct proto_uvs *places = &evaluation->places.nurbs;
     if (!proto_jets_decode(document, nurbs_of(query), places, problem)) return false;
     evaluation->count = places->count;
-    evaluation->quick = 8; /* some microseconds each */
-    evaluation->round = NURBS_ROUND;
-    evaluation->write = nurbs_write;
     return true;
 }
 
@@ -129,11 +137,14 @@ static void nurbs_release(struct server_query *query)
 
 void server_handle_nurbs_evaluate(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {.fields = proto_jet_fields,
-                                                  .decode = nurbs_decode,
-                                                  .release = nurbs_release,
-                                                  EVALUATION_STEPS};
-    server_query_handle(exchange, &kind);
+    static const struct evaluator evaluator = {.kind = {.fields = proto_jet_fields,
+                                                        .decode = nurbs_decode,
+                                                        .release = nurbs_release,
+                                                        EVALUATION_STEPS},
+                                               .quick = 8, /* some microseconds each */
+                                               .round = 64,
+                                               .write = nurbs_write};
+    server_query_handle(exchange, &evaluator.kind);
 }
 
 static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first, uint32_t count,
@@ -156,9 +167,6 @@ static bool limit_decode(struct server_query *query, const json_t *document,
     struct proto_limit_places *places = &evaluation->places.limit;
     if (!proto_limit_jets_decode(document, subdivision_of(query), places, problem)) return false;
     evaluation->count = places->count;
-    evaluation->quick = 4; /* some microseconds each, ten times that near a vertex */
-    evaluation->round = LIMIT_ROUND;
-    evaluation->write = limit_write;
     return true;
 }
 
@@ -169,14 +177,22 @@ static void limit_release(struct server_query *query)
 
 void server_handle_subdivision_evaluate(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {.fields = proto_limit_jet_fields,
-                                                  .decode = limit_decode,
-                                                  .release = limit_release,
-                                                  EVALUATION_STEPS};
-    server_query_handle(exchange, &kind);
+    static const struct evaluator evaluator = {.kind = {.fields = proto_limit_jet_fields,
+                                                        .decode = limit_decode,
+                                                        .release = limit_release,
+                                                        EVALUATION_STEPS},
+                                               .quick = 4, /* slower near a vertex */
+                                               .round = LIMIT_ROUND,
+                                               .write = limit_write};
+    server_query_handle(exchange, &evaluator.kind);
 }
 
 /* --- nearest: the place nearest to {"xyz": …} ------------------------------------------------- */
+
+struct finder {
+    struct server_query_kind kind; /* first */
+    server_query_maker *find;
+};
 
 struct nearest {
     struct server_query query; /* first */
@@ -194,17 +210,20 @@ static bool nearest_decode(struct server_query *query, const json_t *document,
     return proto_foot_decode(document, &((struct nearest *)query)->xyz, problem);
 }
 
-static enum server_query_turn nearest_solve(struct server_query *query, server_query_maker *find,
+static enum server_query_turn nearest_solve(struct server_query *query,
                                             struct proto_problem *problem)
 {
     struct nearest *nearest = (struct nearest *)query;
+    server_query_maker *find = ((const struct finder *)query->kind)->find;
     struct server_monitor monitor = server_query_monitor(query, 0, 1);
     enum gd_status status = server_query_call(query, &monitor, find, nearest, NEAREST_BYTES);
     if (status) return server_smooth_fail(query, status, &nearest->detail, "the search", problem);
     return SERVER_QUERY_DONE;
 }
 
-#define NEAREST_STEPS .name = "nearest", .size = sizeof(struct nearest), .decode = nearest_decode
+#define NEAREST_STEPS                                                                              \
+    .name = "nearest", .size = sizeof(struct nearest), .decode = nearest_decode,                   \
+    .solve = nearest_solve
 
 static enum gd_status nurbs_find(void *user, const struct gd_control *control, size_t *kept)
 {
@@ -214,12 +233,6 @@ static enum gd_status nurbs_find(void *user, const struct gd_control *control, s
                                  &nearest->found.nurbs, NULL);
 }
 
-static enum server_query_turn nurbs_nearest(struct server_query *query,
-                                            struct proto_problem *problem)
-{
-    return nearest_solve(query, nurbs_find, problem);
-}
-
 static void nurbs_encode(const struct server_query *query, struct proto_writer *writer)
 {
     proto_foot_encode(writer, &((const struct nearest *)query)->found.nurbs, query->options.fields);
@@ -227,9 +240,9 @@ static void nurbs_encode(const struct server_query *query, struct proto_writer *
 
 void server_handle_nurbs_nearest(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {
-        .fields = proto_foot_fields, .solve = nurbs_nearest, .encode = nurbs_encode, NEAREST_STEPS};
-    server_query_handle(exchange, &kind);
+    static const struct finder finder = {
+        {.fields = proto_foot_fields, .encode = nurbs_encode, NEAREST_STEPS}, nurbs_find};
+    server_query_handle(exchange, &finder.kind);
 }
 
 static enum gd_status limit_find(void *user, const struct gd_control *control, size_t *kept)
@@ -240,12 +253,6 @@ static enum gd_status limit_find(void *user, const struct gd_control *control, s
                             &nearest->found.limit, &nearest->detail);
 }
 
-static enum server_query_turn limit_nearest(struct server_query *query,
-                                            struct proto_problem *problem)
-{
-    return nearest_solve(query, limit_find, problem);
-}
-
 static void limit_encode(const struct server_query *query, struct proto_writer *writer)
 {
     proto_limit_foot_encode(writer, &((const struct nearest *)query)->found.limit,
@@ -254,9 +261,7 @@ static void limit_encode(const struct server_query *query, struct proto_writer *
 
 void server_handle_subdivision_nearest(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {.fields = proto_limit_foot_fields,
-                                                  .solve = limit_nearest,
-                                                  .encode = limit_encode,
-                                                  NEAREST_STEPS};
-    server_query_handle(exchange, &kind);
+    static const struct finder finder = {
+        {.fields = proto_limit_foot_fields, .encode = limit_encode, NEAREST_STEPS}, limit_find};
+    server_query_handle(exchange, &finder.kind);
 }

@@ -18,13 +18,20 @@ struct search {
     struct gd_detail detail;
 };
 
+struct operation {
+    struct server_query_kind kind; /* first */
+    const struct proto_geodesic_form *form;
+};
+
 /* A surface without a tessellation has no paths; the problem says why. */
 static bool search_decode(struct server_query *query, const json_t *document,
-                          const struct proto_geodesic_form *form, struct proto_problem *problem)
+                          struct proto_problem *problem)
 {
+    const struct operation *operation = (const struct operation *)query->kind;
     const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
     if (nurbs->tessellation)
-        return proto_geodesic_decode(document, form, &((struct search *)query)->wanted, problem);
+        return proto_geodesic_decode(document, operation->form, &((struct search *)query)->wanted,
+                                     problem);
     proto_problem_set(
         problem, PROTO_PROBLEM_INVALID_MESH,
         "shortest paths are first looked for on a tessellation, and this surface has none: %s",
@@ -109,44 +116,26 @@ static void search_release(struct server_query *query)
 /* --- the three operations --------------------------------------------------------------------- */
 
 #define SEARCH_STEPS                                                                               \
-    .size = sizeof(struct search), .fields = proto_geodesic_fields, .solve = search_solve,         \
-    .release = search_release
-
-static bool points_decode(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
-{
-    return search_decode(query, document, &proto_geodesic_between_points, problem);
-}
+    .size = sizeof(struct search), .fields = proto_geodesic_fields, .decode = search_decode,       \
+    .solve = search_solve, .release = search_release
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {
-        .name = "geodesic", .decode = points_decode, SEARCH_STEPS};
-    server_query_handle(exchange, &kind);
-}
-
-static bool point_curve_decode(struct server_query *query, const json_t *document,
-                               struct proto_problem *problem)
-{
-    return search_decode(query, document, &proto_geodesic_to_curve, problem);
+    static const struct operation operation = {{.name = "geodesic", SEARCH_STEPS},
+                                               &proto_geodesic_between_points};
+    server_query_handle(exchange, &operation.kind);
 }
 
 void server_handle_nurbs_point_curve_distance(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {
-        .name = "point-curve-distance", .decode = point_curve_decode, SEARCH_STEPS};
-    server_query_handle(exchange, &kind);
-}
-
-static bool curves_decode(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
-{
-    return search_decode(query, document, &proto_geodesic_between_curves, problem);
+    static const struct operation operation = {{.name = "point-curve-distance", SEARCH_STEPS},
+                                               &proto_geodesic_to_curve};
+    server_query_handle(exchange, &operation.kind);
 }
 
 void server_handle_nurbs_curve_distance(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {
-        .name = "curve-distance", .decode = curves_decode, SEARCH_STEPS};
-    server_query_handle(exchange, &kind);
+    static const struct operation operation = {{.name = "curve-distance", SEARCH_STEPS},
+                                               &proto_geodesic_between_curves};
+    server_query_handle(exchange, &operation.kind);
 }

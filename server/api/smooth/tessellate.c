@@ -293,6 +293,11 @@ void server_handle_subdivision_discretize(struct server_exchange *exchange)
 
 /* --- GET …/parameters, GET …/places ----------------------------------------------------------- */
 
+struct reader {
+    struct server_query_kind kind; /* first */
+    const struct format *format;
+};
+
 struct reading {
     struct server_query query; /* first */
     const struct format *format;
@@ -300,11 +305,13 @@ struct reading {
     uint32_t count; /* of vertices */
 };
 
-static bool reading_parse(struct server_query *query, const struct format *format,
+static bool reading_parse(struct server_query *query, const struct proto_parameters *parameters,
                           struct proto_problem *problem)
 {
     struct reading *reading = (struct reading *)query;
+    const struct format *format = ((const struct reader *)query->kind)->format;
     const struct server_surface *mesh = query->surface;
+    (void)parameters; /* there are none */
     reading->format = format;
     reading->head = mesh->attachment;
     reading->count = gd_mesh_summary(mesh->mesh)->index_count;
@@ -349,15 +356,8 @@ static unsigned reading_status(struct server_query *query)
 }
 
 #define READING_STEPS                                                                              \
-    .size = sizeof(struct reading), .solve = reading_solve, .bytes = reading_bytes,                \
-    .status = reading_status
-
-static bool parameters_parse(struct server_query *query, const struct proto_parameters *unused,
-                             struct proto_problem *problem)
-{
-    (void)unused;
-    return reading_parse(query, &nurbs_format, problem);
-}
+    .size = sizeof(struct reading), .parse = reading_parse, .solve = reading_solve,                \
+    .bytes = reading_bytes, .status = reading_status
 
 static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
 {
@@ -373,19 +373,12 @@ static void parameters_encode(const struct server_query *query, struct proto_wri
 
 void server_handle_get_mesh_parameters(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {.name = "parameters",
-                                                  .fields = proto_vertex_parameters_fields,
-                                                  .parse = parameters_parse,
-                                                  .encode = parameters_encode,
-                                                  READING_STEPS};
-    server_query_handle(exchange, &kind);
-}
-
-static bool places_parse(struct server_query *query, const struct proto_parameters *unused,
-                         struct proto_problem *problem)
-{
-    (void)unused;
-    return reading_parse(query, &limit_format, problem);
+    static const struct reader reader = {{.name = "parameters",
+                                          .fields = proto_vertex_parameters_fields,
+                                          .encode = parameters_encode,
+                                          READING_STEPS},
+                                         &nurbs_format};
+    server_query_handle(exchange, &reader.kind);
 }
 
 static void places_encode(const struct server_query *query, struct proto_writer *writer)
@@ -400,10 +393,10 @@ static void places_encode(const struct server_query *query, struct proto_writer 
 
 void server_handle_get_mesh_places(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {.name = "places",
-                                                  .fields = proto_vertex_places_fields,
-                                                  .parse = places_parse,
-                                                  .encode = places_encode,
-                                                  READING_STEPS};
-    server_query_handle(exchange, &kind);
+    static const struct reader reader = {{.name = "places",
+                                          .fields = proto_vertex_places_fields,
+                                          .encode = places_encode,
+                                          READING_STEPS},
+                                         &limit_format};
+    server_query_handle(exchange, &reader.kind);
 }

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "proto/accept.h"
 #include "proto/picture.h"
@@ -21,23 +20,18 @@
 #define PATH_SHARE 0.3 /* of the work */
 
 struct format {
-    const char *name, *media_type;
+    struct server_query_kind kind; /* first */
+    const char *media_type;
     const char *policy; /* Content-Security-Policy; NULL: that of data */
     enum gd_status (*render)(const struct gd_picture *picture, const struct gd_control *control,
                              void **bytes, size_t *size);
 };
-
-/* An SVG that is opened as a page may show the image that it embeds and nothing else. */
-static const struct format png = {"picture.png", "image/png", NULL, gd_picture_png},
-                           svg = {"picture.svg", "image/svg+xml",
-                                  "default-src 'none'; img-src data:; sandbox", gd_picture_svg};
 
 struct picture {
     struct server_field_query field; /* first */
     struct proto_picture wanted;
     struct proto_located_points stops;
     struct gd_pair_answer route;
-    const struct format *format;
     void *file; /* NULL: not rendered yet, or replied */
     size_t size;
 };
@@ -70,7 +64,6 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
     struct picture *picture = (struct picture *)query;
     struct proto_picture *wanted = &picture->wanted;
     struct proto_set set;
-    picture->format = strcmp(query->kind->name, png.name) == 0 ? &png : &svg;
     picture->field.answer = picture_draw;
     if (!proto_picture_parse(parameters, wanted, problem)) return false;
     if (wanted->stops.count &&
@@ -110,8 +103,9 @@ static bool picture_find_route(struct picture *picture, const struct server_moni
 static enum gd_status picture_render(void *user, const struct gd_control *control, size_t *kept)
 {
     struct picture *picture = user;
+    const struct format *format = (const struct format *)picture->field.query.kind;
     enum gd_status status =
-        picture->format->render(&picture->wanted.picture, control, &picture->file, &picture->size);
+        format->render(&picture->wanted.picture, control, &picture->file, &picture->size);
     if (!status) *kept = picture->size;
     return status;
 }
@@ -165,10 +159,11 @@ static enum server_query_turn picture_solve(struct server_query *query,
 static void picture_reply(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
+    const struct format *format = (const struct format *)query->kind;
     void *file = picture->file;
     picture->file = NULL;
-    query->exchange->response.policy = picture->format->policy;
-    server_reply_bytes(query->exchange, 200, picture->format->media_type, file, picture->size);
+    query->exchange->response.policy = format->policy;
+    server_reply_bytes(query->exchange, 200, format->media_type, file, picture->size);
 }
 
 /* --- the two formats -------------------------------------------------------------------------- */
@@ -178,25 +173,29 @@ static void picture_reply(struct server_query *query)
     .parse = picture_parse, .glance = picture_glance, .join = picture_join,                        \
     .solve = picture_solve, .reply = picture_reply, .release = picture_release
 
-static const struct server_query_kind png_kind = {.name = "picture.png", PICTURE_STEPS},
-                                      svg_kind = {.name = "picture.svg", PICTURE_STEPS};
-
-static void picture_handle(struct server_exchange *exchange, const struct server_query_kind *kind,
-                           const char *media_type)
+static void picture_handle(struct server_exchange *exchange, const struct format *format)
 {
-    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), media_type))
-        server_query_handle(exchange, kind);
+    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), format->media_type))
+        server_query_handle(exchange, &format->kind);
     else
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                             "the answer is %s, which Accept excludes", media_type);
+                             "the answer is %s, which Accept excludes", format->media_type);
 }
 
 void server_handle_picture_png(struct server_exchange *exchange)
 {
-    picture_handle(exchange, &png_kind, png.media_type);
+    static const struct format png = {.kind = {.name = "picture.png", PICTURE_STEPS},
+                                      .media_type = "image/png",
+                                      .render = gd_picture_png};
+    picture_handle(exchange, &png);
 }
 
 void server_handle_picture_svg(struct server_exchange *exchange)
 {
-    picture_handle(exchange, &svg_kind, svg.media_type);
+    /* opened as a page, it may show the image that it embeds and nothing else */
+    static const struct format svg = {.kind = {.name = "picture.svg", PICTURE_STEPS},
+                                      .media_type = "image/svg+xml",
+                                      .policy = "default-src 'none'; img-src data:; sandbox",
+                                      .render = gd_picture_svg};
+    picture_handle(exchange, &svg);
 }
