@@ -6,6 +6,7 @@
 
 #include "server/http/reply.h"
 #include "server/query/api.h"
+#include "server/query/request.h"
 #include "server/surfaces/surface.h"
 #include "server/store/kind.h"
 
@@ -68,4 +69,18 @@ void server_surface_resource_reply(struct server_exchange *exchange, unsigned st
     server_surface_resource_describe(&writer, listed);
     server_reply_tag(exchange, listed->record->etag);
     server_reply_json(exchange, status, &writer);
+}
+
+void server_surface_resource_reply_stored(struct server_exchange *exchange,
+                                          struct server_surface *surface,
+                                          enum server_store_outcome outcome)
+{
+    const struct server_record *record = surface->record;
+    const struct server_listed listed = {surface->record, surface};
+    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
+        server_request_fail(exchange, outcome);
+        return;
+    }
+    server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
+    server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
 }

@@ -23,4 +23,10 @@ void server_surface_resource_describe(struct proto_writer *writer,
 void server_surface_resource_reply(struct server_exchange *exchange, unsigned status,
                                    const struct server_listed *listed);
 
+/* Replies to a request that stores a surface: 201 or 200 with Location and description, or the
+ * problem of the outcome. */
+void server_surface_resource_reply_stored(struct server_exchange *exchange,
+                                          struct server_surface *surface,
+                                          enum server_store_outcome outcome);
+
 #endif

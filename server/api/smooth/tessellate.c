@@ -139,19 +139,12 @@ static bool meshing_add(struct meshing *meshing, const struct mesher *mesher,
     return ok;
 }
 
-/* By the registry's writer: answers as an upload does. */
+/* By the registry's writer. */
 static bool meshing_store(struct server_exchange *exchange)
 {
     struct server_derived_meshes *meshes = &((struct meshing *)exchange->state)->meshes;
     enum server_store_outcome outcome = server_derived_meshes_store(meshes);
-    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
-        server_request_fail(exchange, outcome);
-        return true;
-    }
-    struct server_surface *mesh = meshes->list[0].surface;
-    const struct server_listed listed = {mesh->record, mesh};
-    server_reply_header(exchange, "Location", "/v1/meshes/%s", mesh->record->name);
-    server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
+    server_surface_resource_reply_stored(exchange, meshes->list[0].surface, outcome);
     return true;
 }
 

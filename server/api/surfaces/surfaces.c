@@ -165,19 +165,11 @@ static bool upload_compare(struct server_exchange *exchange, struct upload *uplo
     return holds;
 }
 
-static bool upload_reply(struct server_exchange *exchange, struct server_surface *surface,
-                         enum server_store_outcome outcome)
+static bool upload_reply(struct server_exchange *exchange, enum server_store_outcome outcome)
 {
-    const struct server_record *record = surface->record;
-    const struct server_listed listed = {surface->record, surface};
+    const struct upload *upload = exchange->state;
     server_body_drop(&exchange->body, exchange->host->budget);
-    if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED) {
-        server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
-        server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200,
-                                      &listed);
-    } else {
-        server_request_fail(exchange, outcome);
-    }
+    server_surface_resource_reply_stored(exchange, upload->surface, outcome);
     return true;
 }
 
@@ -186,7 +178,7 @@ static bool upload_store(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
     const struct upload *upload = exchange->state;
-    return upload_reply(exchange, upload->surface,
+    return upload_reply(exchange,
                         server_registry_put(exchange->host->api->registry, upload->surface,
                                             exchange->body.bytes, &precondition));
 }
@@ -200,7 +192,7 @@ static bool upload_confirm(struct server_exchange *exchange)
     struct upload *upload = exchange->state;
     enum server_store_outcome outcome = server_registry_put(
         exchange->host->api->registry, upload->surface, exchange->body.bytes, NULL);
-    if (outcome != SERVER_STORE_ABSENT) return upload_reply(exchange, upload->surface, outcome);
+    if (outcome != SERVER_STORE_ABSENT) return upload_reply(exchange, outcome);
     server_surface_release(upload->surface);
     upload->surface = NULL;
     server_exchange_defer(exchange, upload_build, NULL);
