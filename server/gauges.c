@@ -24,10 +24,10 @@ static void write_values(struct server *server, struct proto_writer *writer)
     const struct server_metric values[] = {
         {"connections", "Connections that are open.", (double)connections.open},
         {"connections_cut_total",
-         "Connections cut because headers were sent, or an answer was taken, too slowly.",
+         "Connections cut because a head or a body was sent, or an answer was taken, too slowly.",
          (double)connections.cut},
-        {"malformed_requests_total", "Requests that broke the grammar of HTTP.",
-         (double)connections.faults},
+        {"malformed_requests_total", "Requests refused because they are no HTTP.",
+         (double)connections.refusals},
         {"workers", "Worker threads.", load.threads},
         {"workers_busy", "Worker threads at work on requests, spare ones included.", load.running},
         {"workers_background", "Worker threads at work on landmarks.", load.background},

@@ -6,7 +6,6 @@
 #include <strings.h>
 
 #include "server/access/guard.h"
-#include "server/http/framing.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/http/prefer.h"
@@ -130,39 +129,36 @@ static bool prepare_coding(struct server_exchange *exchange, struct proto_proble
         "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
 }
 
-static bool prepare_body(struct server_exchange *exchange, const struct server_framing *framing,
-                         struct proto_problem *problem)
+static bool prepare_body(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct proto_route *route = exchange->match.route;
     uint64_t limit = exchange->host->api->config->max_body;
     if (!route->has_body)
-        return framing->declared == 0 ||
+        return exchange->body.declared == 0 ||
                proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
                                  "this operation takes no request body; send none");
-    if (!framing->has_body)
+    if (!exchange->has_body)
         return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
                                  "send the request body with a Content-Length, or chunked");
     if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
     if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
         limit = BATCH_BODY_LIMIT;
-    return server_body_prepare(&exchange->body, exchange->host->budget, framing->declared, limit,
-                               problem) &&
+    return server_body_prepare(&exchange->body, exchange->host->budget, exchange->body.declared,
+                               limit, problem) &&
            prepare_coding(exchange, problem);
 }
 
 static bool begin(struct server_exchange *exchange, struct proto_problem *problem)
 {
-    struct server_framing framing;
-    exchange->response.close = true; /* until it is known where the body ends */
+    exchange->response.close = true; /* a fault leaves open where the request ends */
     if (exchange->fault)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
-    if (!server_framing_read(exchange, &framing, problem)) return false;
     /* until it is known that the body will be read */
-    exchange->response.close = framing.declared != 0;
+    exchange->response.close = exchange->body.declared != 0;
     if (!admit(exchange, problem)) return false;
     if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
                          &exchange->match, problem))
-        return authorize(exchange, problem) && prepare_body(exchange, &framing, problem);
+        return authorize(exchange, problem) && prepare_body(exchange, problem);
     if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
     struct proto_problem unauthorized;
     if (!authorize(exchange, &unauthorized)) *problem = unauthorized;

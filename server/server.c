@@ -180,8 +180,15 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
 static bool serve(struct server *server, int listening, char *error, size_t error_size)
 {
     if (!server_address_listen(listening, &server->config.listen, error, error_size)) return false;
-    server->http = server_http_start(server, listening, (uint32_t)server->config.http_threads,
-                                     error, error_size);
+    const struct server_http_parts parts = {
+        .config = &server->config,
+        .host = &server->host,
+        .connections = server->connections,
+        .tls = server->tls,
+        .begin = server_router_begin,
+        .end = server_router_end,
+    };
+    server->http = server_http_start(&parts, listening, error, error_size);
     return server->http != NULL;
 }
 
@@ -232,8 +239,9 @@ static void pause_briefly(void)
 /* Requests under way, and jobs, which no request waits for. */
 static void wait_until_idle(struct server *server, uint64_t until_ns)
 {
-    while ((server_http_active(server->http) || atomic_load(&server->host.deferred)) &&
-           gd_now_ns() < until_ns)
+    while (
+        (server_connections_active(server->connections) || atomic_load(&server->host.deferred)) &&
+        gd_now_ns() < until_ns)
         pause_briefly();
 }
 
@@ -260,7 +268,7 @@ void server_stop(struct server *server)
 {
     stand_aside(server);
     server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way",
-                       server_http_active(server->http));
+                       server_connections_active(server->connections));
     remove_socket(&server->config.listen);
     server_http_quiesce(server->http);
     server_job_table_drain(server->jobs);

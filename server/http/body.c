@@ -4,16 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "gd/control.h"
 #include "server/base/gzip.h"
 
 #define FIRST_CAPACITY 4096
-
-/* A client has this long for any body, and beyond it must have kept up this rate on average: an
- * inactivity timer alone would let a client that sends a byte now and then hold its memory for
- * ever. */
-#define GRACE_NS       UINT64_C(30000000000)
-#define BYTES_A_SECOND 4096
 
 static bool refuse_size(const struct server_body *body, struct proto_problem *problem)
 {
@@ -35,7 +28,6 @@ bool server_body_prepare(struct server_body *body, struct server_budget *budget,
 {
     body->declared = declared;
     body->limit = limit;
-    body->started_ns = gd_now_ns();
     if (declared == SERVER_BODY_CHUNKED) return true;
     if (declared > limit) return refuse_size(body, problem);
     if (!server_budget_could_take(budget, (size_t)declared))
@@ -74,15 +66,6 @@ static bool grow(struct server_body *body, struct server_budget *budget, size_t 
     body->bytes = bytes;
     body->capacity = capacity;
     return true;
-}
-
-/* Counts bytes as they come: packed, and refused ones too. */
-static bool is_too_slow(struct server_body *body, size_t size)
-{
-    uint64_t elapsed = gd_now_ns() - body->started_ns;
-    body->received += size;
-    return elapsed > GRACE_NS &&
-           (double)body->received * 1e9 < (double)BYTES_A_SECOND * (double)elapsed;
 }
 
 static void fail(struct server_body *body, struct server_budget *budget,
@@ -139,16 +122,14 @@ static void unpack(struct server_body *body, struct server_budget *budget, const
     }
 }
 
-bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
+void server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
                         size_t size)
 {
-    if (is_too_slow(body, size)) return false;
-    if (body->failure) return true;
+    if (body->failure) return;
     if (body->inflater)
         unpack(body, budget, bytes, size);
     else
         append(body, budget, bytes, size);
-    return true;
 }
 
 bool server_body_unpack(struct server_body *body, struct server_budget *budget,

@@ -19,9 +19,7 @@ struct server_body {
     size_t size, capacity;
     /* Content-Length; 0: none; SERVER_BODY_CHUNKED: it will show */
     uint64_t declared;
-    uint64_t limit; /* most bytes that the operation takes */
-    /* the time of the first byte, and the bytes since, as they came */
-    uint64_t started_ns, received;
+    uint64_t limit;                   /* most bytes that the operation takes */
     size_t refused;                   /* bytes that the budget did not give */
     struct server_inflater *inflater; /* the body comes packed; NULL: it does not */
     const char *fault;                /* why it can't be unpacked, a sentence; NULL: it can */
@@ -40,9 +38,8 @@ bool server_body_prepare(struct server_body *body, struct server_budget *budget,
 bool server_body_unpack(struct server_body *body, struct server_budget *budget,
                         struct proto_problem *problem);
 
-/* Appends bytes. Passing the limit or the budget is remembered in `failure`. False: the client
- * sends so slowly that it is to be dropped. */
-bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
+/* Appends bytes. Passing the limit or the budget sets `failure`, and the rest is dropped. */
+void server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
                         size_t size);
 
 /* At the end of the body. False with the problem that `failure` stands for. */

@@ -1,103 +1,86 @@
-/* Connections: what is known of each while it is open, and when it is cut.
+/* Connections: the deadlines of all open connections, and a thread that shuts late sockets down.
  *
- * The HTTP library closes a connection on which nothing has come or gone for a while in the middle
- * of a body; a client that sends a byte now and then keeps it for ever, and the library's timer
- * takes a dozen looks at the clock a request. So a request's head, an answer and the idle time
- * between requests have absolute deadlines, after which a thread of its own shuts the socket down
- * (bodies: body.h).
+ * The HTTP library has a timer for silence only: a client that sends a byte now and then keeps its
+ * connection for ever. So each phase of a connection has an absolute deadline here: head    30 s
+ * from the opening of the connection, or from the request line of a later request body    30 s, and
+ * longer as long as the client sends 4 KiB/s on average; 30 s without a byte work    none: jobs
+ * have deadlines of their own answer  30 s, and longer as long as it takes at 16 KiB/s; the client
+ * acknowledges 8 KiB/s in any 30 s idle    30 s
  *
- * An answer has 30 s, and beyond it as long as it takes at 16 KiB/s. Meanwhile the client has to
- * take something: every 30 s the thread asks the kernel how many bytes the client has acknowledged.
- * What the library writes is no measure of that, since the kernel buffers megabytes.
- *
- * A part of the connections is kept free, so that a new client finds a place. When fewer are free,
- * connections that wait for their clients are cut, of the addresses that have most of them: heads
- * that are overdue for a second, the oldest first; then those that are idle for longest; then other
- * heads. */
+ * An eighth of all places is a reserve for new clients. While less is free, the thread shuts down
+ * connections that wait for their clients, of the addresses that have most of them: heads older
+ * than a second, the oldest first, then the connections that have been idle for longest. While less
+ * than half of the reserve is free, younger heads and connections of other addresses go, too. A
+ * connection with a request under way is never shut down for this. */
 #ifndef SERVER_HTTP_CONNECTIONS_H
 #define SERVER_HTTP_CONNECTIONS_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/socket.h>
 
-#include "server/http/grammar.h"
-
 struct server_connections;
 
-/* One connection. It belongs to the HTTP thread that serves it. */
-struct server_connection {
-    struct server_grammar grammar; /* of what has come in */
-    /* what the library is still to be given of a faulty request's; NULL: nothing */
-    const char *ending;
-    uint64_t requests; /* whose target the library has read */
-    /* between a request's target and the last byte of its answer; its thread sets it */
-    atomic_bool is_asked;
-    bool is_busy;  /* from the request's headers on */
-    bool is_brief; /* its answer's deadline will do for the idle time after it */
-    bool is_encrypted;
-};
+/* The record of one connection. Its functions are called by the HTTP thread that serves the
+ * connection. */
+struct server_connection;
 
 struct server_connections_statistics {
-    uint64_t open, cut,
-        /* now; since the start: past a deadline that was not of idle time, and with a request that
-           is no HTTP */
-        faults;
+    uint64_t open;     /* now */
+    uint64_t cut;      /* since the start: shut down at a deadline that was not of idle time */
+    uint64_t refusals; /* since the start: requests that are no HTTP */
 };
 
-/* Starts its thread. NULL without memory or thread. */
+/* Starts the thread. NULL without memory or thread. */
 struct server_connections *server_connections_create(void);
 
-/* How many there can be at a time; to be called before the first is opened. 0, as at first: any
- * number. */
-void server_connections_limit(struct server_connections *connections, uint32_t most);
+/* Sets how many connections there can be at a time, before the first is opened. 0, as at first: any
+ * number. False without memory. */
+bool server_connections_limit(struct server_connections *connections, uint32_t most);
 
 /* When no connection is open. NULL is harmless. */
 void server_connections_destroy(struct server_connections *connections);
 
-/* Cuts those whose deadline is before that time. What the thread does every second; thread-safe. */
-void server_connections_cut(struct server_connections *connections, uint64_t now_ns);
+/* Shuts down the connections whose deadline is before that time, and the receiving side of those
+ * whose client has ended its own: the library overlooks an end that arrives with the last bytes.
+ * The thread does it every second. Thread-safe. */
+void server_connections_check(struct server_connections *connections, uint64_t now_ns);
 
-/* Cuts heads and idle connections until enough places are free. What the thread does when a
- * connection is opened while they are not; thread-safe. */
+/* Shuts down connections that wait for their clients until the reserve is free. The thread does it
+ * whenever a connection is opened while the reserve is not. Thread-safe. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
 
-/* Has the threads of connections look again whose clients have ended them: the library overlooks an
- * end that comes together with the last bytes, and would wait for its timeout. Done every second as
- * well; thread-safe. */
-void server_connections_remind(struct server_connections *connections);
+/* Connections between a request line and the last byte of its answer. Thread-safe. O(connections).
+ */
+uint32_t server_connections_active(struct server_connections *connections);
 
-/* A new connection, whose socket is watched from now on (wire.h). `client`: its address; NULL:
- * none. NULL without memory. */
-struct server_connection *server_connections_open(struct server_connections *connections,
-                                                  int descriptor, const struct sockaddr *client,
-                                                  bool is_encrypted);
+/* Thread-safe. NULL: zeros. */
+struct server_connections_statistics
+server_connections_statistics(struct server_connections *connections);
 
-/* To be called before the socket is closed. */
-void server_connections_close(struct server_connection *connection);
+/* --- one connection
+ * -----------------------------------------------------------------------------------------------
+ */
 
-/* Bytes have come in and were followed by the grammar. */
-void server_connection_received(struct server_connection *connection);
+/* `client`: its address; NULL: none. NULL without memory. */
+struct server_connection *server_connection_open(struct server_connections *connections,
+                                                 int descriptor, const struct sockaddr *client);
 
-/* A request's target was read; its headers were; the answer, of `size` bytes, is on its way, or a
- * stream that ends when it ends; it is over. */
-void server_connection_ask(struct server_connection *connection);
-void server_connection_begin(struct server_connection *connection);
+/* Frees the record, before the socket is closed. */
+void server_connection_close(struct server_connection *connection);
+
+/* The phases of a request, in order: the request line was read; the headers were; `size` bytes of
+ * the body; all of the body; the answer is queued; it is over. */
+void server_connection_ask(struct server_connection *connection, uint64_t now_ns);
+void server_connection_head(struct server_connection *connection, bool has_body, uint64_t now_ns);
+void server_connection_body(struct server_connection *connection, size_t size, uint64_t now_ns);
+void server_connection_work(struct server_connection *connection);
 void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream,
                               uint64_t now_ns);
 void server_connection_end(struct server_connection *connection);
 
-/* After a request's headers: is there more of its body to come? */
-bool server_connection_is_in_body(const struct server_connection *connection);
-
-/* How many have been asked and have not answered to the end. It looks at each, so that none has to
- * count for all of them. Thread-safe. */
-uint32_t server_connections_under_way(struct server_connections *connections);
-
-/* Thread-safe. NULL: nothing. */
-struct server_connections_statistics
-server_connections_statistics(struct server_connections *connections);
+/* Counts a request that is no HTTP. */
+void server_connection_refuse(struct server_connection *connection);
 
 #endif

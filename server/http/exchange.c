@@ -257,7 +257,7 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
                                 const char *value)
 {
     if (exchange->header_count == SERVER_EXCHANGE_HEADERS)
-        exchange->fault = "the request has too many headers";
+        exchange->fault = "the request has more than 64 headers";
     else
         exchange->headers[exchange->header_count++] =
             (struct server_named_value){name, value ? value : ""};

@@ -126,6 +126,7 @@ struct server_exchange {
 
     const char *method; /* as in the request line */
     bool is_http10;
+    bool has_body;       /* one is announced, even if empty */
     bool has_conditions; /* If-Match, If-None-Match or the like is among the headers */
     char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;

@@ -1,21 +1,22 @@
 /* See http.h. The only file that includes microhttpd.h.
  *
- * DESIGN. A call is one request on one connection, begun when its request line has been read and
- * ended when the library says that it is over; the next one has its memory. HEAD    the library
- * shows the headers: the router begins BODY    the library brings the body, piece by piece; then
- * the router ends PARKED  the connection is suspended, a worker has the exchange; its transport's
- * finish resumes the connection, and then the answer is queued DONE    the answer is with the
- * library
+ * DESIGN. A client is one connection with one request at a time, which begins with its request line
+ * and ends when the library says so:
+ *     HEAD      the headers are read; then the request is checked (head.h) and begins
+ *     BODY      the body arrives in pieces; then the request ends
+ *     PARKED    the connection is suspended, a worker has the exchange; its transport's finish
+ *               resumes the connection, and the answer is queued
+ *     ANSWERED  the answer is with the library
  *
- * A body that comes as it happens is read when the library can write; when there is nothing to
- * read, the connection is suspended until there is (events.h).
+ * A streamed answer is read when the library can write. While there is nothing to read, the
+ * connection is suspended (events.h).
  *
  * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must
- * not be stopped while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone,
- * and the server ends all streams and waits for all deferred exchanges before it stops.
+ * not be stopped while one is. So deadlines are those of work/deadlines.h and connections.h,
+ * is_gone looks for hang-ups, and the server waits for all deferred exchanges before it stops.
  *
- * It can answer during an upload only in the first call, before any byte of the body: what is found
- * out later is answered after it. */
+ * The library can answer before the body in the first call for a request only. A fault that shows
+ * later is answered after the body. */
 #include "server/http/http.h"
 
 #include <microhttpd.h>
@@ -28,71 +29,67 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "server/http/connections.h"
-#include "server/base/date.h"
-#include "server/http/events.h"
-#include "server/http/header_block.h"
 #include "server/base/log.h"
-#include "server/work/thread_affinity.h"
+#include "server/config/config.h"
+#include "server/http/connections.h"
+#include "server/http/events.h"
+#include "server/http/head.h"
+#include "server/http/metrics.h"
 #include "server/http/reply.h"
 #include "server/http/request_log.h"
-#include "server/router.h"
-#include "server/server.h"
 #include "server/http/tls.h"
+#include "server/work/thread_affinity.h"
 
-/* headers, and the buffer that bodies pass through; cleared at each request */
-#define CONNECTION_MEMORY (16 * 1024)
-/* without a byte, in the middle of a body; on a unix socket of a long answer, too */
-#define SILENCE_SECONDS 30u
-#define LONG_ANSWER                                                                                \
-    65536 /* bytes: shorter ones are in the kernel's buffers at once, and need no timer of the     \
-             library's */
-#define SPARE_DESCRIPTORS 64u
-#define GONE_INTERVAL_NS  UINT64_C(20000000)  /* between two looks at a client's socket */
-#define STREAM_BLOCK      1024                /* bytes of a stream that are asked for at a time */
-#define LARGE_ANSWER      ((size_t)1 << 20)   /* bytes, */
-#define LARGE_BLOCK       ((size_t)128 << 10) /* which are handed on so many at a time */
+/* Bytes of the library for a connection: the head, and the buffer that bodies pass through. The
+ * library clears them at each request. */
+#define CONNECTION_MEMORY  (16 * 1024)
+#define SILENCE_SECONDS    30u /* of a client at a unix socket, which connections.h can't look at */
+#define SPARE_DESCRIPTORS  64u /* of the store, the log and the process */
+#define THREAD_DESCRIPTORS 4u  /* of an HTTP thread, or of a worker */
+#define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
+#define STREAM_BLOCK       1024               /* bytes that are read from a stream at a time */
+#define LARGE_ANSWER       ((size_t)1 << 20)
+#define LARGE_BLOCK        ((size_t)128 << 10) /* bytes of a large answer that are sent at a time */
 
-enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_DONE };
+/* Level 1 refuses HTTP/1.1 without a Host and blanks in targets; from 1.0 on also bare LFs, folded
+ * lines and more blanks and empty lines than RFC 9112 has. */
+#if MHD_VERSION >= 0x01000000
+#define DISCIPLINE MHD_OPTION_CLIENT_DISCIPLINE_LVL
+#else
+#define DISCIPLINE MHD_OPTION_STRICT_FOR_CLIENT
+#endif
 
-struct call {
-    struct server_transport transport; /* first: an exchange finds its call by it */
-    struct server_exchange *exchange;  /* the line's */
-    struct MHD_Connection *connection;
-    struct server_http *http;
-    struct server_connection *wire;  /* what came in on the connection */
-    uint64_t number;                 /* which of the connection's requests this is, from 0 on */
-    enum phase phase;                /* written by the connection's HTTP thread only */
-    bool is_watched;                 /* see watch_silence */
-    atomic_uint_least64_t looked_ns; /* when the client was last looked at */
-};
+enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_ANSWERED };
 
-/* A connection, and the one call that it has at a time. */
-struct line {
-    struct server_connection *wire;
-    struct call call;
+struct client {
+    struct server_transport transport; /* first: an exchange finds its client by it */
     struct server_exchange exchange;
+    const struct server_http *http;
+    struct MHD_Connection *connection;
+    struct server_connection *deadlines;
+    const char *fault;               /* of the request line; see head.h */
+    enum phase phase;                /* written by the connection's HTTP thread only */
+    atomic_uint_least64_t looked_ns; /* when is_gone looked at the socket last */
 };
 
 struct server_http {
-    struct server *server;
+    struct server_http_parts parts;
     struct MHD_Daemon *daemon;
-    int listening; /* the library's own, whose number is known here: see server_http_quiesce */
-    int silent[2]; /* a pair of sockets on which nothing is ever said */
-    uint32_t threads;
+    int listening; /* the library's own; see server_http_quiesce */
+    int silent[2]; /* a pair of sockets without traffic */
 };
 
 /* --- the transport ---------------------------------------------------------------------------- */
 
-static struct call *call_of(struct server_exchange *exchange)
+static struct client *client_of(struct server_exchange *exchange)
 {
-    return (struct call *)exchange->transport;
+    return (struct client *)exchange->transport;
 }
 
 static void finish(struct server_exchange *exchange)
 {
     server_reply_seal(exchange);
-    MHD_resume_connection(call_of(exchange)->connection);
+    MHD_resume_connection(client_of(exchange)->connection);
 }
 
 static int socket_of(struct MHD_Connection *connection)
@@ -109,130 +106,99 @@ static const struct sockaddr *peer_of(struct MHD_Connection *connection)
     return info ? info->client_addr : NULL;
 }
 
-/* A client that has closed its side has gone: nobody who waits for an answer does that. */
-static bool has_hung_up(const struct call *call)
+/* A client that waits for an answer does not close its side. */
+static bool has_hung_up(const struct client *client)
 {
-    struct pollfd state = {.fd = socket_of(call->connection), .events = POLLRDHUP};
+    struct pollfd state = {.fd = socket_of(client->connection), .events = POLLRDHUP};
     return poll(&state, 1, 0) == 1 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR));
 }
 
 static bool is_gone(struct server_exchange *exchange)
 {
-    struct call *call = call_of(exchange);
-    uint64_t now = gd_now_ns();
-    if (now - atomic_load_explicit(&call->looked_ns, memory_order_relaxed) < GONE_INTERVAL_NS)
-        return false;
-    if (has_hung_up(call)) return true;
-    atomic_store_explicit(&call->looked_ns, now, memory_order_relaxed);
+    struct client *client = client_of(exchange);
+    uint64_t now_ns = gd_now_ns();
+    uint64_t looked_ns = atomic_load_explicit(&client->looked_ns, memory_order_relaxed);
+    if (now_ns - looked_ns < GONE_INTERVAL_NS) return false;
+    if (has_hung_up(client)) return true;
+    atomic_store_explicit(&client->looked_ns, now_ns, memory_order_relaxed);
     return false;
+}
+
+/* --- connections ------------------------------------------------------------------------------ */
+
+static struct client *client_open(const struct server_http *http, struct MHD_Connection *connection)
+{
+    struct client *client = calloc(1, sizeof *client);
+    if (!client) return NULL;
+    client->transport =
+        (struct server_transport){.finish = finish, .is_gone = is_gone, .can_stream = true};
+    client->http = http;
+    client->connection = connection;
+    client->deadlines =
+        server_connection_open(http->parts.connections, socket_of(connection), peer_of(connection));
+    if (client->deadlines) return client;
+    free(client);
+    return NULL;
+}
+
+static void on_connection(void *user, struct MHD_Connection *connection, void **context,
+                          enum MHD_ConnectionNotificationCode code)
+{
+    struct client *client = *context;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED) {
+        *context = client_open(user, connection);
+    } else if (client) {
+        server_connection_close(client->deadlines);
+        free(client);
+    }
 }
 
 /* --- from the library to the exchange --------------------------------------------------------- */
 
-static struct line *line_of(struct MHD_Connection *connection)
-{
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
-    return info ? info->socket_context : NULL;
-}
-
-static struct line *open_line(const struct server_http *http, struct MHD_Connection *connection)
-{
-    bool is_encrypted = http->server->tls != NULL;
-    struct line *line = malloc(sizeof *line);
-    if (!line) return NULL;
-    line->wire = server_connections_open(http->server->connections, socket_of(connection),
-                                         peer_of(connection), is_encrypted);
-    if (line->wire) return line;
-    free(line);
-    return NULL;
-}
-
-static void close_line(struct line *line)
-{
-    if (!line) return;
-    server_connections_close(line->wire);
-    free(line);
-}
-
-static void on_connection(void *user, struct MHD_Connection *connection, void **context,
-                          enum MHD_ConnectionNotificationCode what)
-{
-    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
-        *context = open_line(user, connection);
-    } else {
-        close_line(*context);
-        *context = NULL;
-    }
-}
-
-/* The raw target, before the library takes it apart; what this returns comes back as `*context`. */
+/* The target as it came, before the library divides it. The result is the request's context. */
 static void *on_target(void *user, const char *target, struct MHD_Connection *connection)
 {
-    struct server_http *http = user;
-    struct line *line = line_of(connection);
-    if (!line) return NULL;
-    line->call =
-        (struct call){.transport = {.finish = finish, .is_gone = is_gone, .can_stream = true},
-                      .exchange = &line->exchange,
-                      .connection = connection,
-                      .http = http,
-                      .wire = line->wire,
-                      .number = line->wire->requests++};
-    if (!server_exchange_begin(&line->exchange, &http->server->host, &line->call.transport, target))
-        return NULL;
-    server_thread_place(http->threads, server_workers_are_busy(http->server->workers),
-                        line->exchange.started_ns);
-    server_connection_ask(line->wire);
-    return &line->call;
+    const struct server_http_parts *parts = &((const struct server_http *)user)->parts;
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    struct client *client = info ? info->socket_context : NULL;
+    if (!client || !target) return NULL;
+    struct server_exchange *exchange = &client->exchange;
+    if (!server_exchange_begin(exchange, parts->host, &client->transport, target)) return NULL;
+    client->phase = PHASE_HEAD;
+    client->fault = server_head_check_target(target);
+    server_thread_place((uint32_t)parts->config->http_threads,
+                        server_workers_are_busy(parts->host->workers), exchange->started_ns);
+    server_connection_ask(client->deadlines, exchange->started_ns);
+    return client;
 }
 
-/* Escapes stay as they are: the target was taken apart before the library does it. */
+/* Escapes stay: the exchange has decoded its own copy of the target. */
 static size_t on_escapes(void *user, struct MHD_Connection *connection, char *text)
 {
     (void)user, (void)connection;
     return strlen(text);
 }
 
-/* The library's timer for silence, which it sets anew with every byte, is on only in bodies and, on
- * unix sockets, in long answers: whether a client takes one is looked at elsewhere (connections.h),
- * since the library writes nothing for as long as the kernel's buffers are full. */
-static void watch_silence(struct call *call, bool is_on)
+/* The library has answered the request without the exchange, by a status of its own. */
+static void note_refusal(const struct client *client)
 {
-    if (call->is_watched == is_on) return;
-    MHD_set_connection_option(call->connection, MHD_CONNECTION_OPTION_TIMEOUT,
-                              is_on ? SILENCE_SECONDS : 0u);
-    call->is_watched = is_on;
+    server_connection_refuse(client->deadlines);
+    server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is no HTTP",
+                       client->phase == PHASE_HEAD ? "head" : "body", client->exchange.path);
 }
 
-static void log_broken_body(const struct call *call)
-{
-    server_log_message(SERVER_LOG_INFO, "malformed", "the body of %s %s: %s",
-                       call->exchange->method, call->exchange->path, call->wire->grammar.fault);
-}
-
-/* The library has answered it, or hung up. */
 static void on_completed(void *user, struct MHD_Connection *connection, void **context,
-                         enum MHD_RequestTerminationCode why)
+                         enum MHD_RequestTerminationCode code)
 {
-    struct call *call = *context;
+    struct client *client = *context;
     (void)user, (void)connection;
-    if (!call) return;
-    if (call->phase == PHASE_BODY && call->wire->grammar.fault) log_broken_body(call);
-    if (why == MHD_REQUEST_TERMINATED_COMPLETED_OK) watch_silence(call, false);
-    server_exchange_end(call->exchange);
-    server_connection_end(call->wire);
+    if (!client) return;
+    bool is_answered = client->phase == PHASE_PARKED || client->phase == PHASE_ANSWERED;
+    if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) note_refusal(client);
+    server_exchange_end(&client->exchange);
+    server_connection_end(client->deadlines);
     *context = NULL;
-}
-
-/* What the grammar found out about the request, or a request that it has not seen: then the library
- * reads in a way that is not watched (wire.h), and nothing it says can be trusted. */
-static const char *find_fault(const struct call *call)
-{
-    const struct server_grammar *grammar = &call->wire->grammar;
-    if (call->number < grammar->heads) return NULL;
-    return grammar->fault ? grammar->fault
-                          : "the request came in on a way that is not watched; tell the operator";
 }
 
 static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char *name,
@@ -245,38 +211,38 @@ static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char
 
 /* --- from the exchange to the library --------------------------------------------------------- */
 
-static void pause_call(void *user)
+static void pause_client(void *user)
 {
-    const struct call *call = user;
-    MHD_suspend_connection(call->connection);
+    const struct client *client = user;
+    MHD_suspend_connection(client->connection);
 }
 
-static void resume_call(void *user)
+static void resume_client(void *user)
 {
-    const struct call *call = user;
-    MHD_resume_connection(call->connection);
+    const struct client *client = user;
+    MHD_resume_connection(client->connection);
 }
 
-static bool is_call_gone(void *user)
+static bool is_client_gone(void *user)
 {
     return has_hung_up(user);
 }
 
 static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
 {
-    struct call *call = user;
+    struct client *client = user;
     (void)position;
-    ptrdiff_t read = server_stream_read(call->exchange->response.stream, bytes, size);
+    ptrdiff_t read = server_stream_read(client->exchange.response.stream, bytes, size);
     if (read == SERVER_STREAM_CUT) return MHD_CONTENT_READER_END_WITH_ERROR;
     return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
 }
 
-static struct MHD_Response *make_streamed(struct call *call)
+static struct MHD_Response *make_streamed(struct client *client)
 {
     server_stream_attach(
-        call->exchange->response.stream,
-        (struct server_stream_reader){pause_call, resume_call, is_call_gone, call});
-    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, call, NULL);
+        client->exchange.response.stream,
+        (struct server_stream_reader){pause_client, resume_client, is_client_gone, client});
+    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, client, NULL);
 }
 
 /* Copies the body from `position` on: its own text, then the lent bytes, then their tail. */
@@ -322,91 +288,83 @@ static struct MHD_Response *make_whole(struct server_response *reply)
     return response;
 }
 
-static enum MHD_Result on_response_header(void *user, enum MHD_ValueKind kind, const char *name,
-                                          const char *value)
-{
-    (void)kind;
-    if (strcmp(name, MHD_HTTP_HEADER_DATE) == 0) /* the library's copy, which it writes as it is */
-        server_header_block_break(user, (char *)value);
-    return MHD_YES;
-}
-
 static bool add_headers(struct MHD_Response *response, const struct server_response *reply)
 {
-    struct server_header_block block;
-    server_header_block_join(&block, reply, server_date());
-    return MHD_add_response_header(response, MHD_HTTP_HEADER_DATE, block.value) == MHD_YES &&
-           MHD_get_response_headers(response, on_response_header, &block) > 0;
+    bool is_added = !reply->close || MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION,
+                                                             "close") == MHD_YES;
+    for (uint32_t i = 0; is_added && i < reply->header_count; i++)
+        is_added = MHD_add_response_header(response, reply->headers[i].name,
+                                           reply->headers[i].value) == MHD_YES;
+    return is_added;
 }
 
-static struct MHD_Response *make_response(struct call *call)
+static struct MHD_Response *make_response(struct client *client)
 {
-    struct server_response *reply = &call->exchange->response;
-    struct MHD_Response *response = reply->stream ? make_streamed(call) : make_whole(reply);
-    if (!response) return NULL;
-    /* in this order: 0.9.75 forgets that there is a Date when it gets a Connection, and adds
-     * another */
-    if (reply->close) MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
-    if (add_headers(response, reply)) return response;
+    struct server_response *reply = &client->exchange.response;
+    struct MHD_Response *response = reply->stream ? make_streamed(client) : make_whole(reply);
+    if (!response || add_headers(response, reply)) return response;
     MHD_destroy_response(response);
     return NULL;
 }
 
-/* Unix sockets do not tell what a client has taken; their buffers are small. */
-static bool is_local(const struct call *call)
+static enum MHD_Result answer(struct client *client)
 {
-    return call->http->server->config.listen.socket.ss_family == AF_UNIX;
-}
-
-static enum MHD_Result answer(struct call *call)
-{
-    struct server_exchange *exchange = call->exchange;
+    struct server_exchange *exchange = &client->exchange;
     const struct server_response *reply = &exchange->response;
-    uint64_t now = gd_now_ns(), nanoseconds = now - exchange->started_ns;
-    call->phase = PHASE_DONE;
-    struct MHD_Response *response = make_response(call);
+    uint64_t now_ns = gd_now_ns(), nanoseconds = now_ns - exchange->started_ns;
+    client->phase = PHASE_ANSWERED;
+    struct MHD_Response *response = make_response(client);
     if (!response) return MHD_NO;
     server_metrics_count(exchange->host->metrics, exchange->match.route, reply->status,
                          nanoseconds);
     server_metrics_count_problem(exchange->host->metrics, reply->problem);
-    server_request_log(exchange, peer_of(call->connection), nanoseconds);
-    server_connection_answer(call->wire, reply->size, reply->stream != NULL, now);
-    watch_silence(call, is_local(call) && (reply->stream || reply->size > LONG_ANSWER));
-    enum MHD_Result result = MHD_queue_response(call->connection, reply->status, response);
+    server_request_log(exchange, peer_of(client->connection), nanoseconds);
+    server_connection_answer(client->deadlines, reply->size, reply->stream != NULL, now_ns);
+    enum MHD_Result result = MHD_queue_response(client->connection, reply->status, response);
     MHD_destroy_response(response);
     return result;
 }
 
 /* --- the phases ------------------------------------------------------------------------------- */
 
-static enum MHD_Result begin(struct call *call, const char *method, const char *version)
+static enum MHD_Result begin(struct client *client, const char *method, const char *version)
 {
-    struct server_exchange *exchange = call->exchange;
+    struct server_exchange *exchange = &client->exchange;
     exchange->method = method;
-    exchange->is_http10 = strcmp(version, MHD_HTTP_VERSION_1_0) == 0;
-    call->phase = PHASE_BODY;
-    const char *fault = find_fault(call);
-    server_connection_begin(call->wire);
-    if (fault) exchange->fault = fault;
-    MHD_get_connection_values(call->connection, MHD_HEADER_KIND, on_header, exchange);
-    server_router_begin(exchange);
-    watch_silence(call, server_connection_is_in_body(call->wire));
+    MHD_get_connection_values(client->connection, MHD_HEADER_KIND, on_header, exchange);
+    const char *fault = server_head_read(exchange, version);
+    if (client->fault) fault = client->fault;
+    if (fault) {
+        exchange->fault = fault;
+        server_connection_refuse(client->deadlines);
+    }
+    server_connection_head(client->deadlines, exchange->body.declared != 0, exchange->started_ns);
+    client->phase = PHASE_BODY;
+    client->http->parts.begin(exchange);
     if (!exchange->response.close) return MHD_YES;
     server_reply_seal(exchange);
-    return answer(call);
+    return answer(client);
 }
 
-static enum MHD_Result end(struct call *call)
+static enum MHD_Result take(struct client *client, const char *bytes, size_t size)
 {
-    server_router_end(call->exchange);
-    if (call->exchange->response.status) {
-        server_reply_seal(call->exchange);
-        return answer(call);
+    server_connection_body(client->deadlines, size, gd_now_ns());
+    server_body_append(&client->exchange.body, client->exchange.host->budget, bytes, size);
+    return MHD_YES;
+}
+
+static enum MHD_Result end(struct client *client)
+{
+    client->http->parts.end(&client->exchange);
+    if (client->exchange.response.status) {
+        server_reply_seal(&client->exchange);
+        return answer(client);
     }
-    call->phase = PHASE_PARKED;
-    atomic_store_explicit(&call->looked_ns, gd_now_ns(), memory_order_relaxed);
-    MHD_suspend_connection(call->connection);
-    server_exchange_submit(call->exchange); /* from here on it is another thread's */
+    client->phase = PHASE_PARKED;
+    server_connection_work(client->deadlines);
+    atomic_store_explicit(&client->looked_ns, gd_now_ns(), memory_order_relaxed);
+    MHD_suspend_connection(client->connection);
+    server_exchange_submit(&client->exchange); /* from here on it is another thread's */
     return MHD_YES;
 }
 
@@ -415,53 +373,51 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
                                   size_t *upload_size, void **context)
 {
     (void)user, (void)connection, (void)url;
-    struct call *call = *context;
-    if (!call) return MHD_NO; /* no memory for one */
-    switch (call->phase) {
+    struct client *client = *context;
+    size_t size = *upload_size;
+    if (!client) return MHD_NO; /* no memory for one */
+    *upload_size = 0;
+    switch (client->phase) {
     case PHASE_HEAD:
-        return begin(call, method, version);
+        return begin(client, method, version);
     case PHASE_BODY:
-        if (!*upload_size) return end(call);
-        if (!server_body_append(&call->exchange->body, &call->http->server->budget, upload,
-                                *upload_size))
-            return MHD_NO;
-        *upload_size = 0;
-        return MHD_YES;
+        return size ? take(client, upload, size) : end(client);
     case PHASE_PARKED:
-        return answer(call);
-    case PHASE_DONE:
+        return answer(client);
+    case PHASE_ANSWERED:
         break;
     }
     return MHD_YES;
 }
 
-/* --- life ------------------------------------------------------------------------------------- */
+/* --- limits ----------------------------------------------------------------------------------- */
 
-/* As many connections as descriptors allow, up to the configured limit, which bounds their memory.
- */
+/* As many connections as leave the rest of the daemon its descriptors, so that none of them can run
+ * out of descriptors; at most the configured number, which bounds their memory. */
 static unsigned connection_limit(const struct server_config *config)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 ||
-        limit.rlim_cur >= config->max_connections + SPARE_DESCRIPTORS)
-        return (unsigned)config->max_connections;
-    unsigned descriptors = (unsigned)limit.rlim_cur, most = descriptors > 2 * SPARE_DESCRIPTORS
-                                                                ? descriptors - SPARE_DESCRIPTORS
-                                                                : descriptors / 2;
-    server_log_message(
-        SERVER_LOG_WARN, "descriptors",
-        "%u connections at once at most: the limit of open files is %u; raise it by ulimit -n",
-        most, descriptors);
+    unsigned wanted = (unsigned)config->max_connections;
+    /* as many spare workers (work/workers.h) as workers */
+    unsigned threads = (unsigned)(config->http_threads + 2 * config->workers);
+    unsigned own = SPARE_DESCRIPTORS + threads * THREAD_DESCRIPTORS;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted + own) return wanted;
+    unsigned all = (unsigned)limit.rlim_cur, most = all > 2 * own ? all - own : all / 2;
+    server_log_message(SERVER_LOG_WARN, "descriptors",
+                       "%u connections at once at most: the limit of open files is %u; raise it by "
+                       "ulimit -n",
+                       most, all);
     return most;
 }
 
-/* However few connections there can be, one address leaves a quarter of them to others; 0: no
- * limit. */
+/* Of one address: at most three quarters of all, so that others find a place. 0: no limit. */
 static unsigned address_limit(const struct server_config *config, unsigned most)
 {
     unsigned wanted = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
     return wanted < all_but_some ? wanted : all_but_some;
 }
+
+/* --- life ------------------------------------------------------------------------------------- */
 
 static void on_library_log(void *user, const char *format, va_list arguments)
 {
@@ -472,13 +428,12 @@ static void on_library_log(void *user, const char *format, va_list arguments)
     server_log_message(SERVER_LOG_DEBUG, "http", "%s", sentence);
 }
 
-static struct server_http *create(struct server *server, int listening, uint32_t threads)
+static struct server_http *create(const struct server_http_parts *parts, int listening)
 {
     struct server_http *http = calloc(1, sizeof *http);
     if (!http) return NULL;
-    http->server = server;
+    http->parts = *parts;
     http->listening = listening;
-    http->threads = threads;
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, http->silent) == 0) return http;
     free(http);
     return NULL;
@@ -494,33 +449,34 @@ static void destroy(struct server_http *http)
 
 static struct MHD_Daemon *start_library(struct server_http *http)
 {
-    const struct server_config *config = &http->server->config;
+    const struct server_config *config = http->parts.config;
     const struct MHD_OptionItem encrypted[] = {
         {MHD_OPTION_HTTPS_PRIORITIES, 0, SERVER_TLS_PRIORITIES},
         {MHD_OPTION_HTTPS_CERT_CALLBACK, 0, server_tls_retrieve()},
         {MHD_OPTION_END, 0, NULL},
     };
     const struct MHD_OptionItem plain[] = {{MHD_OPTION_END, 0, NULL}};
-    unsigned most = connection_limit(config);
-    server_connections_limit(http->server->connections, most);
-    unsigned flags =
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
-    if (http->server->tls) flags |= MHD_USE_TLS;
+    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
+                     MHD_USE_ERROR_LOG | (http->parts.tls ? MHD_USE_TLS : 0);
+    unsigned most = connection_limit(config), threads = (unsigned)config->http_threads;
+    unsigned silence = config->listen.socket.ss_family == AF_UNIX ? SILENCE_SECONDS : 0;
+    if (!server_connections_limit(http->parts.connections, most)) return NULL;
     return MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
         MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE,
-        http->threads > 1 ? http->threads : 0u, MHD_OPTION_CONNECTION_LIMIT, most,
+        threads > 1 ? threads : 0u, DISCIPLINE, 1, MHD_OPTION_CONNECTION_LIMIT, most,
         MHD_OPTION_PER_IP_CONNECTION_LIMIT, address_limit(config, most),
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION,
-        on_connection, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http,
-        MHD_OPTION_UNESCAPE_CALLBACK, on_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
-        http, MHD_OPTION_ARRAY, http->server->tls ? encrypted : plain, MHD_OPTION_END);
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
+        MHD_OPTION_CONNECTION_TIMEOUT, silence, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
+        MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_UNESCAPE_CALLBACK, on_escapes,
+        NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_ARRAY,
+        http->parts.tls ? encrypted : plain, MHD_OPTION_END);
 }
 
-struct server_http *server_http_start(struct server *server, int listening, uint32_t threads,
+struct server_http *server_http_start(const struct server_http_parts *parts, int listening,
                                       char *error, size_t error_size)
 {
-    struct server_http *http = create(server, listening, threads);
+    struct server_http *http = create(parts, listening);
     if (http) http->daemon = start_library(http);
     if (http && http->daemon) return http;
     snprintf(error, error_size, "the HTTP library could not be started");
@@ -531,16 +487,11 @@ struct server_http *server_http_start(struct server *server, int listening, uint
 
 /* MHD_quiesce_daemon and a thread of the library that wakes at that moment both take the listening
  * socket out of the thread's epoll set, and the second of the two aborts the program (0.9.75; one
- * stop in three thousand, as measured). So the socket is closed under the library's number for it,
- * where a silent one takes its place: the kernel itself takes a closed socket out of every set. */
+ * stop in three thousand, as measured). So the socket is closed under its number, where a silent
+ * one takes its place: the kernel itself takes a closed socket out of every set. */
 void server_http_quiesce(struct server_http *http)
 {
     (void)dup2(http->silent[0], http->listening);
-}
-
-uint32_t server_http_active(struct server_http *http)
-{
-    return server_connections_under_way(http->server->connections);
 }
 
 void server_http_stop(struct server_http *http)

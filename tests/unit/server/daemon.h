@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "server/http/events.h"
+#include "server/http/head.h"
 #include "server/jobs/job_table.h"
 #include "server/surfaces/registry.h"
 #include "server/http/reply.h"
@@ -113,6 +114,8 @@ static inline struct server_exchange *daemon_begin(const char *method, const cha
     exchange->method = method;
     server_exchange_add_header(exchange, "Host", "localhost");
     daemon_add_headers(exchange, headers);
+    const char *fault = server_head_read(exchange, "HTTP/1.1");
+    if (fault) exchange->fault = fault;
     server_router_begin(exchange);
     return exchange;
 }

@@ -20,14 +20,14 @@ static int set_up(void **state)
     (void)state;
     connections = server_connections_create();
     if (!connections || socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) != 0) return -1;
-    connection = server_connections_open(connections, ends[0], NULL, false);
+    connection = server_connection_open(connections, ends[0], NULL);
     return connection ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    server_connections_close(connection);
+    server_connection_close(connection);
     assert_int_equal(server_connections_statistics(connections).open, 0);
     server_connections_destroy(connections);
     close(ends[0]);
@@ -39,7 +39,7 @@ static int tear_down(void **state)
 static bool is_cut_after(uint64_t seconds)
 {
     uint64_t before = server_connections_statistics(connections).cut;
-    server_connections_cut(connections, gd_now_ns() + seconds * SECOND);
+    server_connections_check(connections, gd_now_ns() + seconds * SECOND);
     return server_connections_statistics(connections).cut > before;
 }
 
@@ -47,11 +47,11 @@ static bool is_cut_after(uint64_t seconds)
 static bool is_closed_after(uint64_t seconds)
 {
     char byte;
-    server_connections_cut(connections, gd_now_ns() + seconds * SECOND);
+    server_connections_check(connections, gd_now_ns() + seconds * SECOND);
     return recvfrom(ends[1], &byte, 1, MSG_PEEK | MSG_DONTWAIT, NULL, NULL) == 0;
 }
 
-/* What the library's recv gives it; "" and errno EAGAIN: nothing for now. */
+/* Reads as the library does: "" at the end, or while nothing has come. */
 static const char *receive(void)
 {
     static char bytes[256];
@@ -60,14 +60,6 @@ static const char *receive(void)
     bytes[size > 0 ? size : 0] = '\0';
     return bytes;
 }
-
-static const char *pass(const char *text)
-{
-    assert_int_equal(send(ends[1], text, strlen(text), 0), strlen(text));
-    return receive();
-}
-
-#define REQUEST "GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
 /* --- ends ------------------------------------------------------------------------------------- */
 
@@ -88,17 +80,17 @@ static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
                                &(struct epoll_event){.events = EPOLLIN | EPOLLET}),
                      0);
     assert_int_equal(send(ends[1], "GET /", 5, 0), 5);
-    server_connections_remind(connections);
+    server_connections_check(connections, gd_now_ns());
     assert_true(has_news(epoll));
     assert_string_equal(receive(), "GET /");
-    server_connections_remind(connections); /* the client is still there */
+    server_connections_check(connections, gd_now_ns()); /* the client is still there */
     assert_false(has_news(epoll));
     assert_int_equal(send(ends[1], " HT", 3, 0), 3);
     shutdown(ends[1], SHUT_WR);
     assert_true(has_news(epoll));
     assert_string_equal(receive(), " HT");
     assert_false(has_news(epoll));
-    server_connections_remind(connections);
+    server_connections_check(connections, gd_now_ns());
     assert_true(has_news(epoll));
     assert_int_equal(send(ends[0], "answer", 6, MSG_NOSIGNAL), 6); /* the other way is open */
     assert_string_equal(receive(), "");
@@ -112,8 +104,8 @@ static void a_first_head_has_its_time(void **state)
 {
     (void)state;
     assert_false(is_cut_after(29));
-    assert_string_equal(pass("GET /"), "GET /");
-    assert_false(is_cut_after(29));
+    server_connection_ask(connection,
+                          gd_now_ns() + 20 * SECOND); /* its request line is no new beginning */
     assert_true(is_cut_after(31));
     assert_int_equal(send(ends[1], "x", 1, MSG_NOSIGNAL), -1);
     assert_false(is_cut_after(100));
@@ -122,28 +114,58 @@ static void a_first_head_has_its_time(void **state)
 static void a_request_is_under_way_until_its_answer_has_ended(void **state)
 {
     (void)state;
-    assert_int_equal(server_connections_under_way(connections), 0);
-    server_connection_ask(connection);
-    assert_int_equal(server_connections_under_way(connections), 1);
-    server_connection_begin(connection);
+    assert_int_equal(server_connections_active(connections), 0);
+    server_connection_ask(connection, gd_now_ns());
+    assert_int_equal(server_connections_active(connections), 1);
+    server_connection_head(connection, false, gd_now_ns());
     server_connection_answer(connection, 100, false, gd_now_ns());
-    assert_int_equal(server_connections_under_way(connections), 1);
+    assert_int_equal(server_connections_active(connections), 1);
     server_connection_end(connection);
-    assert_int_equal(server_connections_under_way(connections), 0);
+    assert_int_equal(server_connections_active(connections), 0);
 }
 
-static void later_heads_have_theirs_from_their_first_byte_on(void **state)
+static void a_later_head_has_its_time_from_its_request_line_on(void **state)
 {
     (void)state;
-    pass(REQUEST);
-    server_connection_begin(connection);
-    assert_false(is_cut_after(1000)); /* bodies and work have limits of their own */
+    server_connection_head(connection, false, gd_now_ns());
+    assert_false(is_cut_after(1000)); /* work has deadlines of its own */
     server_connection_answer(connection, 100, false, gd_now_ns());
     server_connection_end(connection);
     assert_false(is_closed_after(29));
-    pass("G");
+    server_connection_ask(connection, gd_now_ns() + 20 * SECOND);
+    assert_false(is_cut_after(49));
+    assert_true(is_cut_after(51));
+}
+
+static void a_body_has_time_for_what_has_come(void **state)
+{
+    uint64_t now_ns = gd_now_ns();
+    (void)state;
+    server_connection_head(connection, true, now_ns);
     assert_false(is_cut_after(29));
+    server_connection_body(connection, 4096, now_ns + 20 * SECOND); /* less than 4 KiB/s */
+    assert_false(is_cut_after(30));
+    server_connection_body(connection, 4096 * 39, now_ns + 29 * SECOND);
+    assert_false(is_cut_after(58));
+    assert_true(is_cut_after(60)); /* 30 s without a byte, though it was fast before */
+}
+
+static void a_body_that_trickles_is_cut(void **state)
+{
+    uint64_t now_ns = gd_now_ns();
+    (void)state;
+    server_connection_head(connection, true, now_ns);
+    for (unsigned second = 1; second < 30; second++)
+        server_connection_body(connection, 1, now_ns + second * SECOND);
     assert_true(is_cut_after(31));
+}
+
+static void work_has_no_deadline_here(void **state)
+{
+    (void)state;
+    server_connection_head(connection, true, gd_now_ns());
+    server_connection_work(connection);
+    assert_false(is_cut_after(1000));
 }
 
 static void idle_connections_are_closed(void **state)
@@ -151,8 +173,7 @@ static void idle_connections_are_closed(void **state)
     (void)state;
     /* after a short answer, and after a long one */
     for (size_t size = 100; size <= 1000000; size *= 10000) {
-        pass(REQUEST);
-        server_connection_begin(connection);
+        server_connection_head(connection, false, gd_now_ns());
         server_connection_answer(connection, size, false, gd_now_ns());
         server_connection_end(connection);
         assert_false(is_closed_after(29));
@@ -161,42 +182,10 @@ static void idle_connections_are_closed(void **state)
     assert_true(is_closed_after(31));
 }
 
-static void a_body_is_waited_for_where_there_is_one(void **state)
-{
-    (void)state;
-    connection->requests = 1;
-    pass("PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\n");
-    assert_true(server_connection_is_in_body(connection));
-    pass("x");
-    assert_true(server_connection_is_in_body(connection));
-    pass("y");
-    assert_false(server_connection_is_in_body(connection));
-    pass("G");
-    assert_false(server_connection_is_in_body(connection));
-    pass("ET / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n1");
-    assert_false(server_connection_is_in_body(connection)); /* it is the next request's */
-    connection->requests = 2;
-    assert_true(server_connection_is_in_body(connection));
-    pass("\r\nx\r\n0\r\n\r");
-    assert_true(server_connection_is_in_body(connection));
-    pass("\n");
-    assert_false(server_connection_is_in_body(connection));
-}
-
-static void a_head_that_came_while_the_last_was_answered_has_its_time(void **state)
-{
-    (void)state;
-    pass(REQUEST "GET /");
-    server_connection_begin(connection);
-    server_connection_answer(connection, 100, false, gd_now_ns());
-    server_connection_end(connection);
-    assert_true(is_cut_after(31));
-}
-
 static void an_answer_has_time_for_its_size(void **state)
 {
     (void)state;
-    server_connection_begin(connection);
+    server_connection_head(connection, false, gd_now_ns());
     server_connection_answer(connection, 16384 * 100, false, gd_now_ns());
     assert_false(is_cut_after(129));
     assert_true(is_cut_after(131));
@@ -205,7 +194,7 @@ static void an_answer_has_time_for_its_size(void **state)
 static void a_stream_has_no_end(void **state)
 {
     (void)state;
-    server_connection_begin(connection);
+    server_connection_head(connection, false, gd_now_ns());
     server_connection_answer(connection, 0, true, gd_now_ns());
     assert_false(is_cut_after(1000000));
 }
@@ -233,14 +222,14 @@ static struct tcp join_by_tcp(void)
     tcp.ours = accept4(listening, NULL, NULL, SOCK_NONBLOCK);
     assert_true(tcp.ours >= 0);
     close(listening);
-    tcp.connection = server_connections_open(connections, tcp.ours, NULL, false);
+    tcp.connection = server_connection_open(connections, tcp.ours, NULL);
     assert_non_null(tcp.connection);
     return tcp;
 }
 
 static void leave(struct tcp *tcp)
 {
-    server_connections_close(tcp->connection);
+    server_connection_close(tcp->connection);
     close(tcp->ours);
     close(tcp->client);
 }
@@ -272,7 +261,7 @@ static unsigned seconds_until_cut(struct tcp *tcp, size_t rate, unsigned most)
     uint64_t begun = gd_now_ns(), before = server_connections_statistics(connections).cut;
     for (unsigned second = 1; second <= most; second++) {
         if (rate) take(tcp, rate);
-        server_connections_cut(connections, begun + second * SECOND);
+        server_connections_check(connections, begun + second * SECOND);
         if (server_connections_statistics(connections).cut > before) return second;
     }
     return most;
@@ -282,10 +271,11 @@ static void a_steady_slow_reader_is_not_cut(void **state)
 {
     const size_t rates[] = {16384 + 1000, 24000, 50000};
     (void)state;
-    server_connection_begin(connection); /* the other one: it is not looked at here */
+    server_connection_head(connection, false,
+                           gd_now_ns()); /* the other one: it is not looked at here */
     for (size_t i = 0; i < sizeof rates / sizeof *rates; i++) {
         struct tcp tcp = join_by_tcp();
-        server_connection_begin(tcp.connection);
+        server_connection_head(tcp.connection, false, gd_now_ns());
         server_connection_answer(tcp.connection, (size_t)100 << 20, false, gd_now_ns());
         fill(&tcp);
         assert_int_equal(seconds_until_cut(&tcp, rates[i], 400), 400);
@@ -296,16 +286,16 @@ static void a_steady_slow_reader_is_not_cut(void **state)
 static void who_takes_nothing_is_cut(void **state)
 {
     (void)state;
-    server_connection_begin(connection);
+    server_connection_head(connection, false, gd_now_ns());
     for (int is_stream = 0; is_stream < 2; is_stream++) {
         struct tcp tcp = join_by_tcp();
-        server_connection_begin(tcp.connection);
+        server_connection_head(tcp.connection, false, gd_now_ns());
         server_connection_answer(tcp.connection, (size_t)100 << 20, is_stream, gd_now_ns());
         fill(&tcp);
         assert_in_range(seconds_until_cut(&tcp, 0, 400), 30, 61);
         leave(&tcp);
         tcp = join_by_tcp();
-        server_connection_begin(tcp.connection);
+        server_connection_head(tcp.connection, false, gd_now_ns());
         server_connection_answer(tcp.connection, (size_t)100 << 20, is_stream, gd_now_ns());
         fill(&tcp);
         assert_in_range(seconds_until_cut(&tcp, 1000, 400), 30, 61);
@@ -317,8 +307,8 @@ static void a_stream_that_is_silent_goes_on(void **state)
 {
     (void)state;
     struct tcp tcp = join_by_tcp();
-    server_connection_begin(connection);
-    server_connection_begin(tcp.connection);
+    server_connection_head(connection, false, gd_now_ns());
+    server_connection_head(tcp.connection, false, gd_now_ns());
     server_connection_answer(tcp.connection, 0, true, gd_now_ns());
     assert_int_equal(send(tcp.ours, "data\n", 5, 0), 5);
     char bytes[8];
@@ -332,15 +322,15 @@ static void a_connection_is_not_idle_while_the_client_takes(void **state)
 {
     (void)state;
     struct tcp tcp = join_by_tcp();
-    server_connection_begin(connection);
-    server_connection_begin(tcp.connection);
+    server_connection_head(connection, false, gd_now_ns());
+    server_connection_head(tcp.connection, false, gd_now_ns());
     server_connection_answer(tcp.connection, (size_t)1 << 20, false, gd_now_ns());
     fill(&tcp);
     server_connection_end(tcp.connection);
     uint64_t now = gd_now_ns();
     for (unsigned second = 1; second <= 100; second++) {
         take(&tcp, 24000);
-        server_connections_cut(connections, now + second * SECOND);
+        server_connections_check(connections, now + second * SECOND);
     }
     assert_int_equal(send(tcp.client, "GET", 3, MSG_NOSIGNAL), 3);
     char bytes[4];
@@ -364,8 +354,8 @@ static void crowd_in(struct crowd *crowd, int heavy)
     for (int i = 0; i < MANY; i++) {
         client.sin_addr.s_addr = htonl(INADDR_LOOPBACK + (uint32_t)(i >= heavy));
         assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, crowd->ends[i]), 0);
-        crowd->all[i] = server_connections_open(connections, crowd->ends[i][0],
-                                                (struct sockaddr *)&client, false);
+        crowd->all[i] =
+            server_connection_open(connections, crowd->ends[i][0], (struct sockaddr *)&client);
         assert_non_null(crowd->all[i]);
     }
 }
@@ -385,7 +375,7 @@ static bool is_shut(const struct crowd *crowd, int i)
 static void crowd_out(struct crowd *crowd)
 {
     for (int i = 0; i < MANY; i++) {
-        server_connections_close(crowd->all[i]);
+        server_connection_close(crowd->all[i]);
         close(crowd->ends[i][0]);
         close(crowd->ends[i][1]);
     }
@@ -397,9 +387,10 @@ static void the_oldest_heads_go_first(void **state)
     struct crowd crowd;
     (void)state;
     crowd_in(&crowd, MANY);
-    server_connection_begin(connection);
-    for (int i = 0; i < MANY; i += 2) server_connection_begin(crowd.all[i]); /* busy: they stay */
-    server_connections_limit(connections, 17);
+    server_connection_head(connection, false, gd_now_ns());
+    for (int i = 0; i < MANY; i += 2)
+        server_connection_head(crowd.all[i], false, gd_now_ns()); /* busy: they stay */
+    assert_true(server_connections_limit(connections, 17));
     relieve_after(2);
     for (int i = 0; i < MANY; i++) assert_int_equal(is_shut(&crowd, i), i % 2 && i < 8);
     assert_int_equal(server_connections_statistics(connections).cut, 4);
@@ -411,15 +402,15 @@ static void after_all_heads_the_idle_go(void **state)
     struct crowd crowd;
     (void)state;
     crowd_in(&crowd, MANY);
-    server_connection_begin(connection);
-    for (int i = 0; i < MANY; i++) server_connection_begin(crowd.all[i]);
+    server_connection_head(connection, false, gd_now_ns());
+    for (int i = 0; i < MANY; i++) server_connection_head(crowd.all[i], false, gd_now_ns());
     uint64_t now = gd_now_ns();
     for (int i = MANY; i--;) { /* the last one is idle for longest */
         if (i == 7) continue;
         server_connection_answer(crowd.all[i], 10, false, now - (uint64_t)(i + 1) * SECOND);
         server_connection_end(crowd.all[i]);
     }
-    server_connections_limit(connections, 17);
+    assert_true(server_connections_limit(connections, 17));
     server_connections_relieve(connections, now);
     for (int i = 0; i < MANY; i++) assert_int_equal(is_shut(&crowd, i), i >= MANY - 4);
     assert_int_equal(server_connections_statistics(connections).cut, 0); /* no incident */
@@ -431,13 +422,13 @@ static void addresses_with_few_connections_keep_them(void **state)
     struct crowd crowd;
     (void)state;
     crowd_in(&crowd, 10); /* the other six, and the fixture's own, are fewer than ... */
-    server_connection_begin(connection);
+    server_connection_head(connection, false, gd_now_ns());
     /* ... two, since the others are busy */
-    for (int i = 12; i < MANY; i++) server_connection_begin(crowd.all[i]);
-    server_connection_begin(crowd.all[0]);
+    for (int i = 12; i < MANY; i++) server_connection_head(crowd.all[i], false, gd_now_ns());
+    server_connection_head(crowd.all[0], false, gd_now_ns());
     server_connection_answer(crowd.all[0], 10, false, gd_now_ns() - 20 * SECOND);
     server_connection_end(crowd.all[0]);
-    server_connections_limit(connections, 17);
+    assert_true(server_connections_limit(connections, 17));
     relieve_after(2);
     for (int i = 0; i < MANY; i++) assert_int_equal(is_shut(&crowd, i), i >= 1 && i <= 4);
     crowd_out(&crowd);
@@ -449,10 +440,10 @@ static void heads_that_have_just_begun_stay(void **state)
     struct crowd crowd;
     (void)state;
     crowd_in(&crowd, MANY);
-    server_connections_limit(connections, 18);
+    assert_true(server_connections_limit(connections, 18));
     relieve_after(0);
     for (int i = 0; i < MANY; i++) assert_false(is_shut(&crowd, i));
-    server_connections_limit(connections, 17); /* nothing is free */
+    assert_true(server_connections_limit(connections, 17)); /* nothing is free */
     relieve_after(0);
     for (int i = 0; i < MANY; i++) assert_int_equal(is_shut(&crowd, i), i < 2);
     crowd_out(&crowd);
@@ -463,65 +454,10 @@ static void while_enough_are_free_all_stay(void **state)
     struct crowd crowd;
     (void)state;
     crowd_in(&crowd, MANY);
-    server_connections_limit(connections, 20);
+    assert_true(server_connections_limit(connections, 20));
     relieve_after(2);
     for (int i = 0; i < MANY; i++) assert_false(is_shut(&crowd, i));
     crowd_out(&crowd);
-}
-
-/* --- the wire --------------------------------------------------------------------------------- */
-
-static void what_is_right_passes(void **state)
-{
-    (void)state;
-    assert_string_equal(pass(REQUEST), REQUEST);
-    assert_string_equal(pass(REQUEST REQUEST "PUT"), REQUEST REQUEST "PUT");
-    assert_int_equal(connection->grammar.heads, 3);
-    assert_string_equal(receive(), "");
-    assert_int_equal(errno, EAGAIN);
-    close(ends[1]);
-    ends[1] = dup(ends[0]);
-    assert_string_equal(receive(), "");
-    assert_int_equal(errno, 0); /* the end */
-}
-
-static void a_fault_is_ended_and_nothing_follows(void **state)
-{
-    (void)state;
-    assert_string_equal(pass("GET /a HT"), "GET /a HT");
-    assert_string_equal(pass("TP/1.1\r\nX : y\r\n\r\n" REQUEST), "TP/1.1\r\nX-:\r\n\r\n");
-    assert_string_equal(pass(REQUEST), "");
-    assert_int_equal(errno, EAGAIN);
-    assert_int_equal(server_connections_statistics(connections).faults, 1);
-    assert_int_equal(connection->grammar.heads, 0);
-}
-
-static void an_ending_comes_in_pieces_if_it_has_to(void **state)
-{
-    (void)state;
-    char bytes[64], *at = bytes;
-    assert_int_equal(send(ends[1], "\n", 1, 0), 1);
-    for (ssize_t size; (size = recv(ends[0], at, 3, 0)) > 0; at += size) continue;
-    *at = '\0';
-    assert_string_equal(bytes, "GET / HTTP/1.1\r\n\r\n");
-}
-
-static void what_nothing_ends_is_the_end(void **state)
-{
-    (void)state;
-    pass("PUT / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n");
-    assert_string_equal(pass("5;a\n"), "5;a");
-    assert_string_equal(receive(), "");
-    assert_int_equal(errno, 0);
-}
-
-static void other_sockets_are_not_watched(void **state)
-{
-    (void)state;
-    char bytes[8];
-    assert_int_equal(send(ends[0], "\n\n\n", 3, 0), 3);
-    assert_int_equal(recv(ends[1], bytes, sizeof bytes, 0), 3);
-    assert_memory_equal(bytes, "\n\n\n", 3);
 }
 
 int main(void)
@@ -532,12 +468,12 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_first_head_has_its_time, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_request_is_under_way_until_its_answer_has_ended, set_up,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(later_heads_have_theirs_from_their_first_byte_on, set_up,
+        cmocka_unit_test_setup_teardown(a_later_head_has_its_time_from_its_request_line_on, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(idle_connections_are_closed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_body_is_waited_for_where_there_is_one, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_head_that_came_while_the_last_was_answered_has_its_time,
-                                        set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_body_has_time_for_what_has_come, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_body_that_trickles_is_cut, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(work_has_no_deadline_here, set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_answer_has_time_for_its_size, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_stream_has_no_end, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_steady_slow_reader_is_not_cut, set_up, tear_down),
@@ -551,11 +487,6 @@ int main(void)
                                         tear_down),
         cmocka_unit_test_setup_teardown(heads_that_have_just_begun_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(while_enough_are_free_all_stay, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_is_right_passes, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_fault_is_ended_and_nothing_follows, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(an_ending_comes_in_pieces_if_it_has_to, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_nothing_ends_is_the_end, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(other_sockets_are_not_watched, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
