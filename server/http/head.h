@@ -4,7 +4,7 @@
  * Two readers that disagree on where a request ends can be made to see different requests (request
  * smuggling). So a head that readers are known to understand differently is refused, and the
  * connection is closed. RFC 9112, 3.2, 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2.
- * server/doc/006-access.md lists the bytes that the library does not show. */
+ * server/doc/019-http-library.md lists the bytes that the library does not show. */
 #ifndef SERVER_HTTP_HEAD_H
 #define SERVER_HTTP_HEAD_H
 

@@ -2,7 +2,7 @@
  * which says how the client ends: it shuts its side down at once, or asks for one thing more,
  * behind which the daemon closes, and shuts down only after a silence. Whatever is sent, the daemon
  * hangs up in the end; what it says begins with a line of HTTP/1.1 and is never status 500, and it
- * goes on answering /livez. Behind the socket is all of it: grammar, library, router, handlers,
+ * goes on answering /livez. Behind the socket is all of it: library, checks, router, handlers,
  * workers and engine. */
 #include <arpa/inet.h>
 #include <errno.h>
