@@ -238,6 +238,10 @@ void server_exchange_defer(struct server_exchange *exchange,
                            bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
 
+/* The functions of the exchange's job (work/workers.h). */
+void server_exchange_job_run(struct server_job *job);
+void server_exchange_job_refuse(struct server_job *job, enum server_refusal why);
+
 /* Whose job it is. */
 struct server_exchange *server_exchange_of(struct server_job *job);
 
