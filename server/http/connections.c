@@ -83,7 +83,7 @@ static uint64_t earlier(uint64_t a, uint64_t b)
  */
 
 /* Under the mutex. False: the connection's thread has set another deadline. */
-static bool shut(struct server_connection *connection, uint64_t deadline_ns)
+static bool connection_shut(struct server_connection *connection, uint64_t deadline_ns)
 {
     struct server_connections *connections = connection->connections;
     enum phase phase = phase_of(deadline_ns);
@@ -101,7 +101,7 @@ enum reading { READING_NOTHING, READING, READ_ALL };
 
 /* What the client has acknowledged since the last look. The library's writes say less: the kernel
  * buffers megabytes. Unix sockets can't say; the library's timer is for them. */
-static enum reading look_at_reader(struct server_connection *connection)
+static enum reading connection_look(struct server_connection *connection)
 {
     struct tcp_info info = {0};
     socklen_t size = sizeof info;
@@ -115,41 +115,43 @@ static enum reading look_at_reader(struct server_connection *connection)
 }
 
 /* Returns the next deadline of a connection whose deadline has passed; 0: there is none. */
-static uint64_t extend(struct server_connection *connection, enum phase phase, uint64_t now_ns)
+static uint64_t connection_extend(struct server_connection *connection, enum phase phase,
+                                  uint64_t now_ns)
 {
     uint64_t last_ns = atomic_load_explicit(&connection->last_ns, memory_order_relaxed);
-    if (phase == PHASE_ANSWER && last_ns > now_ns && look_at_reader(connection) != READING_NOTHING)
+    if (phase == PHASE_ANSWER && last_ns > now_ns && connection_look(connection) != READING_NOTHING)
         return earlier(now_ns + PATIENCE_NS, last_ns);
     /* the kernel may hold the end of an answer that the library has written */
-    return phase == PHASE_IDLE && look_at_reader(connection) == READING ? now_ns + PATIENCE_NS : 0;
+    return phase == PHASE_IDLE && connection_look(connection) == READING ? now_ns + PATIENCE_NS : 0;
 }
 
 /* The client has ended its side, and the library has read all that it sent. */
-static bool is_ended(const struct server_connection *connection)
+static bool connection_is_ended(const struct server_connection *connection)
 {
     char byte;
     return recv(connection->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
-static void check(struct server_connection *connection, uint64_t now_ns)
+static void connection_check(struct server_connection *connection, uint64_t now_ns)
 {
     uint64_t deadline_ns = atomic_load(&connection->deadline_ns);
-    if (is_ended(connection))
+    if (connection_is_ended(connection))
         shutdown(connection->descriptor, SHUT_RD); /* an answer can still leave */
     if (deadline_ns > now_ns) return;
     enum phase phase = phase_of(deadline_ns);
-    uint64_t later_ns = extend(connection, phase, now_ns);
+    uint64_t later_ns = connection_extend(connection, phase, now_ns);
     if (later_ns)
         atomic_compare_exchange_strong(&connection->deadline_ns, &deadline_ns,
                                        (later_ns & ~PHASES) | phase);
     else
-        (void)shut(connection, deadline_ns);
+        (void)connection_shut(connection, deadline_ns);
 }
 
 void server_connections_check(struct server_connections *connections, uint64_t now_ns)
 {
     pthread_mutex_lock(&connections->mutex);
-    for (struct server_connection *at = connections->first; at; at = at->next) check(at, now_ns);
+    for (struct server_connection *at = connections->first; at; at = at->next)
+        connection_check(at, now_ns);
     pthread_mutex_unlock(&connections->mutex);
 }
 
@@ -158,7 +160,7 @@ void server_connections_check(struct server_connections *connections, uint64_t n
  */
 
 /* How many connections more are open than leave `free` places, those that are leaving aside. */
-static uint32_t excess(struct server_connections *connections, uint32_t free)
+static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {
     uint64_t open = atomic_load(&connections->open),
              kept = atomic_load(&connections->leaving) + connections->most - free;
@@ -166,7 +168,7 @@ static uint32_t excess(struct server_connections *connections, uint32_t free)
 }
 
 /* Under the mutex: lists the connections that wait for their clients. */
-static size_t list_waiting(struct server_connections *connections)
+static size_t candidates_list(struct server_connections *connections)
 {
     size_t count = 0;
     for (struct server_connection *at = connections->first; at && count < connections->most;
@@ -181,7 +183,7 @@ static size_t list_waiting(struct server_connections *connections)
 
 enum { RANK_OLD_HEAD, RANK_IDLE, RANK_YOUNG_HEAD, RANKS };
 
-static void rank_waiting(struct candidate *candidates, size_t count, uint64_t now_ns)
+static void candidates_rank(struct candidate *candidates, size_t count, uint64_t now_ns)
 {
     uint32_t waiting[ADDRESSES] = {0}, most = 0;
     for (size_t i = 0; i < count; i++) {
@@ -198,7 +200,7 @@ static void rank_waiting(struct candidate *candidates, size_t count, uint64_t no
     }
 }
 
-static int compare_candidates(const void *a, const void *b)
+static int candidate_compare(const void *a, const void *b)
 {
     const struct candidate *first = a, *second = b;
     if (first->rank != second->rank) return first->rank < second->rank ? -1 : 1;
@@ -206,15 +208,15 @@ static int compare_candidates(const void *a, const void *b)
 }
 
 /* Under the mutex. Returns how many of them are shut down. */
-static uint32_t shut_all(const struct candidate *candidates, uint64_t count)
+static uint32_t candidates_shut(const struct candidate *candidates, uint64_t count)
 {
     uint32_t done = 0;
     for (uint64_t i = 0; i < count; i++)
-        done += shut(candidates[i].connection, candidates[i].deadline_ns);
+        done += connection_shut(candidates[i].connection, candidates[i].deadline_ns);
     return done;
 }
 
-static void complain(struct server_connections *connections, uint64_t now_ns)
+static void connections_complain(struct server_connections *connections, uint64_t now_ns)
 {
     if (now_ns - connections->complained_ns < COMPLAINT_NS) return;
     connections->complained_ns = now_ns;
@@ -231,25 +233,26 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
 {
     struct candidate *all = connections->candidates;
     uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART;
-    uint32_t wanted = excess(connections, reserve), needed = excess(connections, scarce);
+    uint32_t wanted = connections_excess(connections, reserve),
+             needed = connections_excess(connections, scarce);
     if (!wanted) return;
     pthread_mutex_lock(&connections->mutex);
-    size_t count = list_waiting(connections), ordinary = 0;
-    rank_waiting(all, count, now_ns);
-    qsort(all, count, sizeof *all, compare_candidates);
+    size_t count = candidates_list(connections), ordinary = 0;
+    candidates_rank(all, count, now_ns);
+    qsort(all, count, sizeof *all, candidate_compare);
     while (ordinary < count && all[ordinary].rank <= RANK_IDLE) ordinary++;
-    uint32_t done = shut_all(all, earlier(ordinary, wanted + reserve / 2));
+    uint32_t done = candidates_shut(all, earlier(ordinary, wanted + reserve / 2));
     if (done < needed)
-        done += shut_all(all + ordinary, earlier(count - ordinary, needed - done + scarce));
+        done += candidates_shut(all + ordinary, earlier(count - ordinary, needed - done + scarce));
     pthread_mutex_unlock(&connections->mutex);
-    if (done) complain(connections, now_ns);
+    if (done) connections_complain(connections, now_ns);
 }
 
 /* --- the thread
  * ---------------------------------------------------------------------------------------------------
  */
 
-static void watch(void *user, struct server_thread *thread)
+static void connections_watch(void *user, struct server_thread *thread)
 {
     struct server_connections *connections = user;
     while (server_thread_pause(thread, atomic_load(&connections->open) ? SECOND_NS
@@ -267,7 +270,7 @@ struct server_connections *server_connections_create(void)
     struct server_connections *connections = calloc(1, sizeof *connections);
     if (!connections) return NULL;
     pthread_mutex_init(&connections->mutex, NULL);
-    connections->thread = server_thread_start(watch, connections);
+    connections->thread = server_thread_start(connections_watch, connections);
     if (connections->thread) return connections;
     server_connections_destroy(connections);
     return NULL;
@@ -315,8 +318,8 @@ server_connections_statistics(struct server_connections *connections)
  * -----------------------------------------------------------------------------------------------
  */
 
-static void set_deadline(struct server_connection *connection, enum phase phase,
-                         uint64_t deadline_ns)
+static void connection_set(struct server_connection *connection, enum phase phase,
+                           uint64_t deadline_ns)
 {
     atomic_store_explicit(&connection->deadline_ns, (deadline_ns & ~PHASES) | phase,
                           memory_order_relaxed);
@@ -336,14 +339,16 @@ static unsigned address_group(const struct sockaddr *client)
                       54); /* Fibonacci hashing: 10 bits */
 }
 
-static void insert(struct server_connections *connections, struct server_connection *connection)
+static void connection_insert(struct server_connections *connections,
+                              struct server_connection *connection)
 {
     pthread_mutex_lock(&connections->mutex);
     connection->previous = connections->last;
     *(connection->previous ? &connection->previous->next : &connections->first) = connection;
     connections->last = connection;
     pthread_mutex_unlock(&connections->mutex);
-    if (atomic_fetch_add(&connections->open, 1) == 0 || excess(connections, connections->reserve))
+    if (atomic_fetch_add(&connections->open, 1) == 0 ||
+        connections_excess(connections, connections->reserve))
         server_thread_wake(connections->thread);
 }
 
@@ -355,8 +360,8 @@ struct server_connection *server_connection_open(struct server_connections *conn
     connection->connections = connections;
     connection->descriptor = descriptor;
     connection->address = address_group(client);
-    set_deadline(connection, PHASE_HEAD, gd_now_ns() + PATIENCE_NS);
-    insert(connections, connection);
+    connection_set(connection, PHASE_HEAD, gd_now_ns() + PATIENCE_NS);
+    connection_insert(connections, connection);
     return connection;
 }
 
@@ -376,7 +381,7 @@ void server_connection_ask(struct server_connection *connection, uint64_t now_ns
 {
     uint64_t deadline_ns = atomic_load_explicit(&connection->deadline_ns, memory_order_relaxed);
     if (phase_of(deadline_ns) == PHASE_IDLE)
-        set_deadline(connection, PHASE_HEAD, now_ns + PATIENCE_NS);
+        connection_set(connection, PHASE_HEAD, now_ns + PATIENCE_NS);
     atomic_store_explicit(&connection->is_active, true, memory_order_relaxed);
 }
 
@@ -384,20 +389,20 @@ void server_connection_head(struct server_connection *connection, bool has_body,
 {
     connection->body_started_ns = now_ns;
     connection->body_bytes = 0;
-    set_deadline(connection, PHASE_OTHER, has_body ? now_ns + PATIENCE_NS : NEVER);
+    connection_set(connection, PHASE_OTHER, has_body ? now_ns + PATIENCE_NS : NEVER);
 }
 
 void server_connection_body(struct server_connection *connection, size_t size, uint64_t now_ns)
 {
     connection->body_bytes += size;
     uint64_t slowest_ns = connection->body_bytes / BODY_RATE * SECOND_NS;
-    set_deadline(connection, PHASE_OTHER,
-                 earlier(now_ns, connection->body_started_ns + slowest_ns) + PATIENCE_NS);
+    connection_set(connection, PHASE_OTHER,
+                   earlier(now_ns, connection->body_started_ns + slowest_ns) + PATIENCE_NS);
 }
 
 void server_connection_work(struct server_connection *connection)
 {
-    set_deadline(connection, PHASE_OTHER, NEVER);
+    connection_set(connection, PHASE_OTHER, NEVER);
 }
 
 void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream,
@@ -408,15 +413,15 @@ void server_connection_answer(struct server_connection *connection, size_t size,
     bool is_looked_at = is_stream || size > LONG_ANSWER;
     connection->is_short = !is_stream && size < ANSWER_RATE;
     atomic_store_explicit(&connection->last_ns, last_ns, memory_order_relaxed);
-    set_deadline(connection, PHASE_ANSWER, is_looked_at ? now_ns + PATIENCE_NS : last_ns);
+    connection_set(connection, PHASE_ANSWER, is_looked_at ? now_ns + PATIENCE_NS : last_ns);
 }
 
 void server_connection_end(struct server_connection *connection)
 {
     uint64_t deadline_ns = atomic_load_explicit(&connection->deadline_ns, memory_order_relaxed);
     atomic_store_explicit(&connection->is_active, false, memory_order_release);
-    set_deadline(connection, PHASE_IDLE,
-                 connection->is_short ? deadline_ns : gd_now_ns() + PATIENCE_NS);
+    connection_set(connection, PHASE_IDLE,
+                   connection->is_short ? deadline_ns : gd_now_ns() + PATIENCE_NS);
 }
 
 void server_connection_refuse(struct server_connection *connection)

@@ -2,8 +2,8 @@
  *
  * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the
  * handler deferred it, the queue, a worker or a pending build of the cache, then the HTTP thread
- * again. The hand-over is the workers' lock one way and transport->finish the other: who has
- * submitted, parked or finished an exchange does not touch it any more.
+ * again. The workers' lock hands it over one way and transport->finish the other: a thread that
+ * has submitted, parked or finished an exchange does not touch it any more.
  *
  * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept
  * for later (job_table.h). Handlers need not know which.
@@ -82,20 +82,18 @@ struct server_response {
     struct server_response_header headers[SERVER_RESPONSE_HEADERS];
 };
 
-/* What carries the exchange. */
+/* What carries an exchange: a connection, a job, an item of a batch. */
 struct server_transport {
     /* A deferred exchange is answered: it is the transport's again. */
     void (*finish)(struct server_exchange *exchange);
-    /* Nobody wants the answer of a deferred exchange any more. Asked every millisecond, by any
-     * thread that works for it. */
+    /* The client of a deferred exchange has gone. Called every millisecond, by any thread that
+     * works for the exchange. */
     bool (*is_gone)(struct server_exchange *exchange);
-    /* A worker has taken up a deferred exchange, perhaps again. NULL: the transport need not know.
-     */
+    /* A worker starts to work on a deferred exchange, perhaps again. May be NULL. */
     void (*begin)(struct server_exchange *exchange);
-    /* The part of the work that is done, in [0,1]; from any thread that works for it. NULL: the
-     * transport need not know. */
+    /* Progress in [0,1], by any thread that works for the exchange. May be NULL. */
     void (*report)(struct server_exchange *exchange, double part);
-    bool can_stream; /* its client can take an answer as it comes (server_reply_stream) */
+    bool can_stream; /* the answer may be a stream (server_reply_stream) */
 };
 
 /* What the requests of a daemon have in common. The composition root fills it in; all that it

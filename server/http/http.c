@@ -86,7 +86,7 @@ static struct client *client_of(struct server_exchange *exchange)
     return (struct client *)exchange->transport;
 }
 
-static void finish(struct server_exchange *exchange)
+static void client_finish(struct server_exchange *exchange)
 {
     server_reply_seal(exchange);
     MHD_resume_connection(client_of(exchange)->connection);
@@ -107,19 +107,19 @@ static const struct sockaddr *peer_of(struct MHD_Connection *connection)
 }
 
 /* A client that waits for an answer does not close its side. */
-static bool has_hung_up(const struct client *client)
+static bool client_has_hung_up(const struct client *client)
 {
     struct pollfd state = {.fd = socket_of(client->connection), .events = POLLRDHUP};
     return poll(&state, 1, 0) == 1 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR));
 }
 
-static bool is_gone(struct server_exchange *exchange)
+static bool client_is_gone(struct server_exchange *exchange)
 {
     struct client *client = client_of(exchange);
     uint64_t now_ns = gd_now_ns();
     uint64_t looked_ns = atomic_load_explicit(&client->looked_ns, memory_order_relaxed);
     if (now_ns - looked_ns < GONE_INTERVAL_NS) return false;
-    if (has_hung_up(client)) return true;
+    if (client_has_hung_up(client)) return true;
     atomic_store_explicit(&client->looked_ns, now_ns, memory_order_relaxed);
     return false;
 }
@@ -130,8 +130,8 @@ static struct client *client_open(const struct server_http *http, struct MHD_Con
 {
     struct client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
-    client->transport =
-        (struct server_transport){.finish = finish, .is_gone = is_gone, .can_stream = true};
+    client->transport = (struct server_transport){
+        .finish = client_finish, .is_gone = client_is_gone, .can_stream = true};
     client->http = http;
     client->connection = connection;
     client->deadlines =
@@ -181,7 +181,7 @@ static size_t on_escapes(void *user, struct MHD_Connection *connection, char *te
 }
 
 /* The library has answered the request without the exchange, by a status of its own. */
-static void note_refusal(const struct client *client)
+static void client_note_refusal(const struct client *client)
 {
     server_connection_refuse(client->deadlines);
     server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is no HTTP",
@@ -195,7 +195,7 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     (void)user, (void)connection;
     if (!client) return;
     bool is_answered = client->phase == PHASE_PARKED || client->phase == PHASE_ANSWERED;
-    if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) note_refusal(client);
+    if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) client_note_refusal(client);
     server_exchange_end(&client->exchange);
     server_connection_end(client->deadlines);
     *context = NULL;
@@ -211,21 +211,21 @@ static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char
 
 /* --- from the exchange to the library --------------------------------------------------------- */
 
-static void pause_client(void *user)
+static void client_pause(void *user)
 {
     const struct client *client = user;
     MHD_suspend_connection(client->connection);
 }
 
-static void resume_client(void *user)
+static void client_resume(void *user)
 {
     const struct client *client = user;
     MHD_resume_connection(client->connection);
 }
 
-static bool is_client_gone(void *user)
+static bool client_has_left(void *user)
 {
-    return has_hung_up(user);
+    return client_has_hung_up(user);
 }
 
 static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
@@ -237,11 +237,11 @@ static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
     return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
 }
 
-static struct MHD_Response *make_streamed(struct client *client)
+static struct MHD_Response *response_streamed(struct client *client)
 {
     server_stream_attach(
         client->exchange.response.stream,
-        (struct server_stream_reader){pause_client, resume_client, is_client_gone, client});
+        (struct server_stream_reader){client_pause, client_resume, client_has_left, client});
     return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, client, NULL);
 }
 
@@ -271,14 +271,14 @@ static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
 
 /* A large body goes to the kernel in blocks: a system call that copies several MiB would delay the
  * thread's other connections by milliseconds. The exchange keeps the body. */
-static struct MHD_Response *make_large(struct server_response *reply)
+static struct MHD_Response *response_large(struct server_response *reply)
 {
     return MHD_create_response_from_callback(reply->size, LARGE_BLOCK, on_body, reply, NULL);
 }
 
-static struct MHD_Response *make_whole(struct server_response *reply)
+static struct MHD_Response *response_whole(struct server_response *reply)
 {
-    if (reply->lent.bytes || reply->size >= LARGE_ANSWER) return make_large(reply);
+    if (reply->lent.bytes || reply->size >= LARGE_ANSWER) return response_large(reply);
     struct MHD_Response *response =
         reply->owned
             ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
@@ -288,7 +288,7 @@ static struct MHD_Response *make_whole(struct server_response *reply)
     return response;
 }
 
-static bool add_headers(struct MHD_Response *response, const struct server_response *reply)
+static bool response_add_headers(struct MHD_Response *response, const struct server_response *reply)
 {
     bool is_added = !reply->close || MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION,
                                                              "close") == MHD_YES;
@@ -298,22 +298,23 @@ static bool add_headers(struct MHD_Response *response, const struct server_respo
     return is_added;
 }
 
-static struct MHD_Response *make_response(struct client *client)
+static struct MHD_Response *response_make(struct client *client)
 {
     struct server_response *reply = &client->exchange.response;
-    struct MHD_Response *response = reply->stream ? make_streamed(client) : make_whole(reply);
-    if (!response || add_headers(response, reply)) return response;
+    struct MHD_Response *response =
+        reply->stream ? response_streamed(client) : response_whole(reply);
+    if (!response || response_add_headers(response, reply)) return response;
     MHD_destroy_response(response);
     return NULL;
 }
 
-static enum MHD_Result answer(struct client *client)
+static enum MHD_Result client_answer(struct client *client)
 {
     struct server_exchange *exchange = &client->exchange;
     const struct server_response *reply = &exchange->response;
     uint64_t now_ns = gd_now_ns(), nanoseconds = now_ns - exchange->started_ns;
     client->phase = PHASE_ANSWERED;
-    struct MHD_Response *response = make_response(client);
+    struct MHD_Response *response = response_make(client);
     if (!response) return MHD_NO;
     server_metrics_count(exchange->host->metrics, exchange->match.route, reply->status,
                          nanoseconds);
@@ -327,7 +328,7 @@ static enum MHD_Result answer(struct client *client)
 
 /* --- the phases ------------------------------------------------------------------------------- */
 
-static enum MHD_Result begin(struct client *client, const char *method, const char *version)
+static enum MHD_Result client_begin(struct client *client, const char *method, const char *version)
 {
     struct server_exchange *exchange = &client->exchange;
     exchange->method = method;
@@ -343,22 +344,22 @@ static enum MHD_Result begin(struct client *client, const char *method, const ch
     client->http->parts.begin(exchange);
     if (!exchange->response.close) return MHD_YES;
     server_reply_seal(exchange);
-    return answer(client);
+    return client_answer(client);
 }
 
-static enum MHD_Result take(struct client *client, const char *bytes, size_t size)
+static enum MHD_Result client_take(struct client *client, const char *bytes, size_t size)
 {
     server_connection_body(client->deadlines, size, gd_now_ns());
     server_body_append(&client->exchange.body, client->exchange.host->budget, bytes, size);
     return MHD_YES;
 }
 
-static enum MHD_Result end(struct client *client)
+static enum MHD_Result client_end(struct client *client)
 {
     client->http->parts.end(&client->exchange);
     if (client->exchange.response.status) {
         server_reply_seal(&client->exchange);
-        return answer(client);
+        return client_answer(client);
     }
     client->phase = PHASE_PARKED;
     server_connection_work(client->deadlines);
@@ -379,11 +380,11 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
     *upload_size = 0;
     switch (client->phase) {
     case PHASE_HEAD:
-        return begin(client, method, version);
+        return client_begin(client, method, version);
     case PHASE_BODY:
-        return size ? take(client, upload, size) : end(client);
+        return size ? client_take(client, upload, size) : client_end(client);
     case PHASE_PARKED:
-        return answer(client);
+        return client_answer(client);
     case PHASE_ANSWERED:
         break;
     }
@@ -428,7 +429,7 @@ static void on_library_log(void *user, const char *format, va_list arguments)
     server_log_message(SERVER_LOG_DEBUG, "http", "%s", sentence);
 }
 
-static struct server_http *create(const struct server_http_parts *parts, int listening)
+static struct server_http *http_create(const struct server_http_parts *parts, int listening)
 {
     struct server_http *http = calloc(1, sizeof *http);
     if (!http) return NULL;
@@ -439,7 +440,7 @@ static struct server_http *create(const struct server_http_parts *parts, int lis
     return NULL;
 }
 
-static void destroy(struct server_http *http)
+static void http_destroy(struct server_http *http)
 {
     if (!http) return;
     close(http->silent[0]);
@@ -447,7 +448,7 @@ static void destroy(struct server_http *http)
     free(http);
 }
 
-static struct MHD_Daemon *start_library(struct server_http *http)
+static struct MHD_Daemon *http_start_library(struct server_http *http)
 {
     const struct server_config *config = http->parts.config;
     const struct MHD_OptionItem encrypted[] = {
@@ -476,11 +477,11 @@ static struct MHD_Daemon *start_library(struct server_http *http)
 struct server_http *server_http_start(const struct server_http_parts *parts, int listening,
                                       char *error, size_t error_size)
 {
-    struct server_http *http = create(parts, listening);
-    if (http) http->daemon = start_library(http);
+    struct server_http *http = http_create(parts, listening);
+    if (http) http->daemon = http_start_library(http);
     if (http && http->daemon) return http;
     snprintf(error, error_size, "the HTTP library could not be started");
-    destroy(http);
+    http_destroy(http);
     close(listening);
     return NULL;
 }
@@ -498,5 +499,5 @@ void server_http_stop(struct server_http *http)
 {
     if (!http) return;
     MHD_stop_daemon(http->daemon);
-    destroy(http);
+    http_destroy(http);
 }

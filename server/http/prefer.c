@@ -18,7 +18,7 @@ static const char *element_end(const char *text)
     return text;
 }
 
-/* True when the element is the preference, its parameters aside. */
+/* The element is the preference, with or without parameters. */
 static bool is_preference(const char *element, const char *preference)
 {
     size_t size = strlen(preference);

@@ -38,7 +38,7 @@ static struct identity *in_force;
 
 /* --- an identity ------------------------------------------------------------------------------ */
 
-static void free_identity(struct identity *identity)
+static void identity_free(struct identity *identity)
 {
     if (!identity) return;
     for (unsigned i = 0; i < identity->count; i++) gnutls_pcert_deinit(&identity->chain[i]);
@@ -46,14 +46,14 @@ static void free_identity(struct identity *identity)
     free(identity);
 }
 
-static bool complain(char *error, size_t error_size, const char *path, int code)
+static bool refuse_file(char *error, size_t error_size, const char *path, int code)
 {
     snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
     return false;
 }
 
-/* The text is to be freed by free. */
-static bool read_text(const char *path, gnutls_datum_t *text, char *error, size_t error_size)
+/* The caller frees `text->data`. */
+static bool file_read(const char *path, gnutls_datum_t *text, char *error, size_t error_size)
 {
     void *bytes;
     size_t size;
@@ -65,33 +65,35 @@ static bool read_text(const char *path, gnutls_datum_t *text, char *error, size_
     return false;
 }
 
-static bool load_chain(struct identity *identity, const char *path, char *error, size_t error_size)
+static bool identity_load_chain(struct identity *identity, const char *path, char *error,
+                                size_t error_size)
 {
     gnutls_datum_t text;
     unsigned count = CHAIN_MOST;
-    if (!read_text(path, &text, error, error_size)) return false;
+    if (!file_read(path, &text, error, error_size)) return false;
     int code =
         gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
     free(text.data);
-    if (code < 0) return complain(error, error_size, path, code);
+    if (code < 0) return refuse_file(error, error_size, path, code);
     identity->count = count;
     return true;
 }
 
-static bool load_key(struct identity *identity, const char *path, char *error, size_t error_size)
+static bool identity_load_key(struct identity *identity, const char *path, char *error,
+                              size_t error_size)
 {
     gnutls_datum_t text;
-    if (!read_text(path, &text, error, error_size)) return false;
+    if (!file_read(path, &text, error, error_size)) return false;
     int code = gnutls_privkey_init(&identity->key);
     if (code == 0)
         code = gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
     gnutls_memset(text.data, 0, text.size);
     free(text.data);
-    return code == 0 || complain(error, error_size, path, code);
+    return code == 0 || refuse_file(error, error_size, path, code);
 }
 
-/* Does the key sign what the certificate verifies? */
-static bool belong_together(const struct identity *identity)
+/* The private key belongs to the certificate's public key. */
+static bool identity_is_pair(const struct identity *identity)
 {
     unsigned char certificate[64], key[64];
     size_t certificate_size = sizeof certificate, key_size = sizeof key;
@@ -106,19 +108,19 @@ static bool belong_together(const struct identity *identity)
     return same;
 }
 
-static struct identity *load_identity(const struct server_tls *tls, char *error, size_t error_size)
+static struct identity *identity_load(const struct server_tls *tls, char *error, size_t error_size)
 {
     struct identity *identity = calloc(1, sizeof *identity);
     if (!identity) return NULL;
-    bool ok = load_chain(identity, tls->certificate, error, error_size) &&
-              load_key(identity, tls->key, error, error_size);
-    if (ok && !belong_together(identity)) {
+    bool ok = identity_load_chain(identity, tls->certificate, error, error_size) &&
+              identity_load_key(identity, tls->key, error, error_size);
+    if (ok && !identity_is_pair(identity)) {
         snprintf(error, error_size, "the key of '%s' is not that of the certificate of '%s'",
                  tls->key, tls->certificate);
         ok = false;
     }
     if (ok) return identity;
-    free_identity(identity);
+    identity_free(identity);
     return NULL;
 }
 
@@ -149,7 +151,7 @@ void *server_tls_retrieve(void)
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-static struct identity *exchange(struct identity *identity)
+static struct identity *identity_swap(struct identity *identity)
 {
     pthread_mutex_lock(&lock);
     struct identity *before = in_force;
@@ -158,21 +160,21 @@ static struct identity *exchange(struct identity *identity)
     return before;
 }
 
-static void free_retired(struct server_tls *tls, uint64_t before_ns)
+static void retired_free(struct server_tls *tls, uint64_t before_ns)
 {
     struct identity **at = &tls->retired;
     while (*at && (*at)->retired_ns > before_ns) at = &(*at)->next;
     for (struct identity *old = *at, *next; old; old = next) {
         next = old->next;
-        free_identity(old);
+        identity_free(old);
     }
     *at = NULL;
 }
 
-static void retire(struct server_tls *tls, struct identity *identity)
+static void identity_retire(struct server_tls *tls, struct identity *identity)
 {
     uint64_t now = gd_now_ns();
-    if (now > RETIRED_NS) free_retired(tls, now - RETIRED_NS);
+    if (now > RETIRED_NS) retired_free(tls, now - RETIRED_NS);
     if (!identity) return;
     identity->retired_ns = now;
     identity->next = tls->retired;
@@ -181,9 +183,9 @@ static void retire(struct server_tls *tls, struct identity *identity)
 
 bool server_tls_reload(struct server_tls *tls, char *error, size_t error_size)
 {
-    struct identity *identity = load_identity(tls, error, error_size);
+    struct identity *identity = identity_load(tls, error, error_size);
     if (!identity) return false;
-    retire(tls, exchange(identity));
+    identity_retire(tls, identity_swap(identity));
     return true;
 }
 
@@ -202,8 +204,8 @@ struct server_tls *server_tls_open(const char *certificate, const char *key, cha
 void server_tls_close(struct server_tls *tls)
 {
     if (!tls) return;
-    free_identity(exchange(NULL));
-    free_retired(tls, UINT64_MAX);
+    identity_free(identity_swap(NULL));
+    retired_free(tls, UINT64_MAX);
     free(tls->certificate);
     free(tls->key);
     free(tls);

@@ -1,5 +1,5 @@
-/* TLS: the daemon's certificate and private key, as GnuTLS asks for them at each handshake, so that
- * they can be exchanged while it runs. TLS 1.2 and 1.3 are spoken. */
+/* TLS: the daemon's certificate and private key. GnuTLS asks for them at each handshake, so that
+ * they can be replaced while the daemon runs. */
 #ifndef SERVER_HTTP_TLS_H
 #define SERVER_HTTP_TLS_H
 
@@ -8,23 +8,23 @@
 
 struct server_tls;
 
-/* What may be spoken, in GnuTLS' words: no exchange of keys by RSA, since it lets whoever gets the
- * private key later read what was recorded before (no forward secrecy). */
+/* A GnuTLS priority string: TLS 1.2 and 1.3, and no key exchange by RSA, which lacks forward
+ * secrecy: a private key that leaks later would decrypt recorded traffic. */
 #define SERVER_TLS_PRIORITIES "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:-RSA"
 
-/* Reads both files (PEM; the certificate first, then those that it rests on). NULL with a sentence
- * in `error`. One at a time can be open in a process: GnuTLS passes no pointer on. */
+/* Reads both files (PEM; the certificate first, then its issuers). NULL with a sentence in `error`.
+ * Only one can be open in a process: GnuTLS hands no pointer to the callback. */
 struct server_tls *server_tls_open(const char *certificate, const char *key, char *error,
                                    size_t error_size);
 
-/* Reads them again. False with a sentence in `error`: those of before stay in use. Not to be called
- * by two threads at once. */
+/* Reads the files again. False with a sentence in `error`: the old pair stays in use. By one thread
+ * at a time. */
 bool server_tls_reload(struct server_tls *tls, char *error, size_t error_size);
 
-/* When no handshake is under way any more. NULL is harmless. */
+/* After the last handshake. NULL is harmless. */
 void server_tls_close(struct server_tls *tls);
 
-/* The gnutls_certificate_retrieve_function2 to give to the library. */
+/* The gnutls_certificate_retrieve_function2 for MHD_OPTION_HTTPS_CERT_CALLBACK. */
 void *server_tls_retrieve(void);
 
 #endif
