@@ -4,9 +4,9 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "gd/control.h"
+#include "server/base/thread.h"
 
 #define SPINS      20000   /* before a thread sleeps: about ten microseconds */
 #define SLEEP_NS   1000000 /* until a helper looks at the queue again */
@@ -55,18 +55,13 @@ static void executor_signal(struct executor *executor)
 /* Waits for a signal, for about a millisecond at most. Releases the lock meanwhile. */
 static void executor_wait(struct executor *executor)
 {
-    struct timespec until;
     unsigned seen = atomic_load(&executor->change_count);
     pthread_mutex_unlock(&executor->lock);
     for (int spin = 0; spin < SPINS; spin++)
         if (atomic_load_explicit(&executor->change_count, memory_order_relaxed) != seen) break;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += SLEEP_NS;
-    until.tv_sec += until.tv_nsec / 1000000000;
-    until.tv_nsec %= 1000000000;
     pthread_mutex_lock(&executor->lock);
     if (atomic_load(&executor->change_count) == seen)
-        pthread_cond_timedwait(&executor->change, &executor->lock, &until);
+        (void)server_condition_wait(&executor->change, &executor->lock, gd_now_ns() + SLEEP_NS);
 }
 
 /* Runs the next task. Releases the lock meanwhile. */

@@ -12,6 +12,7 @@
 
 #include "gd/control.h"
 #include "server/base/log.h"
+#include "server/base/thread.h"
 
 #define CONNECT_NS  UINT64_C(1500000000)
 #define CONNECTIONS 5                    /* at most, with the one that listens */
@@ -20,7 +21,6 @@
 #define LONGEST_NS  UINT64_C(8000000000) /* its statements; exceeds the server's lock_timeout */
 #define PAUSE_NS    UINT64_C(5000000)    /* the first; then twice as long, */
 #define PAUSE_MOST  UINT64_C(200000000)  /* up to this */
-#define SECOND_NS   UINT64_C(1000000000)
 #define MS          UINT64_C(1000000)
 
 /* Fixed numbers of types: PostgreSQL's pg_type.dat. */
@@ -287,14 +287,10 @@ struct server_pg_pool *server_pg_pool_create(const char *url)
 {
     size_t size = strlen(url) + 1;
     struct server_pg_pool *pool = calloc(1, sizeof *pool + size);
-    pthread_condattr_t attributes;
     if (!pool) return NULL;
     memcpy(pool->url, url, size);
     pthread_mutex_init(&pool->lock, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC); /* that of gd_now_ns */
-    pthread_cond_init(&pool->change, &attributes);
-    pthread_condattr_destroy(&attributes);
+    pthread_cond_init(&pool->change, NULL);
     return pool;
 }
 
@@ -325,12 +321,10 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool)
 static bool pool_reserve(struct server_pg_pool *pool, struct server_pg **out)
 {
     uint64_t until_ns = gd_now_ns() + TAKE_NS;
-    const struct timespec until = {.tv_sec = (time_t)(until_ns / SECOND_NS),
-                                   .tv_nsec = (long)(until_ns % SECOND_NS)};
     bool has_time = true;
     pthread_mutex_lock(&pool->lock);
     while (has_time && !pool->idle && pool->count >= CONNECTIONS)
-        has_time = pthread_cond_timedwait(&pool->change, &pool->lock, &until) == 0;
+        has_time = server_condition_wait(&pool->change, &pool->lock, until_ns);
     *out = pool->idle;
     bool is_reserved = *out || pool->count < CONNECTIONS;
     if (*out)
