@@ -17,13 +17,12 @@ struct server_workers {
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
     uint32_t thread_count, spare_count;
-    uint32_t working;              /* threads that run a job, without spare ones */
-    struct server_job *parked;     /* see server_workers_park */
+    atomic_uint working;       /* threads that run a job, without spare ones; set under the lock */
+    struct server_job *parked; /* see server_workers_park */
     struct server_job *background; /* jobs for idle times, the latest first */
     bool is_hosting;               /* a thread runs one of them */
     bool leaving;                  /* threads end once the queue is empty */
     atomic_bool cancelled;
-    atomic_uint busy;    /* threads that run a job, of the queue or of the background */
     pthread_t threads[]; /* first those that are not spare, then as many spare ones */
 };
 
@@ -76,7 +75,6 @@ static void workers_run(struct server_workers *workers, struct server_job *job)
     uint64_t now_ns = gd_now_ns();
     server_worker_set_idle(false);
     server_priority_begin(&priority, now_ns);
-    atomic_fetch_add_explicit(&workers->busy, 1, memory_order_relaxed);
     if (atomic_load(&workers->cancelled))
         job->refuse(job, SERVER_REFUSAL_DRAINING);
     else if (server_job_is_late(job, now_ns))
@@ -85,12 +83,11 @@ static void workers_run(struct server_workers *workers, struct server_job *job)
         job->run(job);
     priority = outer;
     server_worker_set_idle(priority.is_idle);
-    atomic_fetch_sub_explicit(&workers->busy, 1, memory_order_relaxed);
 }
 
 bool server_workers_are_busy(const struct server_workers *workers)
 {
-    return atomic_load_explicit(&workers->busy, memory_order_relaxed) > 0;
+    return atomic_load_explicit(&workers->working, memory_order_relaxed) > 0;
 }
 
 static uint64_t processor_ns(void)

@@ -76,7 +76,7 @@ struct server_workers_load {
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 
-/* Does a thread run a job? Takes no lock. */
+/* Does a worker that is not spare run a job? Takes no lock. */
 bool server_workers_are_busy(const struct server_workers *workers);
 
 /* Cancels, waits for the running jobs, and frees. NULL is harmless. */
