@@ -105,14 +105,6 @@ static void lanes_drop_if_idle(struct server_lanes *lanes, struct server_lane *l
 
 /* --- in --------------------------------------------------------------------------------------- */
 
-static bool lanes_have_place(const struct server_lanes *lanes, const struct server_lane *lane,
-                             enum server_lane_kind kind)
-{
-    uint32_t queued = lanes->queued[kind];
-    uint32_t free_places = lanes->length > queued ? lanes->length - queued : 0;
-    return lanes->is_shared ? lane->queues[kind].count < free_places : free_places > 0;
-}
-
 static struct server_lane_queue *lanes_count_in(struct server_lanes *lanes,
                                                 struct server_lane *lane, struct server_job *job)
 {
@@ -125,7 +117,10 @@ static struct server_lane_queue *lanes_count_in(struct server_lanes *lanes,
 
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job)
 {
-    if (!lanes_have_place(lanes, lane, job->is_patient)) {
+    uint32_t queued = lanes->queued[job->is_patient];
+    uint32_t places = lanes->length > queued ? lanes->length - queued : 0;
+    uint32_t taken = lanes->is_shared ? lane->queues[job->is_patient].count : 0;
+    if (taken >= places) {
         lanes_drop_if_idle(lanes, lane);
         return false;
     }
@@ -156,19 +151,19 @@ static bool lanes_may_take(const struct server_lanes *lanes, const struct server
            (!lane->running[kind] || lanes->running[SERVER_LANE_URGENT] < lanes->workers);
 }
 
-static bool lane_goes_before(const struct server_lane *a, const struct server_lane *b)
-{
-    uint32_t a_runs = lane_running(a), b_runs = lane_running(b);
-    return a_runs != b_runs ? a_runs < b_runs : a->used_ns < b->used_ns;
-}
-
 static struct server_lane *lanes_choose(const struct server_lanes *lanes,
                                         enum server_lane_kind kind, bool is_spare)
 {
     struct server_lane *best = NULL;
-    for (struct server_lane *lane = lanes->active; lane; lane = lane->next)
-        if (lanes_may_take(lanes, lane, kind, is_spare) && (!best || lane_goes_before(lane, best)))
-            best = lane;
+    uint32_t fewest = 0;
+    for (struct server_lane *lane = lanes->active; lane; lane = lane->next) {
+        uint32_t running = lane_running(lane);
+        if (!lanes_may_take(lanes, lane, kind, is_spare)) continue;
+        if (best && (running > fewest || (running == fewest && lane->used_ns >= best->used_ns)))
+            continue;
+        best = lane;
+        fewest = running;
+    }
     return best;
 }
 
