@@ -13,7 +13,6 @@
 #include "server/base/version.h"
 #include "server/server.h"
 #include "server/store/local/files.h"
-#include "server/store/postgres/address.h"
 #include "server/store/store.h"
 
 #define EXIT_USAGE 2

@@ -138,6 +138,16 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
  * version. */
 struct server_store *server_store_postgres_open(const char *url, char *error, size_t error_size);
 
+/* For the sandbox. Visits each port that the address of a database or the environment names, or
+ * 5432. `visit` returns false to end it. False: it was ended, or the address is malformed. */
+bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
+                               void *user);
+
+/* For the sandbox. Visits each file that libpq may read: certificates, keys, passwords. False: the
+ * address is malformed. */
+bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file),
+                               void *user);
+
 /* --- tools of the operator -------------------------------------------------------------------- */
 
 /* Reads every row, manifest, object, stored field and batch of a data folder that no daemon uses.

@@ -1,11 +1,14 @@
-/* See database.h. */
+/* See database.h: the records. See sql.h: the batches. */
 #include "server/store/local/database.h"
 
+#include <pthread.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "server/base/disk.h"
+#include "server/base/log.h"
+#include "server/store/sql.h"
 
 #define BUSY_MS          5000
 #define CHECKPOINT_PAGES 500 /* of the log: 2 MB */
@@ -92,7 +95,8 @@ static struct server_sql_value value_read(sqlite3_stmt *statement, int column)
     }
 }
 
-int server_sqlite_run(sqlite3 *connection, const struct server_statement *what)
+/* Runs one statement. Makes all steps, even if the visitor wants no more rows. */
+static int sqlite_run(sqlite3 *connection, const struct server_statement *what)
 {
     struct server_sql_value row[SERVER_SQL_VALUES] = {0};
     sqlite3_stmt *statement = NULL;
@@ -111,19 +115,20 @@ int server_sqlite_run(sqlite3 *connection, const struct server_statement *what)
     return code == SQLITE_DONE ? SQLITE_OK : code;
 }
 
-static int run_script(sqlite3 *connection, const char *text)
+static int sqlite_script(sqlite3 *connection, const char *text)
 {
     return sqlite3_exec(connection, text, NULL, NULL, NULL);
 }
 
-int server_sqlite_open(const char *path, int flags, sqlite3 **out)
+/* Opens a connection and sets what each needs. The caller closes `*out` in any case. */
+static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 {
     int code = sqlite3_open_v2(path, out, flags, NULL);
     if (code) return code;
     sqlite3_extended_result_codes(*out, 1);
     sqlite3_busy_timeout(*out, BUSY_MS);
-    return run_script(*out, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
-                            "PRAGMA temp_store = MEMORY");
+    return sqlite_script(*out, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
+                               "PRAGMA temp_store = MEMORY");
 }
 
 static bool on_check(void *user, const struct server_sql_value *row)
@@ -132,18 +137,19 @@ static bool on_check(void *user, const struct server_sql_value *row)
     return true;
 }
 
-int server_sqlite_check(sqlite3 *connection)
+/* Reads the whole database. */
+static int sqlite_check(sqlite3 *connection)
 {
     bool is_sound = false;
-    int code = server_sqlite_run(
-        connection, SERVER_SQL("PRAGMA integrity_check(1)", NULL, 0, on_check, &is_sound));
+    int code = sqlite_run(connection,
+                          SERVER_SQL("PRAGMA integrity_check(1)", NULL, 0, on_check, &is_sound));
     return code || is_sound ? code : SQLITE_CORRUPT;
 }
 
 static int read_version(sqlite3 *connection, int64_t *version)
 {
     struct server_sql_integers found = {0};
-    int code = server_sqlite_run(
+    int code = sqlite_run(
         connection, SERVER_SQL("PRAGMA user_version", NULL, 0, server_sql_on_integers, &found));
     *version = found.at[0];
     return code;
@@ -162,11 +168,11 @@ static int sqlite_copy(sqlite3 *connection, const char *path, sqlite3 **out)
 static int run_steps(sqlite3 *connection, const char *const *steps, int64_t from, int to)
 {
     char mark[64];
-    int code = run_script(connection, "BEGIN IMMEDIATE");
-    for (int64_t i = from; !code && i < to; i++) code = run_script(connection, steps[i]);
+    int code = sqlite_script(connection, "BEGIN IMMEDIATE");
+    for (int64_t i = from; !code && i < to; i++) code = sqlite_script(connection, steps[i]);
     snprintf(mark, sizeof mark, "PRAGMA user_version = %d; COMMIT", to);
-    if (!code) code = run_script(connection, mark);
-    if (code) (void)run_script(connection, "ROLLBACK");
+    if (!code) code = sqlite_script(connection, mark);
+    if (code) (void)sqlite_script(connection, "ROLLBACK");
     return code;
 }
 
@@ -198,17 +204,16 @@ static enum server_store_outcome open_to_write(struct server_database *database,
 {
     char copy[SERVER_DISK_PATH];
     int code =
-        server_sqlite_open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX,
-                           &database->connection);
+        sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX,
+                       &database->connection);
     if (!code)
-        code = run_script(database->connection,
-                          "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+        code = sqlite_script(database->connection,
+                             "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
     if (code) return server_sqlite_outcome(code);
     /* replaces automatic checkpoints */
     sqlite3_wal_hook(database->connection, on_commit, database);
     snprintf(copy, sizeof copy, "%s.before-migration", path);
-    enum server_store_outcome outcome =
-        server_sqlite_outcome(server_sqlite_check(database->connection));
+    enum server_store_outcome outcome = server_sqlite_outcome(sqlite_check(database->connection));
     if (!outcome)
         outcome = server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
     return outcome;
@@ -245,11 +250,11 @@ static enum server_store_outcome open_to_read(struct server_database *database, 
     snprintf(log, sizeof log, "%s-wal", path);
     database->had_no_log = !server_disk_exists(log);
     if (!server_disk_exists(path)) return SERVER_STORE_ABSENT;
-    int code = server_sqlite_open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX,
-                                  &database->connection);
+    int code =
+        sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, &database->connection);
     if (!code && is_store) code = read_version(database->connection, &version);
     if (!code && is_store && version == 0) return SERVER_STORE_ABSENT;
-    if (!code) code = server_sqlite_check(database->connection);
+    if (!code) code = sqlite_check(database->connection);
     if (!code && is_store && version < SCHEMA_VERSION) code = migrate_in_memory(database, version);
     return server_sqlite_outcome(code);
 }
@@ -306,7 +311,7 @@ static enum server_store_outcome run_write(struct server_database *database,
                                            const struct server_statement *statement)
 {
     if (database->cant_checkpoint) return SERVER_STORE_READ_ONLY;
-    return server_sqlite_outcome(server_sqlite_run(database->connection, statement));
+    return server_sqlite_outcome(sqlite_run(database->connection, statement));
 }
 
 enum server_store_outcome server_database_put(struct server_database *database,
@@ -347,10 +352,10 @@ enum server_store_outcome server_database_count(struct server_database *database
 {
     const struct server_sql_value id = server_sql_text(object);
     struct server_sql_integers found = {0};
-    int code = server_sqlite_run(
-        database->connection, SERVER_SQL("SELECT (SELECT count(*) FROM surfaces WHERE file = $1)"
-                                         " + (SELECT count(*) FROM surfaces WHERE attachment = $1)",
-                                         &id, 1, server_sql_on_integers, &found));
+    int code = sqlite_run(database->connection,
+                          SERVER_SQL("SELECT (SELECT count(*) FROM surfaces WHERE file = $1)"
+                                     " + (SELECT count(*) FROM surfaces WHERE attachment = $1)",
+                                     &id, 1, server_sql_on_integers, &found));
     *count = found.at[0];
     return server_sqlite_outcome(code);
 }
@@ -375,9 +380,9 @@ enum server_store_outcome server_database_find(struct server_database *database,
 {
     const struct server_sql_value value = server_sql_text(key);
     struct finding finding = {.objects = objects};
-    int code = server_sqlite_run(database->connection,
-                                 SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1",
-                                            &value, 1, on_objects, &finding));
+    int code = sqlite_run(database->connection,
+                          SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1", &value,
+                                     1, on_objects, &finding));
     return code || finding.is_there ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
 }
 
@@ -399,7 +404,7 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
     if (!outcome)
         checkpoint_when_due(database);
     else if (!sqlite3_get_autocommit(database->connection))
-        (void)run_script(database->connection, "ROLLBACK");
+        (void)sqlite_script(database->connection, "ROLLBACK");
     return outcome;
 }
 
@@ -424,9 +429,9 @@ enum server_store_outcome server_database_each(struct server_database *database,
 {
     struct rows rows = {visit, user};
     return server_sqlite_outcome(
-        server_sqlite_run(database->connection,
-                          SERVER_SQL("SELECT key, record, uses, used FROM surfaces ORDER BY key",
-                                     NULL, 0, on_row, &rows)));
+        sqlite_run(database->connection,
+                   SERVER_SQL("SELECT key, record, uses, used FROM surfaces ORDER BY key", NULL, 0,
+                              on_row, &rows)));
 }
 
 enum server_store_outcome server_database_copy(struct server_database *database, const char *path)
@@ -435,4 +440,96 @@ enum server_store_outcome server_database_copy(struct server_database *database,
     int code = sqlite_copy(database->connection, path, &copy);
     sqlite3_close(copy);
     return server_sqlite_outcome(code);
+}
+
+/* --- the batches (sql.h) ---------------------------------------------------------------------- */
+
+struct sql_local {
+    struct server_store_sql sql; /* first */
+    pthread_mutex_t lock;
+    sqlite3 *connection; /* NULL: the database was damaged and a new one can't be made yet */
+    char path[SERVER_DISK_PATH];
+    const char *const *steps;
+};
+
+static void sql_disconnect(struct sql_local *own)
+{
+    sqlite3_close(own->connection);
+    own->connection = NULL;
+}
+
+static int sql_connect(struct sql_local *own)
+{
+    int code =
+        sqlite_connect(own->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &own->connection);
+    if (!code)
+        code =
+            sqlite_script(own->connection, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+    if (!code) code = sqlite_check(own->connection);
+    for (int i = 0; !code && own->steps[i]; i++)
+        code = sqlite_script(own->connection, own->steps[i]);
+    if (code) sql_disconnect(own);
+    return code;
+}
+
+static bool is_damage(int code)
+{
+    return (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
+}
+
+static int sql_replace(struct sql_local *own)
+{
+    char suffix[SERVER_DISK_ASIDE_SUFFIX];
+    sql_disconnect(own);
+    server_disk_set_aside(own->path, server_disk_database_parts, suffix);
+    server_log_message(SERVER_LOG_ERROR, "batches_damaged",
+                       "the database of batches is damaged: it was renamed to %s%s, and there is a "
+                       "new one; batches of before are lost, send them again",
+                       own->path, suffix);
+    return sql_connect(own);
+}
+
+static int sql_open_or_replace(struct sql_local *own)
+{
+    int code = own->connection ? SQLITE_OK : sql_connect(own);
+    return is_damage(code) ? sql_replace(own) : code;
+}
+
+/* A statement that finds damage is not repeated: its visitor may have seen rows. */
+static enum server_store_outcome sql_run(struct server_store_sql *sql,
+                                         const struct server_statement *statement)
+{
+    struct sql_local *own = (struct sql_local *)sql;
+    pthread_mutex_lock(&own->lock);
+    int code = sql_open_or_replace(own);
+    if (!code) code = sqlite_run(own->connection, statement);
+    if (is_damage(code)) (void)sql_replace(own);
+    pthread_mutex_unlock(&own->lock);
+    enum server_store_outcome outcome = server_sqlite_outcome(code);
+    return outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_READ_ONLY : outcome;
+}
+
+static void sql_close(struct server_store_sql *sql)
+{
+    struct sql_local *own = (struct sql_local *)sql;
+    sql_disconnect(own);
+    pthread_mutex_destroy(&own->lock);
+    free(own);
+}
+
+struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
+                                                     char *error, size_t error_size)
+{
+    struct sql_local *own = calloc(1, sizeof *own);
+    snprintf(error, error_size, "out of memory");
+    if (!own) return NULL;
+    own->sql = (struct server_store_sql){.run = sql_run, .skip_locked = "", .close = sql_close};
+    own->steps = steps;
+    snprintf(own->path, sizeof own->path, "%s", path);
+    pthread_mutex_init(&own->lock, NULL);
+    int code = sql_open_or_replace(own);
+    if (!code) return &own->sql;
+    snprintf(error, error_size, "the database %s can't be used: %s", path, sqlite3_errstr(code));
+    sql_close(&own->sql);
+    return NULL;
 }

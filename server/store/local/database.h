@@ -7,7 +7,7 @@
 #ifndef SERVER_STORE_LOCAL_DATABASE_H
 #define SERVER_STORE_LOCAL_DATABASE_H
 
-#include "server/store/sql.h"
+#include "server/store/store.h"
 
 struct sqlite3;
 struct server_database;
@@ -66,17 +66,7 @@ bool server_database_is_sound(const struct server_database *database);
 /* SQLite's message of the last failure. */
 const char *server_database_error(struct server_database *database);
 
-/* --- SQLite, also for the batches ------------------------------------------------------------- */
-
-/* Opens a connection and sets what every one of ours needs. Returns a result code; the caller
- * closes `*out` in any case. */
-int server_sqlite_open(const char *path, int flags, struct sqlite3 **out);
-
-/* Runs one statement. All steps are made, even if the visitor wants no more rows. */
-int server_sqlite_run(struct sqlite3 *connection, const struct server_statement *statement);
-
-/* Reads the whole database: SQLITE_CORRUPT if it is damaged. */
-int server_sqlite_check(struct sqlite3 *connection);
+/* --- for tests -------------------------------------------------------------------------------- */
 
 /* The outcome that a result code means. */
 enum server_store_outcome server_sqlite_outcome(int code);

@@ -1,78 +1,55 @@
-/* See address.h. */
-#include "server/store/postgres/address.h"
-
+/* See store.h: what a connection to a PostgreSQL database needs. */
 #include <postgresql/libpq-fe.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define STANDARD_PORT 5432
-#define PATH          4096
+#include "server/store/store.h"
 
-/* Visits the value of each keyword that the address sets, or else the environment. */
-static bool each_value(const char *url,
-                       void (*visit)(void *user, const char *keyword, const char *value),
-                       void *user)
+#define STANDARD_PORT "5432"
+#define VALUE         4096
+
+/* Copies the value of a keyword that the address sets, or else the environment; empty: neither.
+ * False: the address is malformed. */
+static bool address_value(const char *url, const char *keyword, char value[VALUE])
 {
     PQconninfoOption *given = PQconninfoParse(url, NULL),
                      *standard = given ? PQconndefaults() : NULL;
     bool is_read = given && standard;
+    *value = '\0';
     for (int i = 0; is_read && given[i].keyword; i++) { /* both have the order of libpq */
-        const char *value = given[i].val ? given[i].val : standard[i].val;
-        if (value && *value) visit(user, given[i].keyword, value);
+        const char *found = given[i].val ? given[i].val : standard[i].val;
+        if (found && strcmp(given[i].keyword, keyword) == 0) snprintf(value, VALUE, "%s", found);
     }
     PQconninfoFree(given);
     PQconninfoFree(standard);
     return is_read;
 }
 
-struct ports {
-    char list[256]; /* "5432,5433": one for each host, or for all */
-};
-
-static void on_port(void *user, const char *keyword, const char *value)
-{
-    struct ports *ports = user;
-    if (strcmp(keyword, "port") == 0) snprintf(ports->list, sizeof ports->list, "%s", value);
-}
-
 bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
                                void *user)
 {
-    struct ports ports = {""};
-    char *rest = NULL;
-    bool goes_on = each_value(url, on_port, &ports);
-    if (goes_on && !ports.list[0]) return visit(user, STANDARD_PORT);
-    for (char *port = strtok_r(ports.list, ",", &rest); goes_on && port;
-         port = strtok_r(NULL, ",", &rest))
-        goes_on = visit(user, (uint16_t)strtoul(port, NULL, 10));
+    char list[VALUE], *rest = list; /* "5432,5433": one for each host, or for all */
+    bool goes_on = address_value(url, "port", list);
+    if (!*list) strcpy(list, STANDARD_PORT);
+    for (char *port; goes_on && (port = strsep(&rest, ","));)
+        goes_on = visit(user, (uint16_t)strtoul(*port ? port : STANDARD_PORT, NULL, 10));
     return goes_on;
-}
-
-struct files {
-    void (*visit)(void *user, const char *file);
-    void *user;
-    bool names_passwords;
-};
-
-static void on_file(void *user, const char *keyword, const char *value)
-{
-    static const char *const keywords[] = {"passfile",    "sslcert", "sslkey",
-                                           "sslrootcert", "sslcrl",  "sslcrldir"};
-    struct files *files = user;
-    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
-        if (strcmp(keyword, keywords[i]) == 0) files->visit(files->user, value);
-    files->names_passwords |= strcmp(keyword, "passfile") == 0;
 }
 
 bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file),
                                void *user)
 {
-    struct files files = {.visit = visit, .user = user};
+    static const char *const keywords[] = {"sslcert", "sslkey",    "sslrootcert",
+                                           "sslcrl",  "sslcrldir", "passfile"};
     const char *home = getenv("HOME");
-    char path[PATH];
-    if (!each_value(url, on_file, &files)) return false;
-    if (files.names_passwords || !home || !*home) return true;
-    if (snprintf(path, sizeof path, "%s/.pgpass", home) < (int)sizeof path) visit(user, path);
+    char value[VALUE] = "";
+    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {
+        if (!address_value(url, keywords[i], value)) return false;
+        if (*value) visit(user, value);
+    }
+    bool has_home = !*value && home && *home; /* `value`: of passfile */
+    if (has_home && snprintf(value, sizeof value, "%s/.pgpass", home) < (int)sizeof value)
+        visit(user, value);
     return true;
 }
