@@ -43,8 +43,8 @@ static const char *option_get(void *user, const char *name)
 static void option_each(void *user, bool (*visit)(void *context, const char *name), void *context)
 {
     const struct server_options *options = user;
-    for (unsigned i = 0; i < options->count && visit(context, options->names[i]); i++) {
-    }
+    for (unsigned i = 0; i < options->count; i++)
+        if (!visit(context, options->names[i])) return;
 }
 
 struct proto_parameters server_options_parameters(struct server_options *options)

@@ -15,11 +15,11 @@
  * Crashes alone lead to the first two rows only. A database that SQLite finds damaged is renamed,
  * and a new one is made from the manifests. Objects are verified when they are loaded. */
 #include <errno.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <pthread.h>
 #include <unistd.h>
 
 #include "server/base/log.h"
@@ -334,8 +334,8 @@ static enum server_store_outcome local_each(struct server_store *store, server_s
                                             void *user)
 {
     struct local *local = (struct local *)store;
-    for (uint32_t i = 0; i < local->found_count && visit(user, &local->found[i]); i++) {
-    }
+    for (uint32_t i = 0; i < local->found_count; i++)
+        if (!visit(user, &local->found[i])) break;
     local_forget_found(local);
     return SERVER_STORE_DONE;
 }
@@ -459,17 +459,21 @@ static void open_database(struct recovery *recovery)
 
 /* --- recovery: repairs ------------------------------------------------------------------------ */
 
-static void log_repair(const struct finding *finding, enum server_store_outcome outcome,
-                       const char *what)
+/* Logs a repair; `what`: the file or row that was written. */
+static void log_repair(struct local *local, const struct finding *finding,
+                       enum server_store_outcome outcome, const char *what, const char *message)
 {
     struct server_log_line line;
-    if (!server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) return;
-    server_log_text(&line, "key", finding->key);
-    server_log_text(&line, "message", what);
-    if (outcome)
-        server_log_text(&line, "failure",
-                        "it could not be written; it is tried again at the next start");
-    server_log_end(&line);
+    if (server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) {
+        server_log_text(&line, "key", finding->key);
+        server_log_text(&line, "message", message);
+        if (outcome)
+            server_log_text(&line, "failure",
+                            "it could not be written; it is tried again at the next start");
+        server_log_end(&line);
+    }
+    if (outcome == SERVER_STORE_READ_ONLY)
+        local_forbid(local, "%s could not be made durable", what);
 }
 
 static void repair_row(struct local *local, const struct finding *finding)
@@ -478,9 +482,8 @@ static void repair_row(struct local *local, const struct finding *finding)
         local->database ? server_database_put(local->database, finding->manifest)
                         : SERVER_STORE_READ_ONLY;
     local->lacks_rows |= outcome != SERVER_STORE_DONE;
-    log_repair(finding, outcome, "its row in the database was written again from its manifest");
-    if (outcome == SERVER_STORE_READ_ONLY)
-        local_forbid(local, "a row of the database could not be made durable");
+    log_repair(local, finding, outcome, "a row of the database",
+               "its row in the database was written again from its manifest");
 }
 
 /* Of a surface whose manifest is missing or damaged. */
@@ -496,13 +499,10 @@ static void repair_manifest(struct recovery *recovery, const struct finding *fin
         recovery->lost_some = true;
     }
     if (finding->row) {
-        enum server_store_outcome outcome =
-            server_files_write_manifest(&local->files, finding->row);
-        log_repair(finding, outcome,
+        log_repair(local, finding, server_files_write_manifest(&local->files, finding->row),
+                   "a manifest",
                    "its manifest was missing or damaged, and was written again from its row in the "
                    "database");
-        if (outcome == SERVER_STORE_READ_ONLY)
-            local_forbid(local, "a manifest could not be made durable");
         return;
     }
     if (finding->has_row && local->database)
