@@ -26,15 +26,15 @@ struct check {
     unsigned long long bytes;
 };
 
-static void fault(struct check *check, const char *what, const char *name)
+static void check_fault(struct check *check, const char *what, const char *name)
 {
     fprintf(check->out, "fault: %s: %s\n", what, name);
     check->faults++;
 }
 
-static void fault_foreign(struct check *check, const char *path)
+static void check_foreign(struct check *check, const char *path)
 {
-    fault(check, "the file is none of the store's", path);
+    check_fault(check, "the file is none of the store's", path);
 }
 
 /* Lists a folder that must exist. */
@@ -42,8 +42,8 @@ static struct server_listing check_folder(struct check *check, const char *folde
 {
     struct server_listing listing = server_files_list(&check->files, folder);
     if (!listing.is_readable)
-        fault(check, "the folder can't be read",
-              server_files_path(&check->files, "%s", folder).text);
+        check_fault(check, "the folder can't be read",
+                    server_files_path(&check->files, "%s", folder).text);
     return listing;
 }
 
@@ -69,14 +69,14 @@ static void object_read(struct check *check, const struct server_listing *file)
 {
     const char *folder = file->name - 3; /* "ab/" */
     if (!server_files_object_check(file->name) || strncmp(folder, file->name, 2) != 0) {
-        fault_foreign(check, file->path);
+        check_foreign(check, file->path);
         return;
     }
     struct object *object = calloc(1, sizeof *object);
     if (object) strcpy(object->id, file->name);
     if (!object || !tsearch(object, &check->objects, by_id)) {
         free(object);
-        fault(check, "there is no memory to check the file", file->path);
+        check_fault(check, "there is no memory to check the file", file->path);
         return;
     }
     object->is_sound = file_is_sound(file->path, file->name, &object->size);
@@ -88,7 +88,7 @@ static void check_object_files(struct check *check)
     while (server_listing_next(&folders)) {
         bool is_ours = strlen(folders.name) == 2;
         struct server_listing objects = server_disk_list(is_ours ? folders.path : "");
-        if (!objects.is_readable) fault_foreign(check, folders.path);
+        if (!objects.is_readable) check_foreign(check, folders.path);
         while (server_listing_next(&objects)) object_read(check, &objects);
     }
 }
@@ -99,15 +99,16 @@ static void check_fields(struct check *check)
     struct server_listing folders = server_files_list(&check->files, "fields"); /* if any */
     while (server_listing_next(&folders)) {
         struct server_listing fields = server_disk_list(folders.path);
-        if (!fields.is_readable) fault_foreign(check, folders.path);
+        if (!fields.is_readable) check_foreign(check, folders.path);
         while (server_listing_next(&fields))
             if (strspn(fields.name, HEX_DIGITS) != HASH)
                 check->leftovers++;
             else if (file_is_sound(fields.path, fields.name, &size))
                 check->fields++;
             else
-                fault(check, "the stored field is damaged; it is computed again when it is wanted",
-                      fields.path);
+                check_fault(check,
+                            "the stored field is damaged; it is computed again when it is wanted",
+                            fields.path);
     }
 }
 
@@ -125,11 +126,11 @@ static void check_object(struct check *check, const struct server_record *record
     strcpy(sought.id, wanted.id);
     struct object **found = tfind(&sought, &check->objects, by_id), *object = found ? *found : NULL;
     if (!object) {
-        fault(check, missing[part], record->key);
+        check_fault(check, missing[part], record->key);
         return;
     }
     if (!object->is_sound || object->size != wanted.size)
-        fault(check, damaged[part], record->key);
+        check_fault(check, damaged[part], record->key);
     else if (!object->is_used)
         check->verified++, check->bytes += object->size;
     object->is_used = true;
@@ -140,14 +141,15 @@ static void check_objects(struct check *check, const struct server_record *recor
     for (int part = 0; part < SERVER_PARTS; part++) check_object(check, record, part);
 }
 
-static void on_object(const void *node, VISIT visit, void *user)
+static void check_unused(const void *node, VISIT visit, void *user)
 {
     const struct object *object = *(const struct object *const *)node;
     struct check *check = user;
     if (object->is_used || visit == preorder || visit == endorder) return; /* once, in order */
     check->leftovers++;
     if (!object->is_sound)
-        fault(check, "the file, which no surface has, is damaged or can't be read", object->id);
+        check_fault(check, "the file, which no surface has, is damaged or can't be read",
+                    object->id);
 }
 
 /* --- manifests, rows and batches -------------------------------------------------------------- */
@@ -167,12 +169,12 @@ static void check_manifest(struct check *check, const struct server_listing *fil
         if (strstr(file->name, SERVER_DISK_ASIDE))
             check->aside++;
         else
-            fault_foreign(check, file->path);
+            check_foreign(check, file->path);
         return;
     }
     struct server_record *record = manifest_read(check, key);
     if (!record) {
-        fault(check, "the manifest is damaged", key);
+        check_fault(check, "the manifest is damaged", key);
         return;
     }
     check->manifests++;
@@ -183,16 +185,16 @@ static void check_manifest(struct check *check, const struct server_listing *fil
     server_record_release(record);
 }
 
-static bool on_row(void *user, const struct server_row *row)
+static bool check_row(void *user, const struct server_row *row)
 {
     struct check *check = user;
     struct server_record *record = NULL, *manifest = manifest_read(check, row->key);
     if (server_record_read(row->key, row->text, row->size, &record) == SERVER_RECORD_READ)
         check->rows++;
     else
-        fault(check, "the row in the database is damaged", row->key);
+        check_fault(check, "the row in the database is damaged", row->key);
     if (!manifest) {
-        fault(check, "the row in the database has no manifest that can be read", row->key);
+        check_fault(check, "the row in the database has no manifest that can be read", row->key);
         if (record) check_objects(check, record);
     } else if (record && strcmp(manifest->etag, record->etag) != 0) {
         check->unfinished++;
@@ -207,17 +209,19 @@ static void check_database(struct check *check)
     const struct server_path path = server_files_path(&check->files, SERVER_STORE_DATABASE);
     enum server_store_outcome outcome =
         server_database_open(path.text, SERVER_DATABASE_READ, &check->database);
-    if (!outcome) outcome = server_database_each(check->database, on_row, check);
+    if (!outcome) outcome = server_database_each(check->database, check_row, check);
     struct server_listing manifests = check_folder(check, "manifests");
     while (server_listing_next(&manifests)) check_manifest(check, &manifests);
     if (outcome == SERVER_STORE_ABSENT && check->manifests)
-        fault(check, "the database is missing; the next start makes it again from the manifests",
-              path.text);
+        check_fault(check,
+                    "the database is missing; the next start makes it again from the manifests",
+                    path.text);
     else if (outcome && outcome != SERVER_STORE_ABSENT)
-        fault(check,
-              "the database is damaged or can't be read; the next start makes it again from the "
-              "manifests",
-              path.text);
+        check_fault(
+            check,
+            "the database is damaged or can't be read; the next start makes it again from the "
+            "manifests",
+            path.text);
 }
 
 static void check_batches(struct check *check)
@@ -227,9 +231,9 @@ static void check_batches(struct check *check)
     enum server_store_outcome outcome =
         server_database_open(path.text, SERVER_DATABASE_COPY, &database);
     if (outcome && outcome != SERVER_STORE_ABSENT)
-        fault(check,
-              "the database of batches is damaged or can't be read; without it there are none",
-              path.text);
+        check_fault(
+            check, "the database of batches is damaged or can't be read; without it there are none",
+            path.text);
     server_database_close(database, false);
 }
 
@@ -269,7 +273,7 @@ bool server_store_check(const char *folder, FILE *out)
     check_fields(&check);
     check_database(&check);
     check_batches(&check);
-    twalk_r(check.objects, on_object, &check);
+    twalk_r(check.objects, check_unused, &check);
     struct server_listing temporary = server_files_list(&check.files, "temporary"), /* if any */
         all = check_folder(&check, "");
     while (server_listing_next(&temporary)) check.leftovers++;

@@ -80,7 +80,7 @@ static int value_bind(sqlite3_stmt *statement, int number, const struct server_s
     return sqlite3_bind_null(statement, index);
 }
 
-static struct server_sql_value value_read(sqlite3_stmt *statement, int column)
+static struct server_sql_value column_read(sqlite3_stmt *statement, int column)
 {
     switch (sqlite3_column_type(statement, column)) {
     case SQLITE_INTEGER:
@@ -107,7 +107,7 @@ static int sqlite_run(sqlite3 *connection, const struct server_statement *what)
         code = value_bind(statement, i + 1, &what->values[i]);
     while (!code && (code = sqlite3_step(statement)) == SQLITE_ROW) {
         for (int i = 0; i < columns && i < SERVER_SQL_VALUES; i++)
-            row[i] = value_read(statement, i);
+            row[i] = column_read(statement, i);
         visits = visits && what->visit(what->user, row);
         code = SQLITE_OK;
     }
@@ -120,29 +120,31 @@ static int sqlite_script(sqlite3 *connection, const char *text)
     return sqlite3_exec(connection, text, NULL, NULL, NULL);
 }
 
-/* Opens a connection and sets what each needs. The caller closes `*out` in any case. */
+/* Opens a connection: to write if the flags have SQLITE_OPEN_CREATE. The caller closes `*out` in
+ * any case. */
 static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 {
     int code = sqlite3_open_v2(path, out, flags, NULL);
     if (code) return code;
     sqlite3_extended_result_codes(*out, 1);
     sqlite3_busy_timeout(*out, BUSY_MS);
-    return sqlite_script(*out, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
+    code = sqlite_script(*out, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
                                "PRAGMA temp_store = MEMORY");
+    if (code || !(flags & SQLITE_OPEN_CREATE)) return code;
+    return sqlite_script(*out, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
 }
 
-static bool on_check(void *user, const struct server_sql_value *row)
+static bool check_visit(void *user, const struct server_sql_value *row)
 {
     *(bool *)user = row[0].type == SERVER_SQL_TEXT && strcmp(row[0].bytes, "ok") == 0;
     return true;
 }
 
-/* Reads the whole database. */
 static int sqlite_check(sqlite3 *connection)
 {
     bool is_sound = false;
     int code = sqlite_run(connection,
-                          SERVER_SQL("PRAGMA integrity_check(1)", NULL, 0, on_check, &is_sound));
+                          SERVER_SQL("PRAGMA integrity_check(1)", NULL, 0, check_visit, &is_sound));
     return code || is_sound ? code : SQLITE_CORRUPT;
 }
 
@@ -206,17 +208,13 @@ static enum server_store_outcome open_to_write(struct server_database *database,
     int code =
         sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX,
                        &database->connection);
-    if (!code)
-        code = sqlite_script(database->connection,
-                             "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
     if (code) return server_sqlite_outcome(code);
     /* replaces automatic checkpoints */
     sqlite3_wal_hook(database->connection, on_commit, database);
     snprintf(copy, sizeof copy, "%s.before-migration", path);
-    enum server_store_outcome outcome = server_sqlite_outcome(sqlite_check(database->connection));
-    if (!outcome)
-        outcome = server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
-    return outcome;
+    code = sqlite_check(database->connection);
+    return code ? server_sqlite_outcome(code)
+                : server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
 }
 
 static void database_disconnect(struct server_database *database, bool is_sound)
@@ -365,7 +363,7 @@ struct finding {
     bool is_there;
 };
 
-static bool on_objects(void *user, const struct server_sql_value *row)
+static bool objects_visit(void *user, const struct server_sql_value *row)
 {
     struct finding *finding = user;
     finding->is_there = true;
@@ -382,7 +380,7 @@ enum server_store_outcome server_database_find(struct server_database *database,
     struct finding finding = {.objects = objects};
     int code = sqlite_run(database->connection,
                           SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1", &value,
-                                     1, on_objects, &finding));
+                                     1, objects_visit, &finding));
     return code || finding.is_there ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
 }
 
@@ -413,7 +411,7 @@ struct rows {
     void *user;
 };
 
-static bool on_row(void *user, const struct server_sql_value *values)
+static bool rows_visit(void *user, const struct server_sql_value *values)
 {
     const struct rows *rows = user;
     const struct server_row row = {
@@ -431,7 +429,7 @@ enum server_store_outcome server_database_each(struct server_database *database,
     return server_sqlite_outcome(
         sqlite_run(database->connection,
                    SERVER_SQL("SELECT key, record, uses, used FROM surfaces ORDER BY key", NULL, 0,
-                              on_row, &rows)));
+                              rows_visit, &rows)));
 }
 
 enum server_store_outcome server_database_copy(struct server_database *database, const char *path)
@@ -444,7 +442,7 @@ enum server_store_outcome server_database_copy(struct server_database *database,
 
 /* --- the batches (sql.h) ---------------------------------------------------------------------- */
 
-struct sql_local {
+struct batches {
     struct server_store_sql sql; /* first */
     pthread_mutex_t lock;
     sqlite3 *connection; /* NULL: the database was damaged and a new one can't be made yet */
@@ -452,67 +450,64 @@ struct sql_local {
     const char *const *steps;
 };
 
-static void sql_disconnect(struct sql_local *own)
+static void batches_disconnect(struct batches *own)
 {
     sqlite3_close(own->connection);
     own->connection = NULL;
 }
 
-static int sql_connect(struct sql_local *own)
+static int batches_connect(struct batches *own)
 {
     int code =
         sqlite_connect(own->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &own->connection);
-    if (!code)
-        code =
-            sqlite_script(own->connection, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
     if (!code) code = sqlite_check(own->connection);
     for (int i = 0; !code && own->steps[i]; i++)
         code = sqlite_script(own->connection, own->steps[i]);
-    if (code) sql_disconnect(own);
+    if (code) batches_disconnect(own);
     return code;
 }
 
-static bool is_damage(int code)
+static bool is_damage_code(int code)
 {
     return (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
 }
 
-static int sql_replace(struct sql_local *own)
+static int batches_replace(struct batches *own)
 {
     char suffix[SERVER_DISK_ASIDE_SUFFIX];
-    sql_disconnect(own);
+    batches_disconnect(own);
     server_disk_set_aside(own->path, server_disk_database_parts, suffix);
     server_log_message(SERVER_LOG_ERROR, "batches_damaged",
                        "the database of batches is damaged: it was renamed to %s%s, and there is a "
                        "new one; batches of before are lost, send them again",
                        own->path, suffix);
-    return sql_connect(own);
+    return batches_connect(own);
 }
 
-static int sql_open_or_replace(struct sql_local *own)
+static int batches_ensure(struct batches *own)
 {
-    int code = own->connection ? SQLITE_OK : sql_connect(own);
-    return is_damage(code) ? sql_replace(own) : code;
+    int code = own->connection ? SQLITE_OK : batches_connect(own);
+    return is_damage_code(code) ? batches_replace(own) : code;
 }
 
 /* A statement that finds damage is not repeated: its visitor may have seen rows. */
-static enum server_store_outcome sql_run(struct server_store_sql *sql,
-                                         const struct server_statement *statement)
+static enum server_store_outcome batches_run(struct server_store_sql *sql,
+                                             const struct server_statement *statement)
 {
-    struct sql_local *own = (struct sql_local *)sql;
+    struct batches *own = (struct batches *)sql;
     pthread_mutex_lock(&own->lock);
-    int code = sql_open_or_replace(own);
+    int code = batches_ensure(own);
     if (!code) code = sqlite_run(own->connection, statement);
-    if (is_damage(code)) (void)sql_replace(own);
+    if (is_damage_code(code)) (void)batches_replace(own);
     pthread_mutex_unlock(&own->lock);
     enum server_store_outcome outcome = server_sqlite_outcome(code);
     return outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_READ_ONLY : outcome;
 }
 
-static void sql_close(struct server_store_sql *sql)
+static void batches_close(struct server_store_sql *sql)
 {
-    struct sql_local *own = (struct sql_local *)sql;
-    sql_disconnect(own);
+    struct batches *own = (struct batches *)sql;
+    batches_disconnect(own);
     pthread_mutex_destroy(&own->lock);
     free(own);
 }
@@ -520,16 +515,17 @@ static void sql_close(struct server_store_sql *sql)
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char *error, size_t error_size)
 {
-    struct sql_local *own = calloc(1, sizeof *own);
+    struct batches *own = calloc(1, sizeof *own);
     snprintf(error, error_size, "out of memory");
     if (!own) return NULL;
-    own->sql = (struct server_store_sql){.run = sql_run, .skip_locked = "", .close = sql_close};
+    own->sql =
+        (struct server_store_sql){.run = batches_run, .skip_locked = "", .close = batches_close};
     own->steps = steps;
     snprintf(own->path, sizeof own->path, "%s", path);
     pthread_mutex_init(&own->lock, NULL);
-    int code = sql_open_or_replace(own);
+    int code = batches_ensure(own);
     if (!code) return &own->sql;
     snprintf(error, error_size, "the database %s can't be used: %s", path, sqlite3_errstr(code));
-    sql_close(&own->sql);
+    batches_close(&own->sql);
     return NULL;
 }

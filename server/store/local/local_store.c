@@ -357,7 +357,7 @@ struct recovery {
     bool is_newer, no_memory, lost_some;
 };
 
-static int by_text(const void *a, const void *b) /* a finding begins with its key */
+static int text_compare(const void *a, const void *b) /* a finding begins with its key */
 {
     return strcmp(a, b);
 }
@@ -385,7 +385,7 @@ static void recovery_note(struct recovery *recovery, enum server_record_reading 
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-static bool on_row(void *user, const struct server_row *row)
+static bool recovery_row(void *user, const struct server_row *row)
 {
     struct recovery *recovery = user;
     struct finding *finding = finding_add(recovery, row->key);
@@ -402,7 +402,7 @@ static void read_manifest(struct recovery *recovery, const char *file)
     char key[SERVER_KEY_TEXT] = "", checksum[SERVER_SHA256_HEX] = "";
     if (!server_files_manifest_key(file, key)) return;
     struct finding *finding = recovery->sorted ? bsearch(key, recovery->findings, recovery->sorted,
-                                                         sizeof *recovery->findings, by_text)
+                                                         sizeof *recovery->findings, text_compare)
                                                : NULL;
     if (!finding && !(finding = finding_add(recovery, key))) return;
     finding->has_manifest = true;
@@ -425,7 +425,7 @@ static enum server_store_outcome read_database(struct recovery *recovery, const 
     struct local *local = recovery->local;
     enum server_store_outcome outcome =
         server_database_open(path, SERVER_DATABASE_WRITE, &local->database);
-    return outcome ? outcome : server_database_each(local->database, on_row, recovery);
+    return outcome ? outcome : server_database_each(local->database, recovery_row, recovery);
 }
 
 /* Opens the database, or a new one in its place; without either the store is read-only. */
@@ -519,7 +519,7 @@ static bool repair_all(struct recovery *recovery)
 {
     struct local *local = recovery->local;
     if (recovery->count)
-        qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_text);
+        qsort(recovery->findings, recovery->count, sizeof *recovery->findings, text_compare);
     local->found = calloc(recovery->count + 1, sizeof *local->found);
     if (!local->found) return false;
     for (uint32_t i = 0; i < recovery->count; i++) {
@@ -548,20 +548,20 @@ static void collect_objects(const struct local *local)
         for (int part = 0; part < SERVER_PARTS; part++)
             if (server_record_object(local->found[i].record, part, &object))
                 strcpy(used[count++], object.id);
-    qsort(used, count, sizeof *used, by_text);
+    qsort(used, count, sizeof *used, text_compare);
     struct server_listing folders = server_files_list(&local->files, "objects");
     while (server_listing_next(&folders)) {
         struct server_listing objects = server_disk_list(folders.path);
         while (server_listing_next(&objects))
             if (server_files_object_check(objects.name) &&
-                !bsearch(objects.name, used, count, sizeof *used, by_text))
+                !bsearch(objects.name, used, count, sizeof *used, text_compare))
                 server_files_remove_object(&local->files, objects.name);
     }
     free(used);
 }
 
 /* Finds and repairs what the folder holds. False with a sentence. */
-static bool recover(struct recovery *recovery, char *error, size_t error_size)
+static bool recovery_run(struct recovery *recovery, char *error, size_t error_size)
 {
     struct local *local = recovery->local;
     struct server_listing temporary = server_files_list(&local->files, "temporary");
@@ -616,7 +616,7 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
     pthread_mutex_init(&local->quarantine.lock, NULL);
     bool is_open = server_files_open(&local->files, folder);
     if (!is_open) snprintf(error, error_size, "%s", local->files.error);
-    is_open = is_open && recover(&recovery, error, error_size);
+    is_open = is_open && recovery_run(&recovery, error, error_size);
     recovery_forget(&recovery);
     free(recovery.findings);
     if (is_open) return &local->store;

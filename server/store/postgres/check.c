@@ -17,13 +17,13 @@ struct check {
     unsigned long long bytes;
 };
 
-static void fault(struct check *check, const char *what, const char *key)
+static void record_fault(struct check *check, const char *what, const char *key)
 {
     fprintf(check->out, "fault: %s: %s\n", what, key);
     check->faults++;
 }
 
-static bool on_row(void *user, const struct server_sql_value *row)
+static bool page_row(void *user, const struct server_sql_value *row)
 {
     struct check *check = user;
     snprintf(check->last, sizeof check->last, "%s", row[0].bytes);
@@ -33,12 +33,12 @@ static bool on_row(void *user, const struct server_sql_value *row)
         SERVER_RECORD_READ)
         check->count++;
     else
-        fault(check, "its row is damaged, or of a later version", row[0].bytes);
+        record_fault(check, "its row is damaged, or of a later version", row[0].bytes);
     return true;
 }
 
-static enum server_store_outcome check_object(struct server_pg *pg, struct check *check,
-                                              const char *key, const struct server_object *object)
+static enum server_store_outcome page_object(struct server_pg *pg, struct check *check,
+                                             const char *key, const struct server_object *object)
 {
     void *bytes = malloc(object->size ? object->size : 1);
     if (!bytes) return SERVER_STORE_NO_MEMORY;
@@ -47,10 +47,11 @@ static enum server_store_outcome check_object(struct server_pg *pg, struct check
     check->objects++;
     check->bytes += object->size;
     if (outcome != SERVER_STORE_ABSENT && outcome != SERVER_STORE_DAMAGED) return outcome;
-    fault(check,
-          outcome == SERVER_STORE_ABSENT ? "its bytes are missing"
-                                         : "its bytes are damaged: their SHA-256 is another one",
-          key);
+    record_fault(check,
+                 outcome == SERVER_STORE_ABSENT
+                     ? "its bytes are missing"
+                     : "its bytes are damaged: their SHA-256 is another one",
+                 key);
     return SERVER_STORE_DONE;
 }
 
@@ -62,11 +63,11 @@ static enum server_store_outcome check_page(struct server_pg *pg, struct check *
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
                                      " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
-                                     &last, 1, on_row, check));
+                                     &last, 1, page_row, check));
     for (uint32_t i = 0; i < check->count; i++) {
         for (int part = 0; !outcome && part < SERVER_PARTS; part++)
             if (server_record_object(check->page[i], part, &object))
-                outcome = check_object(pg, check, check->page[i]->key, &object);
+                outcome = page_object(pg, check, check->page[i]->key, &object);
         server_record_release(check->page[i]);
     }
     return outcome;

@@ -382,7 +382,7 @@ struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t
         .pool = pool, .patience_ns = patience_ns, .longest_ns = patience_ns};
 }
 
-static bool on_number(void *user, const struct server_sql_value *row)
+static bool attempt_on_number(void *user, const struct server_sql_value *row)
 {
     struct server_pg_attempt *attempt = user;
     snprintf(attempt->number, sizeof attempt->number, "%s", row[0].bytes);
@@ -391,14 +391,15 @@ static bool on_number(void *user, const struct server_sql_value *row)
 
 static enum server_store_outcome attempt_commit(struct server_pg_attempt *attempt)
 {
-    enum server_store_outcome outcome = server_pg_run(
-        attempt->pg, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0, on_number, attempt));
+    enum server_store_outcome outcome =
+        server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0,
+                                              attempt_on_number, attempt));
     if (!outcome) outcome = server_pg_run(attempt->pg, SERVER_SQL("COMMIT"));
     if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0';
     return outcome;
 }
 
-static bool on_status(void *user, const struct server_sql_value *row)
+static bool attempt_on_status(void *user, const struct server_sql_value *row)
 {
     enum server_store_outcome *outcome = user;
     const char *status = row[0].type == SERVER_SQL_TEXT ? row[0].bytes : "";
@@ -414,7 +415,7 @@ static enum server_store_outcome attempt_ask(struct server_pg_attempt *attempt)
     const struct server_sql_value number = server_sql_text(attempt->number);
     enum server_store_outcome found = SERVER_STORE_UNAVAILABLE;
     if (server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number, 1,
-                                              on_status, &found)))
+                                              attempt_on_status, &found)))
         return SERVER_STORE_UNAVAILABLE;
     if (found == SERVER_STORE_STALE) attempt->number[0] = '\0';
     return found;
@@ -486,35 +487,35 @@ bool server_pg_next(struct server_pg_attempt *attempt)
 
 /* --- statements for the batches (sql.h) ------------------------------------------------------- */
 
-struct sql_pg {
+struct pg_sql {
     struct server_store_sql sql; /* first */
     struct server_pg_pool *pool;
 };
 
-static enum server_store_outcome sql_run(struct server_store_sql *sql,
-                                         const struct server_statement *statement)
+static enum server_store_outcome pg_sql_run(struct server_store_sql *sql,
+                                            const struct server_statement *statement)
 {
-    struct server_pg_attempt attempt = server_pg_reading(((struct sql_pg *)sql)->pool, TAKE_NS);
+    struct server_pg_attempt attempt = server_pg_reading(((struct pg_sql *)sql)->pool, TAKE_NS);
     while (server_pg_next(&attempt)) attempt.outcome = server_pg_run(attempt.pg, statement);
     return attempt.outcome;
 }
 
-static void sql_close(struct server_store_sql *sql)
+static void pg_sql_close(struct server_store_sql *sql)
 {
-    server_pg_pool_destroy(((struct sql_pg *)sql)->pool);
+    server_pg_pool_destroy(((struct pg_sql *)sql)->pool);
     free(sql);
 }
 
 struct server_store_sql *server_store_sql_postgres_open(const char *url)
 {
-    struct sql_pg *own = calloc(1, sizeof *own);
+    struct pg_sql *own = calloc(1, sizeof *own);
     if (!own || !(own->pool = server_pg_pool_create(url))) {
         free(own);
         return NULL;
     }
-    own->sql = (struct server_store_sql){.run = sql_run,
+    own->sql = (struct server_store_sql){.run = pg_sql_run,
                                          .is_shared = true,
                                          .skip_locked = " FOR UPDATE OF i SKIP LOCKED",
-                                         .close = sql_close};
+                                         .close = pg_sql_close};
     return &own->sql;
 }

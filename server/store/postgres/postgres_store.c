@@ -61,7 +61,7 @@ struct change {
     char objects[SERVER_PARTS][SERVER_OBJECT]; /* of the key; empty: none */
 };
 
-static bool on_current(void *user, const struct server_sql_value *row)
+static bool change_on_current(void *user, const struct server_sql_value *row)
 {
     struct change *change = user;
     change->found = row[0].integer;
@@ -80,7 +80,7 @@ static enum server_store_outcome change_check(struct server_pg *pg, struct chang
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
                                      " WHERE key = $1 AND record IS NOT NULL",
-                                     &key, 1, on_current, change));
+                                     &key, 1, change_on_current, change));
     if (outcome) return outcome;
     return (uint64_t)change->found == change->before ? SERVER_STORE_DONE
                                                      : SERVER_STORE_PRECONDITION;
@@ -368,7 +368,7 @@ static void pause_ns(uint64_t ns)
 
 /* Deletes the objects of uploads that were cut short a day ago. The clock is locked, so that no
  * change can refer to one. */
-static enum server_store_outcome sweep(struct server_pg *pg)
+static enum server_store_outcome objects_sweep(struct server_pg *pg)
 {
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
@@ -387,7 +387,7 @@ static void shared_await(struct server_store *store, uint64_t ns)
     if (!own->swept_ns || now_ns - own->swept_ns >= SWEEP_NS) {
         own->swept_ns = now_ns;
         struct server_pg_attempt attempt = server_pg_transaction(own->pool);
-        while (server_pg_next(&attempt)) attempt.outcome = sweep(attempt.pg);
+        while (server_pg_next(&attempt)) attempt.outcome = objects_sweep(attempt.pg);
     }
     bool listens = own->listener || listen_again(own);
     if (listens && !server_pg_pool_is_away(own->pool) && server_pg_await(own->listener, ns)) return;

@@ -73,7 +73,7 @@ static enum server_store_outcome step_make(struct server_pg *pg, int64_t step)
                          SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)", &number, 1));
 }
 
-static enum server_store_outcome migrate(struct server_pg *pg)
+static enum server_store_outcome schema_migrate(struct server_pg *pg)
 {
     struct server_sql_integers version = {0};
     enum server_store_outcome outcome =
@@ -91,6 +91,6 @@ static enum server_store_outcome migrate(struct server_pg *pg)
 enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool)
 {
     struct server_pg_attempt attempt = server_pg_transaction(pool);
-    while (server_pg_next(&attempt)) attempt.outcome = migrate(attempt.pg);
+    while (server_pg_next(&attempt)) attempt.outcome = schema_migrate(attempt.pg);
     return attempt.outcome;
 }
