@@ -13,7 +13,6 @@
 #define HEX_DIGITS    "0123456789abcdef"
 #define CHECKSUM_LINE (sizeof "checksum \n" - 1 + SERVER_SHA256_HEX - 1)
 #define SLOT_BYTES    128 /* of the registry, for each record */
-#define ETAG_TEXT     (2 * SERVER_SHA256_HEX + SERVER_OPTIONS + SERVER_KEY_WORD + SERVER_TENANT + 64)
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -21,7 +20,8 @@
 static void record_complete(struct server_record *record)
 {
     const struct server_key key = server_record_key(record);
-    char text[ETAG_TEXT], hex[SERVER_SHA256_HEX];
+    char text[2 * SERVER_SHA256_HEX + SERVER_OPTIONS + SERVER_KEY_TEXT + 64],
+        hex[SERVER_SHA256_HEX];
     bool has_attachment = record->attachment_sha256[0], is_mesh = record->kind == &server_kind_mesh;
     server_key_write(&key, record->key);
     int size = snprintf(text, sizeof text, "%s %s%s%s%s%s%s%s", record->sha256, record->options,

@@ -14,8 +14,9 @@
  * server is asked for the status of the transaction, by its number, on another connection. So no
  * transaction is lost, and none is applied twice.
  *
- * After a failed connect the database is away: callers are refused at once, except a prober (the
- * store's follower), whose next connect detects that it is back.
+ * After a failed connect the database is away: attempts are refused at once. Only
+ * server_pg_pool_take, which the store's follower calls, still connects and detects that it is
+ * back.
  *
  * Thread-safe. For worker threads and threads of its own, never for those of HTTP. Messages of
  * libpq don't contain the password. */
@@ -51,7 +52,7 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool);
 enum server_store_outcome server_pg_run(struct server_pg *pg,
                                         const struct server_statement *statement);
 
-/* The attempts at a transaction, or at reading. */
+/* The attempts at a transaction, or at reading. The body of the loop may run several times. */
 struct server_pg_attempt {
     struct server_pg *pg;              /* the connection of this attempt */
     enum server_store_outcome outcome; /* the loop sets that of an attempt; in the end, of all */
