@@ -26,6 +26,11 @@ struct server_file {
     const char *content_type; /* the header; NULL: the request had none */
 };
 
+struct server_built { /* an object of a kind, and the bytes that it holds */
+    void *object;
+    size_t size;
+};
+
 struct server_kind {
     const char *word;   /* "mesh": in records and keys; lower-case letters, never changed */
     const char *plural; /* "meshes": in paths, and the name of the list */
@@ -39,11 +44,11 @@ struct server_kind {
                          char text[SERVER_OPTIONS], struct proto_problem *problem);
 
     /* Builds the object from record->size bytes and record->options. Takes memory from the
-     * builder's budget before use and leaves `*size` bytes of it, which the object holds, in
-     * SERVER_BUDGET_FLIGHT. On failure a status and a problem (build.h). */
+     * builder's budget before use and leaves `out->size` bytes of it, which the object holds, in
+     * SERVER_BUDGET_FLIGHT. On failure a status and a problem (surface.h). */
     enum gd_status (*build)(const struct server_builder *builder,
-                            const struct server_record *record, const void *bytes, void **object,
-                            size_t *size, struct proto_problem *problem);
+                            const struct server_record *record, const void *bytes,
+                            struct server_built *out, struct proto_problem *problem);
     void (*release)(void *object);
 
     /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */

@@ -198,7 +198,7 @@ static enum gd_status mesh_connect_growing(struct mesh_build *build)
 
 static enum gd_status mesh_build(const struct server_builder *builder,
                                  const struct server_record *record, const void *bytes,
-                                 void **object, size_t *size, struct proto_problem *problem)
+                                 struct server_built *out, struct proto_problem *problem)
 {
     static const struct step reading = {mesh_read_polygons, 0, MESH_READ_SHARE, false};
     struct mesh_build build = {.base = {builder, record, bytes, problem},
@@ -212,9 +212,8 @@ static enum gd_status mesh_build(const struct server_builder *builder,
                  gd_read_cost(bytes, (size_t)record->size, build.options.format, &limits));
     if (!status) status = mesh_connect_growing(&build);
     gd_polygons_free(&build.polygons);
-    *object = build.mesh;
-    *size = status ? 0 : gd_mesh_memsize(build.mesh);
-    return build_end(&build.base, status, *size);
+    *out = (struct server_built){build.mesh, status ? 0 : gd_mesh_memsize(build.mesh)};
+    return build_end(&build.base, status, out->size);
 }
 
 static void mesh_release(void *object)
@@ -308,7 +307,7 @@ static void nurbs_release(void *object)
  * operations that need the tessellation say why there is none. */
 static enum gd_status nurbs_build(const struct server_builder *builder,
                                   const struct server_record *record, const void *bytes,
-                                  void **object, size_t *size, struct proto_problem *problem)
+                                  struct server_built *out, struct proto_problem *problem)
 {
     static const struct step reading = {nurbs_read, 0, NURBS_READ_SHARE, false},
                              tessellation = {nurbs_tessellate, NURBS_READ_SHARE,
@@ -329,9 +328,8 @@ static enum gd_status nurbs_build(const struct server_builder *builder,
         }
     }
     if (status) nurbs_release(build.nurbs);
-    *object = build.nurbs;
-    *size = build.base.held;
-    return build_end(&build.base, status, *size);
+    *out = (struct server_built){build.nurbs, build.base.held};
+    return build_end(&build.base, status, out->size);
 }
 
 static void nurbs_describe(struct proto_writer *writer, const struct server_surface *surface)
@@ -443,7 +441,7 @@ static void subdivision_release(void *object)
 
 static enum gd_status subdivision_build(const struct server_builder *builder,
                                         const struct server_record *record, const void *bytes,
-                                        void **object, size_t *size, struct proto_problem *problem)
+                                        struct server_built *out, struct proto_problem *problem)
 {
     static const struct step reading = {subdivision_read, 0, SUBDIVISION_READ_SHARE, false},
                              creation = {subdivision_create, SUBDIVISION_READ_SHARE,
@@ -466,11 +464,11 @@ static enum gd_status subdivision_build(const struct server_builder *builder,
         }
     }
     gd_control_mesh_free(&build.control_mesh);
-    *size =
-        status ? 0 : sizeof *build.subdivision + gd_subdivision_memsize(build.subdivision->surface);
+    size_t size = sizeof *build.subdivision;
+    if (!status) size += gd_subdivision_memsize(build.subdivision->surface);
     if (status) subdivision_release(build.subdivision);
-    *object = build.subdivision;
-    return build_end(&build.base, status, *size);
+    *out = (struct server_built){build.subdivision, size};
+    return build_end(&build.base, status, size);
 }
 
 static void subdivision_describe(struct proto_writer *writer, const struct server_surface *surface)

@@ -96,13 +96,12 @@ enum gd_status server_build_surface(const struct server_builder *builder,
                                     struct server_record *record, const void *bytes,
                                     struct server_surface **out, struct proto_problem *problem)
 {
-    void *object = NULL;
-    size_t size = 0;
-    enum gd_status status = record->kind->build(builder, record, bytes, &object, &size, problem);
+    struct server_built built = {0};
+    enum gd_status status = record->kind->build(builder, record, bytes, &built, problem);
     if (status) return status;
-    *out = server_surface_create(record, object, size, builder->budget, builder->cache);
+    *out = server_surface_create(record, built.object, built.size, builder->budget, builder->cache);
     if (*out) return GD_OK;
-    record->kind->release(object);
-    server_budget_give(builder->budget, SERVER_BUDGET_FLIGHT, size);
+    record->kind->release(built.object);
+    server_budget_give(builder->budget, SERVER_BUDGET_FLIGHT, built.size);
     return server_build_refuse(builder, record, GD_NO_MEMORY, NULL, problem);
 }

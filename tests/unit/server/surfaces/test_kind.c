@@ -32,7 +32,7 @@ static bool read_toy_options(const struct proto_parameters *parameters,
 
 static enum gd_status build_toy(const struct server_builder *builder,
                                 const struct server_record *record, const void *bytes,
-                                void **object, size_t *size, struct proto_problem *problem)
+                                struct server_built *out, struct proto_problem *problem)
 {
     char text[32], *end;
     snprintf(text, sizeof text, "%.*s", (int)record->size, (const char *)bytes);
@@ -42,8 +42,7 @@ static enum gd_status build_toy(const struct server_builder *builder,
     if (status) return status;
     struct toy *toy = malloc(sizeof *toy);
     toy->number = number;
-    *object = toy;
-    *size = sizeof *toy;
+    *out = (struct server_built){toy, sizeof *toy};
     living++;
     return GD_OK;
 }
