@@ -302,7 +302,7 @@ static struct entry *entry_of_worth(struct server_evictable *worth)
 
 /* Under the lock: removes unpinned entries in the order of eviction until they hold `bytes` or none
  * is left. */
-static struct entries evict(struct server_cache *cache, size_t bytes)
+static struct entries cache_evict(struct server_cache *cache, size_t bytes)
 {
     struct entries evicted = SLIST_HEAD_INITIALIZER(evicted), pinned = evicted;
     struct server_eviction *eviction = &cache->eviction;
@@ -324,11 +324,11 @@ static struct entries evict(struct server_cache *cache, size_t bytes)
     return evicted;
 }
 
-static void reclaim(void *user, size_t bytes)
+static void cache_reclaim(void *user, size_t bytes)
 {
     struct server_cache *cache = user;
     pthread_mutex_lock(&cache->lock);
-    struct entries evicted = evict(cache, bytes);
+    struct entries evicted = cache_evict(cache, bytes);
     pthread_mutex_unlock(&cache->lock);
     entries_release(&evicted);
 }
@@ -343,7 +343,8 @@ struct server_cache *server_cache_create(struct server_budget *budget,
     pthread_mutex_init(&cache->lock, NULL);
     cache->budget = budget;
     cache->workers = workers;
-    budget->reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim, NULL, cache};
+    budget->reclaimers[SERVER_RECLAIM_FIELDS] =
+        (struct server_reclaimer){cache_reclaim, NULL, cache};
     return cache;
 }
 
@@ -397,7 +398,8 @@ void server_mesh_cache_close(struct server_mesh_cache *fields)
 }
 
 /* Under the lock. */
-static uint32_t pin_points(struct server_mesh_cache *fields, const struct server_cached **pinned)
+static uint32_t entries_pin_points(struct server_mesh_cache *fields,
+                                   const struct server_cached **pinned)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < fields->bucket_count; i++) {
@@ -416,7 +418,7 @@ const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cac
     pthread_mutex_lock(&fields->cache->lock);
     const struct server_cached **pinned =
         fields->count ? malloc(fields->count * sizeof(struct server_cached *)) : NULL;
-    *count = pinned ? pin_points(fields, pinned) : 0;
+    *count = pinned ? entries_pin_points(fields, pinned) : 0;
     pthread_mutex_unlock(&fields->cache->lock);
     return pinned;
 }
@@ -431,8 +433,8 @@ uint32_t server_mesh_cache_count(struct server_mesh_cache *fields)
 
 /* --- finding ---------------------------------------------------------------------------------- */
 
-static const struct server_cached *find_by_key(struct server_mesh_cache *fields,
-                                               const struct field_key *key)
+static const struct server_cached *entry_find(struct server_mesh_cache *fields,
+                                              const struct field_key *key)
 {
     struct server_cache *cache = fields->cache;
     pthread_mutex_lock(&cache->lock);
@@ -452,7 +454,7 @@ const struct server_cached *server_cache_find_field(struct server_mesh_cache *fi
                                                     const struct gd_field_request *request)
 {
     struct field_key key = key_of(request);
-    return find_by_key(fields, &key);
+    return entry_find(fields, &key);
 }
 
 const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
@@ -460,7 +462,7 @@ const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
 {
     struct gd_seed seed;
     struct field_key key = key_of_point(source, &seed);
-    return find_by_key(fields, &key);
+    return entry_find(fields, &key);
 }
 
 void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_request *request)
@@ -502,7 +504,7 @@ static struct server_pending_build *pending_find(const struct server_mesh_cache 
 
 /* Under the lock: AGAIN, or WAIT for a build of this field or of one that it can be resumed from;
  * else SEARCH. */
-static enum server_cache_turn join_build(struct server_mesh_cache *fields,
+static enum server_cache_turn build_join(struct server_mesh_cache *fields,
                                          const struct field_key *key, struct server_job *job)
 {
     if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
@@ -515,7 +517,7 @@ static enum server_cache_turn join_build(struct server_mesh_cache *fields,
 }
 
 /* Under the lock: BUILD, or SEARCH without memory. */
-static enum server_cache_turn begin_build(struct server_mesh_cache *fields,
+static enum server_cache_turn build_begin(struct server_mesh_cache *fields,
                                           const struct field_key *key,
                                           struct server_pending_build **out)
 {
@@ -539,10 +541,10 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
     struct gd_seed seed;
     struct field_key key = key_of_point(source, &seed);
     pthread_mutex_lock(&fields->cache->lock);
-    enum server_cache_turn turn = join_build(fields, &key, job);
+    enum server_cache_turn turn = build_join(fields, &key, job);
     if (turn == SERVER_CACHE_SEARCH &&
         server_hot_points_count(&fields->hot_points, key.hash) >= SERVER_CACHE_SEARCHES)
-        turn = begin_build(fields, &key, build);
+        turn = build_begin(fields, &key, build);
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;
 }
@@ -557,8 +559,8 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
     const struct failure *failure = &fields->failure;
     bool has_failed = failure->key.hash == key.hash && key_covers(&key, &failure->key) &&
                       gd_now_ns() < failure->until_ns;
-    enum server_cache_turn turn = join_build(fields, &key, job);
-    if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = begin_build(fields, &key, build);
+    enum server_cache_turn turn = build_join(fields, &key, job);
+    if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = build_begin(fields, &key, build);
     if (turn == SERVER_CACHE_SEARCH) *why = has_failed ? failure->status : GD_NO_MEMORY;
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;

@@ -65,7 +65,7 @@ struct gd_field_request server_resource_request(const struct server_resource *re
                                      .radius = resource->description.max_distance};
 }
 
-static void append_point(struct proto_writer *text, const struct gd_point *point)
+static void text_append_point(struct proto_writer *text, const struct gd_point *point)
 {
     const uint32_t place[] = {(uint32_t)point->kind, point->element};
     proto_append(text, (const char *)place, sizeof place);
@@ -73,12 +73,12 @@ static void append_point(struct proto_writer *text, const struct gd_point *point
 }
 
 /* Member by member, without the padding. */
-static void append_seed(struct proto_writer *text, const struct gd_seed *seed)
+static void text_append_seed(struct proto_writer *text, const struct gd_seed *seed)
 {
-    append_point(text, &seed->point);
+    text_append_point(text, &seed->point);
     proto_append(text, (const char *)&seed->offset, sizeof seed->offset);
     proto_append(text, seed->is_segment ? "s" : "p", 1);
-    if (seed->is_segment) append_point(text, &seed->end);
+    if (seed->is_segment) text_append_point(text, &seed->end);
 }
 
 bool server_resource_name(const char *etag, const struct proto_located_set *set,
@@ -89,7 +89,7 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
     proto_writer_init(&text, SIZE_MAX);
     proto_append(&text, etag, strlen(etag));
     proto_append(&text, (const char *)&max_distance, sizeof max_distance);
-    for (uint32_t i = 0; i < set->seed_count; i++) append_seed(&text, &set->seeds[i]);
+    for (uint32_t i = 0; i < set->seed_count; i++) text_append_seed(&text, &set->seeds[i]);
     proto_append(&text, (const char *)set->members, set->seed_count * sizeof *set->members);
     proto_append(&text, (const char *)set->label_offsets, set->count * sizeof *set->label_offsets);
     proto_append(&text, set->labels, set->label_size);
@@ -138,7 +138,7 @@ static char *find_forgotten(struct server_catalogue *catalogue, const char *id)
     return NULL;
 }
 
-static void forget(struct server_catalogue *catalogue, uint32_t at)
+static void resource_forget(struct server_catalogue *catalogue, uint32_t at)
 {
     struct server_resource *resource = catalogue_extract(catalogue, at);
     uint32_t place = catalogue->next_forgotten++ % SERVER_CATALOGUE_FORGOTTEN;
@@ -172,7 +172,7 @@ static void catalogue_reserve(struct server_catalogue *catalogue)
     uint32_t capacity = 2 * catalogue->capacity;
     struct server_resource **more = realloc(catalogue->resources, capacity * sizeof *more);
     if (!more) {
-        forget(catalogue, usage_of(catalogue, NULL).oldest);
+        resource_forget(catalogue, usage_of(catalogue, NULL).oldest);
         return;
     }
     catalogue->resources = more;
@@ -193,7 +193,7 @@ static void catalogue_insert(struct server_catalogue *catalogue, struct server_r
     struct usage usage;
     while ((usage = usage_of(catalogue, resource->key)).count > SERVER_CATALOGUE_RESOURCES ||
            usage.bytes > SERVER_CATALOGUE_BYTES)
-        forget(catalogue, usage.oldest);
+        resource_forget(catalogue, usage.oldest);
 }
 
 /* --- life ------------------------------------------------------------------------------------- */

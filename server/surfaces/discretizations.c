@@ -28,19 +28,20 @@ void server_discretization_release(struct server_discretization *discretization)
 }
 
 /* Under the lock: removes a kept one; the caller releases it without the lock. */
-static void drop(struct server_discretizations *owner, struct server_discretization *kept)
+static void discretization_drop(struct server_discretizations *owner,
+                                struct server_discretization *kept)
 {
     kept->slot->levels[gd_limit_mesh_level(kept->mesh)] = NULL;
     TAILQ_REMOVE(&owner->by_use, kept, by_use);
 }
 
-static void reclaim(void *user, size_t bytes)
+static void discretizations_reclaim(void *user, size_t bytes)
 {
     struct server_discretizations *owner = user;
     for (size_t freed = 0; freed < bytes;) {
         pthread_mutex_lock(&owner->lock);
         struct server_discretization *coldest = TAILQ_FIRST(&owner->by_use);
-        if (coldest) drop(owner, coldest);
+        if (coldest) discretization_drop(owner, coldest);
         pthread_mutex_unlock(&owner->lock);
         if (!coldest) return;
         freed += coldest->bytes;
@@ -68,7 +69,7 @@ static enum gd_status limit_mesh_build(void *user, const struct gd_control *cont
 
 /* The engine refuses a mesh of too many faces before it takes any memory: so the cost of one may be
  * past the budget. */
-static enum gd_status build_level(struct server_discretizations *owner,
+static enum gd_status level_build(struct server_discretizations *owner,
                                   const struct server_discretization_request *request,
                                   struct server_discretization **out)
 {
@@ -98,7 +99,7 @@ static enum gd_status build_level(struct server_discretizations *owner,
 /* --- finding ---------------------------------------------------------------------------------- */
 
 /* Waits a few milliseconds at most, under the lock. */
-static void wait_for_build(struct server_discretizations *owner)
+static void level_wait(struct server_discretizations *owner)
 {
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
@@ -107,18 +108,18 @@ static void wait_for_build(struct server_discretizations *owner)
         until.tv_nsec -= 1000000000;
         until.tv_sec++;
     }
-    pthread_cond_timedwait(&owner->build_ended, &owner->lock, &until);
+    pthread_cond_clockwait(&owner->build_ended, &owner->lock, CLOCK_MONOTONIC, &until);
 }
 
 /* Finds the level, or claims its build (NULL). False: another request still builds it. */
-static bool find_or_claim(struct server_discretizations *owner,
-                          const struct server_discretization_request *request,
-                          struct server_discretization **out)
+static bool level_find_or_claim(struct server_discretizations *owner,
+                                const struct server_discretization_request *request,
+                                struct server_discretization **out)
 {
     bool *is_building = &request->slot->is_building[request->level];
     struct server_discretization *kept = NULL;
     pthread_mutex_lock(&owner->lock);
-    if (*is_building) wait_for_build(owner);
+    if (*is_building) level_wait(owner);
     bool is_settled = !*is_building;
     if (is_settled) kept = request->slot->levels[request->level];
     if (kept) {
@@ -140,12 +141,12 @@ enum gd_status server_discretizations_get(struct server_discretizations *owner,
     struct server_discretization *found = NULL;
     enum gd_status status = GD_OK;
     atomic_store(&request->slot->owner, owner);
-    while (!find_or_claim(owner, request, &found)) {
+    while (!level_find_or_claim(owner, request, &found)) {
         status = gd_control_check(&request->control, 0);
         if (status) return status;
     }
     if (!found) {
-        status = build_level(owner, request, &found);
+        status = level_build(owner, request, &found);
         pthread_mutex_lock(&owner->lock);
         request->slot->is_building[request->level] = false;
         if (!status) {
@@ -169,7 +170,7 @@ void server_discretization_slot_close(struct server_discretization_slot *slot)
     pthread_mutex_lock(&owner->lock);
     for (uint32_t level = 0; level <= GD_LIMIT_LEVEL_MOST; level++) {
         kept[level] = slot->levels[level];
-        if (kept[level]) drop(owner, kept[level]);
+        if (kept[level]) discretization_drop(owner, kept[level]);
     }
     pthread_mutex_unlock(&owner->lock);
     for (uint32_t level = 0; level <= GD_LIMIT_LEVEL_MOST; level++)
@@ -182,19 +183,15 @@ struct server_discretizations *server_discretizations_create(struct server_works
                                                              uint32_t max_faces)
 {
     struct server_discretizations *owner = calloc(1, sizeof *owner);
-    pthread_condattr_t attributes;
     if (!owner) return NULL;
     owner->workspaces = workspaces;
     owner->budget = server_workspaces_budget(workspaces);
     owner->max_faces = max_faces;
     TAILQ_INIT(&owner->by_use);
     pthread_mutex_init(&owner->lock, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&owner->build_ended, &attributes);
-    pthread_condattr_destroy(&attributes);
+    pthread_cond_init(&owner->build_ended, NULL);
     owner->budget->reclaimers[SERVER_RECLAIM_DISCRETIZATIONS] =
-        (struct server_reclaimer){.reclaim = reclaim, .user = owner};
+        (struct server_reclaimer){.reclaim = discretizations_reclaim, .user = owner};
     return owner;
 }
 

@@ -49,13 +49,13 @@ static void folder_path(const struct server_field_store *store, char path[SERVER
     snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_VERSION "-%s", store->folder, record->etag);
 }
 
-static bool has_suffix(const char *file, const char *suffix)
+static bool file_has_suffix(const char *file, const char *suffix)
 {
     size_t size = strlen(file), most = strlen(suffix);
     return size > most && strcmp(file + size - most, suffix) == 0;
 }
 
-static void discard(const char *path, const char *why)
+static void file_discard(const char *path, const char *why)
 {
     unlink(path);
     server_log_message(SERVER_LOG_WARN, "field_discarded", "the stored file '%s' was deleted: %s",
@@ -96,7 +96,7 @@ static bool image_read(struct server_field_store *store, const char *path, const
             *out = image;
             return true;
         }
-        discard(path, "its checksum is not its name");
+        file_discard(path, "its checksum is not its name");
     }
     image.size = size;
     image_free(store, &image);
@@ -118,7 +118,7 @@ static bool image_write(const char *folder, const char *file, const struct image
     return false;
 }
 
-static bool make_folder(const char *folder)
+static bool folder_make(const char *folder)
 {
     return mkdir(folder, 0700) == 0 || server_disk_exists(folder);
 }
@@ -131,7 +131,7 @@ static void on_unwanted_file(void *user, const char *path, const char *file)
     unlink(path);
 }
 
-static void remove_folder(const char *path)
+static void folder_remove(const char *path)
 {
     (void)server_disk_each(path, on_unwanted_file, NULL);
     rmdir(path);
@@ -141,7 +141,7 @@ static void on_folder(void *user, const char *path, const char *file)
 {
     const struct server_names *wanted = user;
     if (server_names_has(wanted, file)) return;
-    remove_folder(path);
+    folder_remove(path);
     server_log_message(SERVER_LOG_INFO, "fields_discarded",
                        "the stored fields in '%s' were deleted: their mesh is gone", path);
 }
@@ -158,7 +158,7 @@ static void on_gone(void *user, const struct server_record *record)
 {
     char folder[SERVER_DISK_PATH];
     folder_path(user, folder, record);
-    remove_folder(folder);
+    folder_remove(folder);
 }
 
 void server_field_store_follow(struct server_field_store *store, struct server_registry *registry)
@@ -186,13 +186,13 @@ static void on_stored_field(void *user, const char *path, const char *file)
     struct server_budget *budget = restoring->store->budget;
     struct gd_field *field;
     struct image image;
-    if (!has_suffix(file, FIELD)) return;
+    if (!file_has_suffix(file, FIELD)) return;
     restoring->is_ended |= gd_control_check(restoring->control, 1) != GD_OK;
     if (restoring->is_ended || !image_read(restoring->store, path, file, &image)) return;
     enum gd_status status = gd_field_open_image(restoring->surface->mesh, image.bytes, image.size,
                                                 free, image.bytes, &field, NULL);
     if (status) {
-        if (status != GD_NO_MEMORY) discard(path, gd_status_sentence(status));
+        if (status != GD_NO_MEMORY) file_discard(path, gd_status_sentence(status));
         image_free(restoring->store, &image);
     } else if (isfinite(gd_field_reach(field))) { /* only whole fields are wanted */
         gd_field_release(field);
@@ -253,7 +253,7 @@ static bool save_surface(void *user, struct server_listed *listed)
     const struct server_cached **pinned =
         server_mesh_cache_pin_points(listed->surface->fields, &count);
     folder_path(saving->store, folder, listed->record);
-    if (count && !make_folder(folder)) saving->is_over = true;
+    if (count && !folder_make(folder)) saving->is_over = true;
     for (uint32_t i = 0; i < count; i++) {
         save_field(saving, folder, pinned[i]->field);
         server_cache_unpin(pinned[i]);
@@ -265,7 +265,7 @@ static bool save_surface(void *user, struct server_listed *listed)
 static void on_saved_file(void *user, const char *path, const char *file)
 {
     const struct saving *saving = user;
-    if (!has_suffix(file, LANDMARKS) && !server_names_has(&saving->kept, file)) unlink(path);
+    if (!file_has_suffix(file, LANDMARKS) && !server_names_has(&saving->kept, file)) unlink(path);
 }
 
 /* Deletes the files of fields that are no longer cached. */
@@ -307,12 +307,12 @@ static void on_stored_landmarks(void *user, const char *path, const char *file)
     struct landmarks_reading *reading = user;
     struct gd_landmarks *landmarks;
     struct image image;
-    if (reading->out || !has_suffix(file, LANDMARKS) ||
+    if (reading->out || !file_has_suffix(file, LANDMARKS) ||
         !image_read(reading->store, path, file, &image))
         return;
     enum gd_status status =
         gd_landmarks_open_image(reading->mesh, image.bytes, image.size, &landmarks);
-    if (status && status != GD_NO_MEMORY) discard(path, gd_status_sentence(status));
+    if (status && status != GD_NO_MEMORY) file_discard(path, gd_status_sentence(status));
     image_free(reading->store, &image);
     if (status) return;
     if (gd_landmarks_count(landmarks) == reading->count &&
@@ -337,7 +337,7 @@ struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store
 static void on_older_landmarks(void *user, const char *path, const char *file)
 {
     (void)user;
-    if (has_suffix(file, LANDMARKS)) unlink(path);
+    if (file_has_suffix(file, LANDMARKS)) unlink(path);
 }
 
 void server_field_store_write_landmarks(struct server_field_store *store,
@@ -354,7 +354,7 @@ void server_field_store_write_landmarks(struct server_field_store *store,
         image_name(&image, LANDMARKS, file);
         folder_path(store, folder, surface->record);
         (void)server_disk_each(folder, on_older_landmarks, NULL);
-        if (!make_folder(folder) || !image_write(folder, file, &image))
+        if (!folder_make(folder) || !image_write(folder, file, &image))
             server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written",
                                folder);
         if (!server_registry_holds(registry, surface->record->etag))

@@ -38,7 +38,7 @@ struct step {
     bool is_bounded;     /* `run` may need more than its cost, and stops there */
 };
 
-static bool on_progress(void *user, double fraction)
+static bool build_progress(void *user, double fraction)
 {
     const struct build *build = user;
     const struct gd_control *whole = &build->builder->control;
@@ -52,7 +52,7 @@ static enum gd_status step_run(struct build *build, const struct step *step, siz
     const struct server_builder *builder = build->builder;
     const struct gd_control control = {.budget_bytes = step->is_bounded ? cost : 0,
                                        .deadline_ns = builder->control.deadline_ns,
-                                       .progress = on_progress,
+                                       .progress = build_progress,
                                        .user = build};
     size_t kept = 0;
     enum gd_status status = server_build_take(builder, build->record, cost, build->problem);
@@ -113,8 +113,8 @@ static enum gd_status read_status(struct build *build)
 }
 
 /* The options of a record, which were checked before. */
-static struct proto_parameters record_options(const struct server_record *record,
-                                              struct server_options *options)
+static struct proto_parameters options_of_record(const struct server_record *record,
+                                                 struct server_options *options)
 {
     (void)server_options_split(record->options, options);
     return server_options_parameters(options);
@@ -205,7 +205,7 @@ static enum gd_status mesh_build(const struct server_builder *builder,
                                .options = {.format = GD_FORMAT_ANY}};
     const struct gd_read_limits limits = {.max_faces = builder->max_faces};
     struct server_options text;
-    const struct proto_parameters options = record_options(record, &text);
+    const struct proto_parameters options = options_of_record(record, &text);
     (void)proto_mesh_options_parse(&options, &build.options, problem);
     enum gd_status status =
         step_run(&build.base, &reading,
@@ -274,7 +274,7 @@ static enum gd_status nurbs_read(struct build *base, const struct gd_control *co
     struct server_nurbs *nurbs = ((struct nurbs_build *)base)->nurbs;
     struct proto_nurbs_options options = {0};
     struct server_options text;
-    const struct proto_parameters parameters = record_options(base->record, &text);
+    const struct proto_parameters parameters = options_of_record(base->record, &text);
     (void)proto_nurbs_options_parse(&parameters, &options, base->problem);
     options.control = control;
     if (!proto_nurbs_read(base->bytes, (size_t)base->record->size, &options, &nurbs->surface,
@@ -449,7 +449,7 @@ static enum gd_status subdivision_build(const struct server_builder *builder,
     struct subdivision_build build = {.base = {builder, record, bytes, problem},
                                       .options = {.format = GD_FORMAT_ANY}};
     struct server_options text;
-    const struct proto_parameters options = record_options(record, &text);
+    const struct proto_parameters options = options_of_record(record, &text);
     enum gd_status status;
     (void)proto_subdivision_options_parse(&options, &build.options, problem);
     build.subdivision = object_create(&build.base, sizeof *build.subdivision, &status);

@@ -83,7 +83,7 @@ static struct server_landmark_set *set_create(struct server_budget *budget,
     return set;
 }
 
-static void reclaim(void *user, size_t bytes)
+static void landmarks_reclaim(void *user, size_t bytes)
 {
     struct server_landmarks *landmarks = user;
     atomic_fetch_add(&landmarks->pressures, 1);
@@ -104,7 +104,7 @@ static void reclaim(void *user, size_t bytes)
 /* --- the job ---------------------------------------------------------------------------------- */
 
 /* Runs queued jobs first; false: the set is not wanted any more. */
-static bool on_progress(void *user, double fraction)
+static bool job_progress(void *user, double fraction)
 {
     const struct landmark_job *job = user;
     struct server_workers *workers = job->owner->parts.workers;
@@ -129,7 +129,7 @@ static void job_build(struct landmark_job *job)
     const struct gd_mesh_summary *summary = gd_mesh_summary(job->surface->mesh);
     const struct server_budgeted_call call = {.make = landmarks_build,
                                               .user = job,
-                                              .control = {.progress = on_progress, .user = job},
+                                              .control = {.progress = job_progress, .user = job},
                                               .grant = BYTES_A_BUILD +
                                                        (size_t)summary->edges * BYTES_AN_EDGE,
                                               .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
@@ -252,7 +252,7 @@ struct server_landmarks *server_landmarks_create(const struct server_landmarks_p
     pthread_mutex_init(&landmarks->lock, NULL);
     TAILQ_INIT(&landmarks->by_use);
     landmarks->budget->reclaimers[SERVER_RECLAIM_LANDMARKS] =
-        (struct server_reclaimer){reclaim, NULL, landmarks};
+        (struct server_reclaimer){landmarks_reclaim, NULL, landmarks};
     return landmarks;
 }
 

@@ -30,7 +30,7 @@ struct load {
     size_t held; /* by the parts, of SERVER_BUDGET_FLIGHT */
 };
 
-static bool on_progress(void *user, double fraction)
+static bool load_progress(void *user, double fraction)
 {
     const struct load *load = user;
     (void)fraction;
@@ -38,7 +38,7 @@ static bool on_progress(void *user, double fraction)
 }
 
 /* Logs a fault of the stored data for the operator, and tells the client in general terms. */
-static enum server_loader_outcome report_damage(const struct load *load, const char *what)
+static enum server_loader_outcome load_report_damage(const struct load *load, const char *what)
 {
     const struct server_record *record = load->record;
     struct server_log_line line;
@@ -55,7 +55,7 @@ static enum server_loader_outcome report_damage(const struct load *load, const c
     return SERVER_LOADER_DAMAGED;
 }
 
-static enum server_loader_outcome fetch_part(struct load *load, enum server_part part)
+static enum server_loader_outcome load_fetch_part(struct load *load, enum server_part part)
 {
     struct server_registry *registry = load->loader->parts.registry;
     struct server_store *store = server_registry_store(registry);
@@ -64,7 +64,7 @@ static enum server_loader_outcome fetch_part(struct load *load, enum server_part
         return SERVER_LOADER_LOADED;
     case SERVER_STORE_ABSENT:
         return server_registry_is_current(registry, load->record)
-                   ? report_damage(load, "it is missing")
+                   ? load_report_damage(load, "it is missing")
                    : SERVER_LOADER_GONE;
     case SERVER_STORE_NO_MEMORY:
         server_build_refuse(&load->builder, load->record, GD_BUDGET, NULL, load->problem);
@@ -77,13 +77,13 @@ static enum server_loader_outcome fetch_part(struct load *load, enum server_part
         load->problem->retry_after = 1;
         return SERVER_LOADER_UNAVAILABLE;
     case SERVER_STORE_DAMAGED:
-        return report_damage(load, "it is damaged: its SHA-256 is another one");
+        return load_report_damage(load, "it is damaged: its SHA-256 is another one");
     default:
-        return report_damage(load, "it can't be read");
+        return load_report_damage(load, "it can't be read");
     }
 }
 
-static enum server_loader_outcome fetch_parts(struct load *load)
+static enum server_loader_outcome load_fetch(struct load *load)
 {
     const struct server_record *record = load->record;
     enum server_loader_outcome outcome = SERVER_LOADER_LOADED;
@@ -93,12 +93,12 @@ static enum server_loader_outcome fetch_parts(struct load *load)
         return SERVER_LOADER_NO_MEMORY;
     load->held = bytes;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) outcome = fetch_part(load, part);
+        if (server_record_object(record, part, &object)) outcome = load_fetch_part(load, part);
     return outcome;
 }
 
 /* Builds the surface, which takes over the attachment. */
-static enum server_loader_outcome build_surface(struct load *load, struct server_surface **out)
+static enum server_loader_outcome load_build(struct load *load, struct server_surface **out)
 {
     struct proto_problem refusal;
     void **attachment = &load->parts[SERVER_PART_ATTACHMENT];
@@ -120,7 +120,7 @@ static enum server_loader_outcome build_surface(struct load *load, struct server
         return SERVER_LOADER_ENDED;
     default:
         *load->problem = refusal;
-        return report_damage(load, refusal.detail);
+        return load_report_damage(load, refusal.detail);
     }
 }
 
@@ -128,8 +128,8 @@ static enum server_loader_outcome build_surface(struct load *load, struct server
 
 /* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is not.
  */
-static bool park(struct server_loader *loader, const struct server_record *record,
-                 struct server_job *job)
+static bool load_park(struct server_loader *loader, const struct server_record *record,
+                      struct server_job *job)
 {
     struct load *load = LIST_FIRST(&loader->loads);
     while (load && load->record != record) load = LIST_NEXT(load, next);
@@ -144,7 +144,7 @@ bool server_loader_join(struct server_loader *loader, const struct server_record
                         struct server_job *job)
 {
     pthread_mutex_lock(&loader->lock);
-    bool is_parked = park(loader, record, job);
+    bool is_parked = load_park(loader, record, job);
     pthread_mutex_unlock(&loader->lock);
     return is_parked;
 }
@@ -179,15 +179,15 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
                                     .cache = parts->cache,
                                     .max_faces = parts->max_faces,
                                     .control = {.deadline_ns = job ? job->deadline_ns : 0,
-                                                .progress = on_progress,
+                                                .progress = load_progress,
                                                 .user = &load}}};
     pthread_mutex_lock(&loader->lock);
-    bool is_parked = park(loader, record, job);
+    bool is_parked = load_park(loader, record, job);
     if (!is_parked) LIST_INSERT_HEAD(&loader->loads, &load, next);
     pthread_mutex_unlock(&loader->lock);
     if (is_parked) return SERVER_LOADER_WAITING;
-    enum server_loader_outcome outcome = fetch_parts(&load);
-    if (!outcome) outcome = build_surface(&load, out);
+    enum server_loader_outcome outcome = load_fetch(&load);
+    if (!outcome) outcome = load_build(&load, out);
     for (int part = 0; part < SERVER_PARTS; part++) free(load.parts[part]);
     server_budget_give(parts->budget, SERVER_BUDGET_FLIGHT, load.held);
     if (!outcome) {
@@ -216,7 +216,7 @@ void server_loader_expire(struct server_loader *loader, uint64_t now_ns)
 /* --- the thread ------------------------------------------------------------------------------- */
 
 /* Loads the most used first, until the next one would need memory that is in use. */
-static void preload(struct server_loader *loader)
+static void loader_preload_all(struct server_loader *loader)
 {
     const struct server_loader_parts *parts = &loader->parts;
     size_t limit = parts->budget->limit;
@@ -236,17 +236,17 @@ static void preload(struct server_loader *loader)
 }
 
 /* Of many daemons on one store, each loads only what it is asked for. */
-static void run(void *user, struct server_thread *thread)
+static void loader_run(void *user, struct server_thread *thread)
 {
     struct server_loader *loader = user;
     struct server_registry *registry = loader->parts.registry;
-    if (!server_registry_is_shared(registry)) preload(loader);
+    if (!server_registry_is_shared(registry)) loader_preload_all(loader);
     while (server_thread_pause(thread, NOTE_NS)) server_registry_note_uses(registry);
 }
 
 bool server_loader_preload(struct server_loader *loader)
 {
-    loader->thread = server_thread_start(run, loader);
+    loader->thread = server_thread_start(loader_run, loader);
     return loader->thread != NULL;
 }
 

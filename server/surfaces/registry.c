@@ -30,6 +30,7 @@ struct slot {
 struct slots {
     struct slot **slots; /* sorted by key */
     uint32_t count, capacity;
+    bool is_incomplete; /* memory was short while they were collected */
 };
 
 struct server_registry {
@@ -170,20 +171,12 @@ static void slot_drop(struct slot *slot)
     free(slot);
 }
 
-struct collection {
-    struct slots all;
-    struct server_budget *budget; /* counts the records */
-    bool is_incomplete;           /* memory was short */
-};
-
 static bool on_stored(void *user, const struct server_stored *stored)
 {
-    struct collection *collection = user;
-    struct slots *all = &collection->all;
+    struct slots *all = user;
     struct slot *slot = slots_reserve(all) ? slot_create(stored->record) : NULL;
-    collection->is_incomplete |= !slot;
+    all->is_incomplete |= !slot;
     if (!slot) return false;
-    server_record_count(stored->record, collection->budget);
     slot->uses = slot->noted = stored->uses.count;
     slot->last = stored->uses.last;
     slot->version = stored->version;
@@ -191,18 +184,15 @@ static bool on_stored(void *user, const struct server_stored *stored)
     return true;
 }
 
-/* Collects what the store holds; on failure `*out` has a part of it. */
-static enum server_store_outcome collect(struct server_registry *registry, struct slots *out)
+/* Collects what the store holds; on failure `*all` has a part of it. */
+static enum server_store_outcome slots_collect(struct server_registry *registry, struct slots *all)
 {
-    struct collection collection = {.budget = registry->budget};
-    enum server_store_outcome outcome =
-        registry->store->each(registry->store, on_stored, &collection);
-    if (collection.all.count)
-        qsort(collection.all.slots, collection.all.count, sizeof(struct slot *),
-              slot_compare_items);
-    *out = collection.all;
-    return outcome == SERVER_STORE_DONE && collection.is_incomplete ? SERVER_STORE_NO_MEMORY
-                                                                    : outcome;
+    *all = (struct slots){0};
+    enum server_store_outcome outcome = registry->store->each(registry->store, on_stored, all);
+    for (uint32_t i = 0; i < all->count; i++)
+        server_record_count(all->slots[i]->record, registry->budget);
+    if (all->count) qsort(all->slots, all->count, sizeof(struct slot *), slot_compare_items);
+    return !outcome && all->is_incomplete ? SERVER_STORE_NO_MEMORY : outcome;
 }
 
 /* --- memory ----------------------------------------------------------------------------------- */
@@ -239,7 +229,7 @@ static struct slot *coldest_slot(const struct slots *all, bool without_fields)
     return coldest;
 }
 
-static void unload(struct server_registry *registry, size_t bytes, bool without_fields)
+static void surfaces_unload(struct server_registry *registry, size_t bytes, bool without_fields)
 {
     for (size_t freed = 0; freed < bytes;) {
         pthread_rwlock_wrlock(&registry->lock);
@@ -256,12 +246,12 @@ static void unload(struct server_registry *registry, size_t bytes, bool without_
 
 static void unload_idle(void *user, size_t bytes)
 {
-    unload(user, bytes, true);
+    surfaces_unload(user, bytes, true);
 }
 
 static void unload_any(void *user, size_t bytes)
 {
-    unload(user, bytes, false);
+    surfaces_unload(user, bytes, false);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -401,8 +391,9 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
 }
 
 /* Under the writer lock, which keeps the records: collects up to NOTED_AT_ONCE changed uses. */
-static uint32_t collect_uses(struct server_registry *registry, const struct server_record **records,
-                             struct server_store_uses *uses)
+static uint32_t slots_collect_uses(struct server_registry *registry,
+                                   const struct server_record **records,
+                                   struct server_store_uses *uses)
 {
     uint32_t count = 0;
     pthread_rwlock_rdlock(&registry->lock);
@@ -425,7 +416,7 @@ void server_registry_note_uses(struct server_registry *registry)
     uint32_t count;
     do {
         pthread_mutex_lock(&registry->writing);
-        count = collect_uses(registry, records, uses);
+        count = slots_collect_uses(registry, records, uses);
         if (count) registry->store->note_uses(registry->store, records, uses, count);
         pthread_mutex_unlock(&registry->writing);
     } while (count == NOTED_AT_ONCE);
@@ -488,10 +479,10 @@ static void keep_unchanged(struct slots *all, struct slots *fresh)
 
 /* Reads all of the store again: it no longer knows what was changed, after a long absence or when a
  * backup was restored. */
-static enum server_store_outcome reread(struct server_registry *registry)
+static enum server_store_outcome registry_reread(struct server_registry *registry)
 {
     struct slots fresh;
-    enum server_store_outcome outcome = collect(registry, &fresh);
+    enum server_store_outcome outcome = slots_collect(registry, &fresh);
     if (!outcome) {
         pthread_rwlock_wrlock(&registry->lock);
         keep_unchanged(&registry->all, &fresh);
@@ -520,7 +511,7 @@ enum server_store_outcome server_registry_follow(struct server_registry *registr
     if (atomic_load(&registry->followed_ns) <= since_ns) {
         uint64_t begun_ns = gd_now_ns();
         outcome = registry->store->follow(registry->store, on_change, registry);
-        if (outcome == SERVER_STORE_STALE) outcome = reread(registry);
+        if (outcome == SERVER_STORE_STALE) outcome = registry_reread(registry);
         if (!outcome) atomic_store(&registry->followed_ns, begun_ns);
     }
     pthread_mutex_unlock(&registry->following);
@@ -629,8 +620,8 @@ struct put {
     struct slot *left;                              /* the slot that it replaced */
 };
 
-static enum server_store_outcome put_record(struct server_registry *registry, struct put *put,
-                                            uint64_t version)
+static enum server_store_outcome surface_put_record(struct server_registry *registry,
+                                                    struct put *put, uint64_t version)
 {
     struct slot *slot = slot_prepare(registry, put->surface);
     if (!slot) return SERVER_STORE_NO_MEMORY;
@@ -646,7 +637,7 @@ static enum server_store_outcome put_record(struct server_registry *registry, st
 }
 
 /* Under the writer lock. STALE: another daemon was quicker. */
-static enum server_store_outcome put_once(struct server_registry *registry, struct put *put)
+static enum server_store_outcome surface_put_once(struct server_registry *registry, struct put *put)
 {
     struct server_store *store = registry->store;
     struct server_record *record = put->surface->record;
@@ -665,7 +656,7 @@ static enum server_store_outcome put_once(struct server_registry *registry, stru
     else if (is_same)
         outcome = store->keep(store, record, &put->content);
     else
-        outcome = put_record(registry, put, basis.version);
+        outcome = surface_put_record(registry, put, basis.version);
     basis_release(&basis);
     if (outcome) return outcome;
     if (is_same) server_registry_keep(registry, put->surface);
@@ -685,7 +676,7 @@ enum server_store_outcome server_registry_put(struct server_registry *registry,
     if (!server_record_take(surface->record, registry->budget)) return SERVER_STORE_NO_MEMORY;
     pthread_mutex_lock(&registry->writing);
     for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
-        outcome = put_once(registry, &put);
+        outcome = surface_put_once(registry, &put);
     if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED)
         registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
@@ -694,10 +685,10 @@ enum server_store_outcome server_registry_put(struct server_registry *registry,
 }
 
 /* Under the writer lock; `*left` is the removed slot. STALE: another daemon was quicker. */
-static enum server_store_outcome remove_once(struct server_registry *registry,
-                                             const struct server_key *key,
-                                             const struct server_precondition *precondition,
-                                             struct slot **left)
+static enum server_store_outcome surface_remove_once(struct server_registry *registry,
+                                                     const struct server_key *key,
+                                                     const struct server_precondition *precondition,
+                                                     struct slot **left)
 {
     enum server_store_outcome outcome = server_registry_follow(registry, gd_now_ns());
     if (outcome) return outcome;
@@ -726,7 +717,7 @@ enum server_store_outcome server_registry_remove(struct server_registry *registr
     enum server_store_outcome outcome = SERVER_STORE_STALE;
     pthread_mutex_lock(&registry->writing);
     for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
-        outcome = remove_once(registry, key, precondition, &left);
+        outcome = surface_remove_once(registry, key, precondition, &left);
     if (outcome == SERVER_STORE_DONE) registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
     slot_leave(registry, left);
@@ -765,11 +756,12 @@ void server_registry_watch(struct server_registry *registry,
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-static bool start(struct server_registry *registry)
+static bool registry_start(struct server_registry *registry)
 {
     registry->writer = server_workers_create(1, UINT32_MAX);
     registry->reader = server_workers_create(1, UINT32_MAX);
-    if (!registry->writer || !registry->reader || collect(registry, &registry->all)) return false;
+    if (!registry->writer || !registry->reader || slots_collect(registry, &registry->all))
+        return false;
     if (!server_registry_is_shared(registry)) return true;
     if (server_registry_follow(registry, gd_now_ns())) return false;
     registry->follower = server_thread_start(follow_changes, registry);
@@ -789,7 +781,7 @@ struct server_registry *server_registry_create(struct server_store *store,
     pthread_mutex_init(&registry->writing, NULL);
     pthread_mutex_init(&registry->following, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
-    if (!start(registry)) {
+    if (!registry_start(registry)) {
         server_registry_destroy(registry);
         return NULL;
     }

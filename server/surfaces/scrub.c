@@ -42,8 +42,8 @@ static bool on_piece(void *user, size_t bytes)
     return true;
 }
 
-static void verify_part(struct server_scrub *scrub, const struct server_record *record,
-                        enum server_part part)
+static void scrub_part(struct server_scrub *scrub, const struct server_record *record,
+                       enum server_part part)
 {
     static const char *const messages[] = {
         [SERVER_VERDICT_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload "
@@ -76,7 +76,7 @@ static bool on_surface(void *user, struct server_listed *listed)
     listed->surface = NULL;
     for (int part = 0; part < SERVER_PARTS; part++)
         if (server_record_object(listed->record, part, &object))
-            verify_part(scrub, listed->record, part);
+            scrub_part(scrub, listed->record, part);
     uint64_t count = server_registry_statistics(scrub->registry).surfaces;
     scrub->position++;
     atomic_store(&scrub->progress,
@@ -86,7 +86,7 @@ static bool on_surface(void *user, struct server_listed *listed)
 }
 
 /* Reads all that is stored. */
-static void run_round(struct server_scrub *scrub)
+static void scrub_round(struct server_scrub *scrub)
 {
     uint64_t begun_ns = gd_now_ns();
     struct server_log_line line;
@@ -105,14 +105,14 @@ static void run_round(struct server_scrub *scrub)
     server_log_end(&line);
 }
 
-static void run(void *user, struct server_thread *thread)
+static void scrub_run(void *user, struct server_thread *thread)
 {
     struct server_scrub *scrub = user;
     uint64_t wait_ns = scrub->period_ns < FIRST_NS ? scrub->period_ns : FIRST_NS;
     scrub->self = thread;
     while (server_thread_pause(thread, wait_ns)) {
         uint64_t begun_ns = gd_now_ns();
-        run_round(scrub);
+        scrub_round(scrub);
         uint64_t taken_ns = gd_now_ns() - begun_ns;
         wait_ns = taken_ns < scrub->period_ns ? scrub->period_ns - taken_ns : 0;
     }
@@ -129,7 +129,7 @@ struct server_scrub *server_scrub_create(struct server_registry *registry,
     scrub->period_ns = period_s * SECOND_NS;
     scrub->rate = rate;
     scrub->progress = 1;
-    scrub->thread = server_thread_start(run, scrub);
+    scrub->thread = server_thread_start(scrub_run, scrub);
     if (scrub->thread) return scrub;
     free(scrub);
     return NULL;

@@ -64,9 +64,9 @@ void server_surface_retire(struct server_surface *surface)
 #define NOUN 64
 
 /* Sets the problem that the budget has no room for the record's surface; GD_BUDGET. */
-static enum gd_status refuse_budget(const struct server_builder *builder,
-                                    const struct server_record *record, size_t bytes,
-                                    struct proto_problem *problem)
+static enum gd_status build_refuse_budget(const struct server_builder *builder,
+                                          const struct server_record *record, size_t bytes,
+                                          struct proto_problem *problem)
 {
     char noun[NOUN];
     snprintf(noun, NOUN, "the %s", record->kind->noun);
@@ -79,14 +79,14 @@ enum gd_status server_build_take(const struct server_builder *builder,
                                  struct proto_problem *problem)
 {
     bool is_taken = server_budget_take(builder->budget, SERVER_BUDGET_FLIGHT, bytes);
-    return is_taken ? GD_OK : refuse_budget(builder, record, bytes, problem);
+    return is_taken ? GD_OK : build_refuse_budget(builder, record, bytes, problem);
 }
 
 enum gd_status server_build_refuse(const struct server_builder *builder,
                                    const struct server_record *record, enum gd_status status,
                                    const struct gd_detail *detail, struct proto_problem *problem)
 {
-    if (status == GD_BUDGET) return refuse_budget(builder, record, 0, problem);
+    if (status == GD_BUDGET) return build_refuse_budget(builder, record, 0, problem);
     proto_problem_from_status(problem, status, detail);
     if (status == GD_TOO_LARGE) proto_problem_limit(problem, builder->max_faces);
     return status;

@@ -7,8 +7,8 @@
 
 #define PERSIST_NS UINT64_C(10000000000) /* for writing fields, which can be computed again */
 
-static struct server_store *open_store(const struct server_config *config, char *error,
-                                       size_t error_size)
+static struct server_store *surfaces_open_store(const struct server_config *config, char *error,
+                                                size_t error_size)
 {
     if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
     if (config->store == SERVER_STORE_KIND_POSTGRES)
@@ -17,9 +17,9 @@ static struct server_store *open_store(const struct server_config *config, char 
 }
 
 /* Beside a database the folder, if one is given, is for what can be computed again. */
-static bool open_field_store(struct server_surfaces *surfaces,
-                             const struct server_surfaces_parts *parts, char *error,
-                             size_t error_size)
+static bool surfaces_open_field_store(struct server_surfaces *surfaces,
+                                      const struct server_surfaces_parts *parts, char *error,
+                                      size_t error_size)
 {
     const struct server_config *config = parts->config;
     if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
@@ -35,8 +35,8 @@ static bool open_field_store(struct server_surfaces *surfaces,
     return surfaces->field_store != NULL;
 }
 
-static bool create_landmarks(struct server_surfaces *surfaces,
-                             const struct server_surfaces_parts *parts)
+static bool surfaces_create_landmarks(struct server_surfaces *surfaces,
+                                      const struct server_surfaces_parts *parts)
 {
     if (!parts->config->landmarks) return true;
     surfaces->landmarks = server_landmarks_create(
@@ -49,8 +49,8 @@ static bool create_landmarks(struct server_surfaces *surfaces,
     return surfaces->landmarks != NULL;
 }
 
-static bool create_loader(struct server_surfaces *surfaces,
-                          const struct server_surfaces_parts *parts)
+static bool surfaces_create_loader(struct server_surfaces *surfaces,
+                                   const struct server_surfaces_parts *parts)
 {
     surfaces->loader = server_loader_create(&(struct server_loader_parts){
         .budget = server_workspaces_budget(parts->workspaces),
@@ -62,8 +62,8 @@ static bool create_loader(struct server_surfaces *surfaces,
     return surfaces->loader && server_loader_preload(surfaces->loader);
 }
 
-static bool create_scrub(struct server_surfaces *surfaces,
-                         const struct server_surfaces_parts *parts)
+static bool surfaces_create_scrub(struct server_surfaces *surfaces,
+                                  const struct server_surfaces_parts *parts)
 {
     const struct server_config *config = parts->config;
     if (!config->scrub_s || !server_registry_store(surfaces->registry)->verify) return true;
@@ -80,13 +80,14 @@ bool server_surfaces_create(struct server_surfaces *surfaces,
     struct server_budget *budget = server_workspaces_budget(parts->workspaces);
     surfaces->cache = server_cache_create(budget, parts->workers);
     if (!surfaces->cache) return false;
-    struct server_store *store = open_store(config, error, error_size);
+    struct server_store *store = surfaces_open_store(config, error, error_size);
     if (store) surfaces->registry = server_registry_create(store, budget);
-    if (!surfaces->registry || !open_field_store(surfaces, parts, error, error_size)) return false;
+    if (!surfaces->registry || !surfaces_open_field_store(surfaces, parts, error, error_size))
+        return false;
     surfaces->discretizations =
         server_discretizations_create(parts->workspaces, (uint32_t)config->max_faces);
-    return surfaces->discretizations && create_landmarks(surfaces, parts) &&
-           create_loader(surfaces, parts) && create_scrub(surfaces, parts);
+    return surfaces->discretizations && surfaces_create_landmarks(surfaces, parts) &&
+           surfaces_create_loader(surfaces, parts) && surfaces_create_scrub(surfaces, parts);
 }
 
 void server_surfaces_persist(struct server_surfaces *surfaces, bool saves_fields)
