@@ -43,10 +43,17 @@ void server_field_store_close(struct server_field_store *store)
 
 /* --- files ------------------------------------------------------------------------------------ */
 
-static void folder_path(const struct server_field_store *store, char path[SERVER_DISK_PATH],
-                        const struct server_record *record)
+struct folder { /* of a surface's files */
+    char path[SERVER_DISK_PATH];
+};
+
+static struct folder folder_of(const struct server_field_store *store,
+                               const struct server_record *record)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_VERSION "-%s", store->folder, record->etag);
+    struct folder folder;
+    snprintf(folder.path, sizeof folder.path, "%s/" SERVER_VERSION "-%s", store->folder,
+             record->etag);
+    return folder;
 }
 
 static bool file_has_suffix(const char *file, const char *suffix)
@@ -125,95 +132,79 @@ static bool folder_make(const char *folder)
 
 /* --- surfaces that are gone ------------------------------------------------------------------- */
 
-static void on_unwanted_file(void *user, const char *path, const char *file)
-{
-    (void)user, (void)file;
-    unlink(path);
-}
-
 static void folder_remove(const char *path)
 {
-    (void)server_disk_each(path, on_unwanted_file, NULL);
+    struct server_listing files = server_disk_list(path);
+    while (server_listing_next(&files)) unlink(files.path);
     rmdir(path);
-}
-
-static void on_folder(void *user, const char *path, const char *file)
-{
-    const struct server_names *wanted = user;
-    if (server_names_has(wanted, file)) return;
-    folder_remove(path);
-    server_log_message(SERVER_LOG_INFO, "fields_discarded",
-                       "the stored fields in '%s' were deleted: their mesh is gone", path);
-}
-
-static bool on_wanted_surface(void *user, struct server_listed *listed)
-{
-    char name[SERVER_ETAG + sizeof SERVER_VERSION + 1];
-    snprintf(name, sizeof name, SERVER_VERSION "-%s", listed->record->etag);
-    server_names_add(user, name);
-    return true;
 }
 
 static void on_gone(void *user, const struct server_record *record)
 {
-    char folder[SERVER_DISK_PATH];
-    folder_path(user, folder, record);
-    folder_remove(folder);
+    folder_remove(folder_of(user, record).path);
 }
 
 void server_field_store_follow(struct server_field_store *store, struct server_registry *registry)
 {
+    char name[SERVER_ETAG + sizeof SERVER_VERSION + 1];
     struct server_names wanted = {0};
-    server_registry_each(registry, on_wanted_surface, &wanted);
-    if (!wanted.is_incomplete) (void)server_disk_each(store->folder, on_folder, &wanted);
+    struct server_listed listed = {0};
+    while (server_registry_next(registry, &listed)) {
+        snprintf(name, sizeof name, SERVER_VERSION "-%s", listed.record->etag);
+        server_names_add(&wanted, name);
+    }
+    struct server_listing folders = server_disk_list(store->folder);
+    while (server_listing_next(&folders)) {
+        if (wanted.is_incomplete || server_names_has(&wanted, folders.name)) continue;
+        folder_remove(folders.path);
+        server_log_message(SERVER_LOG_INFO, "fields_discarded",
+                           "the stored fields in '%s' were deleted: their mesh is gone",
+                           folders.path);
+    }
     server_names_free(&wanted);
     server_registry_watch(registry, on_gone, store);
 }
 
 /* --- restoring fields ------------------------------------------------------------------------- */
 
-struct restoring {
-    struct server_field_store *store;
-    struct server_surface *surface;
-    const struct gd_control *control;
-    uint32_t restored;
-    bool is_ended; /* by the control */
-};
-
-static void on_stored_field(void *user, const char *path, const char *file)
+/* Puts the field of a file into the surface's mesh cache; false: it is not there. */
+static bool field_restore(struct server_field_store *store, struct server_surface *surface,
+                          const struct server_listing *file)
 {
-    struct restoring *restoring = user;
-    struct server_budget *budget = restoring->store->budget;
     struct gd_field *field;
     struct image image;
-    if (!file_has_suffix(file, FIELD)) return;
-    restoring->is_ended |= gd_control_check(restoring->control, 1) != GD_OK;
-    if (restoring->is_ended || !image_read(restoring->store, path, file, &image)) return;
-    enum gd_status status = gd_field_open_image(restoring->surface->mesh, image.bytes, image.size,
-                                                free, image.bytes, &field, NULL);
+    if (!image_read(store, file->path, file->name, &image)) return false;
+    enum gd_status status = gd_field_open_image(surface->mesh, image.bytes, image.size, free,
+                                                image.bytes, &field, NULL);
     if (status) {
-        if (status != GD_NO_MEMORY) file_discard(path, gd_status_sentence(status));
-        image_free(restoring->store, &image);
-    } else if (isfinite(gd_field_reach(field))) { /* only whole fields are wanted */
-        gd_field_release(field);
-        server_budget_give(budget, SERVER_BUDGET_FLIGHT, image.size);
-    } else {
-        server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, image.size, gd_field_memsize(field));
-        server_cache_restore(restoring->surface->fields, field);
-        restoring->restored++;
+        if (status != GD_NO_MEMORY) file_discard(file->path, gd_status_sentence(status));
+        image_free(store, &image);
+        return false;
     }
+    if (isfinite(gd_field_reach(field))) { /* only whole fields are wanted */
+        gd_field_release(field);
+        server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, image.size);
+        return false;
+    }
+    server_budget_adjust(store->budget, SERVER_BUDGET_FLIGHT, image.size, gd_field_memsize(field));
+    server_cache_restore(surface->fields, field);
+    return true;
 }
 
 void server_field_store_restore(struct server_field_store *store, struct server_surface *surface,
                                 const struct gd_control *control)
 {
-    struct restoring restoring = {.store = store, .surface = surface, .control = control};
-    char folder[SERVER_DISK_PATH];
-    folder_path(store, folder, surface->record);
-    (void)server_disk_each(folder, on_stored_field, &restoring);
-    if (restoring.restored)
-        server_log_message(SERVER_LOG_INFO, "fields_restored", "%u fields of '%s'",
-                           restoring.restored, surface->record->name);
+    struct server_listing files = server_disk_list(folder_of(store, surface->record).path);
+    uint32_t restored = 0;
+    bool is_ended = false;
+    while (server_listing_next(&files)) {
+        if (is_ended || !file_has_suffix(files.name, FIELD)) continue;
+        is_ended = gd_control_check(control, 1) != GD_OK;
+        if (!is_ended) restored += field_restore(store, surface, &files);
+    }
+    if (restored)
+        server_log_message(SERVER_LOG_INFO, "fields_restored", "%u fields of '%s'", restored,
+                           surface->record->name);
 }
 
 /* --- saving fields ---------------------------------------------------------------------------- */
@@ -226,7 +217,7 @@ struct saving {
     bool is_over; /* no more time or room */
 };
 
-static void save_field(struct saving *saving, const char *folder, const struct gd_field *field)
+static void field_save(struct saving *saving, const char *folder, const struct gd_field *field)
 {
     struct image image = {.size = gd_field_image_size(field)};
     char file[FILE_NAME], path[SERVER_DISK_PATH];
@@ -244,49 +235,39 @@ static void save_field(struct saving *saving, const char *folder, const struct g
     free(image.bytes);
 }
 
-static bool save_surface(void *user, struct server_listed *listed)
+static void surface_save(struct saving *saving, const struct server_surface *surface)
 {
-    struct saving *saving = user;
-    char folder[SERVER_DISK_PATH];
+    const struct folder folder = folder_of(saving->store, surface->record);
     uint32_t count;
-    if (!listed->surface) return true;
-    const struct server_cached **pinned =
-        server_mesh_cache_pin_points(listed->surface->fields, &count);
-    folder_path(saving->store, folder, listed->record);
-    if (count && !folder_make(folder)) saving->is_over = true;
+    const struct server_cached **pinned = server_mesh_cache_pin_points(surface->fields, &count);
+    if (count && !folder_make(folder.path)) saving->is_over = true;
     for (uint32_t i = 0; i < count; i++) {
-        save_field(saving, folder, pinned[i]->field);
+        field_save(saving, folder.path, pinned[i]->field);
         server_cache_unpin(pinned[i]);
     }
     free(pinned);
-    return true;
-}
-
-static void on_saved_file(void *user, const char *path, const char *file)
-{
-    const struct saving *saving = user;
-    if (!file_has_suffix(file, LANDMARKS) && !server_names_has(&saving->kept, file)) unlink(path);
 }
 
 /* Deletes the files of fields that are no longer cached. */
-static bool sweep_surface(void *user, struct server_listed *listed)
+static void surface_sweep(const struct saving *saving, const struct server_surface *surface)
 {
-    struct saving *saving = user;
-    char folder[SERVER_DISK_PATH];
-    if (!listed->surface) return true;
-    folder_path(saving->store, folder, listed->record);
-    (void)server_disk_each(folder, on_saved_file, saving);
-    rmdir(folder); /* if it is empty */
-    return true;
+    const struct folder folder = folder_of(saving->store, surface->record);
+    struct server_listing files = server_disk_list(folder.path);
+    while (server_listing_next(&files))
+        if (!file_has_suffix(files.name, LANDMARKS) && !server_names_has(&saving->kept, files.name))
+            unlink(files.path);
+    rmdir(folder.path); /* if it is empty */
 }
 
 void server_field_store_save(struct server_field_store *store, struct server_registry *registry,
                              uint64_t until_ns)
 {
     struct saving saving = {.store = store, .until_ns = until_ns};
-    server_registry_each(registry, save_surface, &saving);
-    if (!saving.kept.is_incomplete && !saving.is_over)
-        server_registry_each(registry, sweep_surface, &saving);
+    struct server_listed listed = {0};
+    while (server_registry_next(registry, &listed))
+        if (listed.surface) surface_save(&saving, listed.surface);
+    while (!saving.kept.is_incomplete && !saving.is_over && server_registry_next(registry, &listed))
+        if (listed.surface) surface_sweep(&saving, listed.surface);
     server_log_message(saving.is_over ? SERVER_LOG_WARN : SERVER_LOG_INFO, "fields_saved",
                        "%u fields written, %zu in all%s", saving.written, saving.kept.count,
                        saving.is_over ? "; there was no more time or room" : "");
@@ -295,49 +276,30 @@ void server_field_store_save(struct server_field_store *store, struct server_reg
 
 /* --- landmarks -------------------------------------------------------------------------------- */
 
-struct landmarks_reading {
-    struct server_field_store *store;
-    const struct gd_mesh *mesh;
-    uint32_t count;
-    struct gd_landmarks *out;
-};
-
-static void on_stored_landmarks(void *user, const char *path, const char *file)
-{
-    struct landmarks_reading *reading = user;
-    struct gd_landmarks *landmarks;
-    struct image image;
-    if (reading->out || !file_has_suffix(file, LANDMARKS) ||
-        !image_read(reading->store, path, file, &image))
-        return;
-    enum gd_status status =
-        gd_landmarks_open_image(reading->mesh, image.bytes, image.size, &landmarks);
-    if (status && status != GD_NO_MEMORY) file_discard(path, gd_status_sentence(status));
-    image_free(reading->store, &image);
-    if (status) return;
-    if (gd_landmarks_count(landmarks) == reading->count &&
-        server_budget_take_spare(reading->store->budget, SERVER_BUDGET_FLIGHT,
-                                 gd_landmarks_memsize(landmarks)))
-        reading->out = landmarks;
-    else
-        gd_landmarks_release(landmarks);
-}
-
 struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store *store,
                                                        const struct server_surface *surface,
                                                        uint32_t count)
 {
-    struct landmarks_reading reading = {.store = store, .mesh = surface->mesh, .count = count};
-    char folder[SERVER_DISK_PATH];
-    folder_path(store, folder, surface->record);
-    (void)server_disk_each(folder, on_stored_landmarks, &reading);
-    return reading.out;
-}
-
-static void on_older_landmarks(void *user, const char *path, const char *file)
-{
-    (void)user;
-    if (file_has_suffix(file, LANDMARKS)) unlink(path);
+    struct server_listing files = server_disk_list(folder_of(store, surface->record).path);
+    struct gd_landmarks *found = NULL, *landmarks;
+    struct image image;
+    while (server_listing_next(&files)) {
+        if (found || !file_has_suffix(files.name, LANDMARKS) ||
+            !image_read(store, files.path, files.name, &image))
+            continue;
+        enum gd_status status =
+            gd_landmarks_open_image(surface->mesh, image.bytes, image.size, &landmarks);
+        if (status && status != GD_NO_MEMORY) file_discard(files.path, gd_status_sentence(status));
+        image_free(store, &image);
+        if (status) continue;
+        if (gd_landmarks_count(landmarks) == count &&
+            server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT,
+                                     gd_landmarks_memsize(landmarks)))
+            found = landmarks;
+        else
+            gd_landmarks_release(landmarks);
+    }
+    return found;
 }
 
 void server_field_store_write_landmarks(struct server_field_store *store,
@@ -345,20 +307,21 @@ void server_field_store_write_landmarks(struct server_field_store *store,
                                         const struct server_surface *surface,
                                         const struct gd_landmarks *landmarks)
 {
+    const struct folder folder = folder_of(store, surface->record);
     struct image image = {.size = gd_landmarks_image_size(landmarks)};
-    char folder[SERVER_DISK_PATH], file[FILE_NAME];
+    char file[FILE_NAME];
     if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, image.size)) return;
     image.bytes = malloc(image.size);
     if (image.bytes) {
         gd_landmarks_write_image(landmarks, image.bytes);
         image_name(&image, LANDMARKS, file);
-        folder_path(store, folder, surface->record);
-        (void)server_disk_each(folder, on_older_landmarks, NULL);
-        if (!folder_make(folder) || !image_write(folder, file, &image))
+        struct server_listing older = server_disk_list(folder.path);
+        while (server_listing_next(&older))
+            if (file_has_suffix(older.name, LANDMARKS)) unlink(older.path);
+        if (!folder_make(folder.path) || !image_write(folder.path, file, &image))
             server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written",
-                               folder);
-        if (!server_registry_holds(registry, surface->record->etag))
-            on_gone(store, surface->record);
+                               folder.path);
+        if (!server_registry_holds(registry, surface->record->etag)) folder_remove(folder.path);
     }
     image_free(store, &image);
 }

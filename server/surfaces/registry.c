@@ -317,24 +317,19 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
     return listed;
 }
 
-void server_registry_each(struct server_registry *registry,
-                          bool (*visit)(void *user, struct server_listed *listed), void *user)
+bool server_registry_next(struct server_registry *registry, struct server_listed *listed)
 {
     const struct slots *all = &registry->all;
-    struct server_record *last = NULL;
-    for (bool goes_on = true; goes_on;) {
-        struct server_key key = last ? server_record_key(last) : (struct server_key){0};
-        struct server_listed listed = {0};
-        pthread_rwlock_rdlock(&registry->lock);
-        uint32_t at = last ? slots_after(all, &key) : 0;
-        if (at < all->count) listed = slot_share(all->slots[at]);
-        pthread_rwlock_unlock(&registry->lock);
-        server_record_release(last);
-        last = listed.record;
-        goes_on = last && visit(user, &listed);
-        server_surface_release(listed.surface);
-    }
-    server_record_release(last);
+    struct server_listed before = *listed;
+    struct server_key key;
+    *listed = (struct server_listed){0};
+    if (before.record) key = server_record_key(before.record);
+    pthread_rwlock_rdlock(&registry->lock);
+    uint32_t at = before.record ? slots_after(all, &key) : 0;
+    if (at < all->count) *listed = slot_share(all->slots[at]);
+    pthread_rwlock_unlock(&registry->lock);
+    server_listed_release(&before);
+    return listed->record != NULL;
 }
 
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry)
@@ -568,11 +563,6 @@ static struct basis basis_find(struct server_registry *registry, const struct se
     return basis;
 }
 
-static void basis_release(struct basis *basis)
-{
-    if (basis->now.record) server_listed_release(&basis->now);
-}
-
 /* Under the follower's and the slots' lock: true when the change of this daemon with that version
  * (0: the store is not shared) is not in the slots yet, and nothing later is. */
 static bool is_news(const struct server_registry *registry, const struct slot *slot,
@@ -657,7 +647,7 @@ static enum server_store_outcome surface_put_once(struct server_registry *regist
         outcome = store->keep(store, record, &put->content);
     else
         outcome = surface_put_record(registry, put, basis.version);
-    basis_release(&basis);
+    server_listed_release(&basis.now);
     if (outcome) return outcome;
     if (is_same) server_registry_keep(registry, put->surface);
     return exists ? SERVER_STORE_REPLACED : SERVER_STORE_CREATED;
@@ -697,7 +687,7 @@ static enum server_store_outcome surface_remove_once(struct server_registry *reg
     outcome = server_precondition_holds(precondition, basis.now.record->etag)
                   ? registry->store->remove(registry->store, basis.now.record, &basis.version)
                   : SERVER_STORE_PRECONDITION;
-    basis_release(&basis);
+    server_listed_release(&basis.now);
     if (outcome) return outcome;
     pthread_mutex_lock(&registry->following);
     pthread_rwlock_wrlock(&registry->lock);

@@ -71,7 +71,7 @@ struct server_listed {
     struct server_record *record;
     struct server_surface *surface; /* NULL: not in memory */
 };
-void server_listed_release(struct server_listed *listed);
+void server_listed_release(struct server_listed *listed); /* all zero is harmless */
 
 /* True when a record has that ETag. Time linear in the number of records. */
 bool server_registry_holds(struct server_registry *registry, const char *etag);
@@ -90,10 +90,13 @@ bool server_registry_use(struct server_registry *registry, const struct server_k
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               uint32_t most, struct server_listed *out);
 
-/* Visits all surfaces in the order of their keys, each retained during its visit; false ends it. A
- * visit may release the surface and set it to NULL. */
-void server_registry_each(struct server_registry *registry,
-                          bool (*visit)(void *user, struct server_listed *listed), void *user);
+/* All surfaces in the order of their keys, each retained until the next call:
+ *
+ *     struct server_listed listed = {0};
+ *     while (server_registry_next(registry, &listed)) ...
+ *
+ * A loop that ends before releases `listed`. It may release listed.surface and set it to NULL. */
+bool server_registry_next(struct server_registry *registry, struct server_listed *listed);
 
 /* --- a shared store --------------------------------------------------------------------------- */
 

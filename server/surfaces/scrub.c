@@ -19,8 +19,7 @@ struct server_scrub {
     struct server_workers *workers;
     uint64_t period_ns, rate;
     struct server_thread *thread, *self; /* the same; `self` is for the thread itself */
-    bool is_ending;
-    uint32_t position, faults; /* in the round under way */
+    uint32_t position, faults;           /* in the round under way */
     atomic_uint_least64_t bytes, files, rounds, last_faults;
     atomic_int_least64_t ended;
     _Atomic double progress;
@@ -67,33 +66,33 @@ static void scrub_part(struct server_scrub *scrub, const struct server_record *r
     server_log_end(&line);
 }
 
-/* False: the scrub is to end. */
-static bool on_surface(void *user, struct server_listed *listed)
+static void scrub_surface(struct server_scrub *scrub, const struct server_record *record)
 {
-    struct server_scrub *scrub = user;
     struct server_object object;
-    server_surface_release(listed->surface); /* it may be unloaded meanwhile */
-    listed->surface = NULL;
     for (int part = 0; part < SERVER_PARTS; part++)
-        if (server_record_object(listed->record, part, &object))
-            scrub_part(scrub, listed->record, part);
+        if (server_record_object(record, part, &object)) scrub_part(scrub, record, part);
     uint64_t count = server_registry_statistics(scrub->registry).surfaces;
     scrub->position++;
     atomic_store(&scrub->progress,
                  scrub->position < count ? (double)scrub->position / (double)count : 1);
-    scrub->is_ending = !server_thread_sleep(scrub->self, 0);
-    return !scrub->is_ending;
 }
 
 /* Reads all that is stored. */
 static void scrub_round(struct server_scrub *scrub)
 {
     uint64_t begun_ns = gd_now_ns();
+    struct server_listed listed = {0};
     struct server_log_line line;
     scrub->position = scrub->faults = 0;
     atomic_store(&scrub->progress, 0);
-    server_registry_each(scrub->registry, on_surface, scrub);
-    if (scrub->is_ending) return;
+    while (server_registry_next(scrub->registry, &listed)) {
+        server_surface_release(listed.surface); /* it may be unloaded meanwhile */
+        listed.surface = NULL;
+        scrub_surface(scrub, listed.record);
+        if (server_thread_sleep(scrub->self, 0)) continue;
+        server_listed_release(&listed);
+        return;
+    }
     atomic_fetch_add(&scrub->rounds, 1);
     atomic_store(&scrub->last_faults, scrub->faults);
     atomic_store(&scrub->ended, time(NULL));
