@@ -22,9 +22,9 @@
 #define PATIENCE_NS (30 * SECOND_NS) /* for any phase; between two looks at a client that reads */
 #define BODY_RATE   4096             /* bytes a second */
 #define ANSWER_RATE 16384
-#define ACKNOWLEDGED                                                                               \
-    (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2) /* bytes between two looks: they come in lumps */
-#define LONG_ANSWER 65536                       /* bytes: the kernel takes shorter ones at once */
+#define LONG_ANSWER 65536 /* bytes: the kernel takes shorter ones at once */
+/* Bytes between two looks at a client; half of the rate, since acknowledgements come in lumps. */
+#define ACKNOWLEDGED (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2)
 
 #define RESERVE_PART 8                /* of all places */
 #define SCARCE_PART  2                /* of the reserve */
@@ -43,8 +43,8 @@ struct server_connection {
     int descriptor;
     unsigned address; /* the group of the client's address */
     atomic_uint_least64_t deadline_ns;
-    atomic_uint_least64_t
-        last_ns;           /* of an answer: no look at the client moves the deadline beyond it */
+    /* of an answer: no look at the client moves the deadline beyond it */
+    atomic_uint_least64_t last_ns;
     atomic_bool is_active; /* see server_connections_active */
     bool is_short;         /* the answer's deadline serves for the idle time, too */
     bool is_leaving;       /* it was shut down; under the mutex */
@@ -64,8 +64,9 @@ struct server_connections {
     struct server_thread *thread;
     atomic_uint_least64_t open, leaving, cut, refusals;
     uint32_t most, reserve;
-    struct candidate *candidates;       /* `most` of them; under the mutex */
-    uint64_t checked_ns, complained_ns; /* of the thread */
+    struct candidate *candidates; /* `most` of them; under the mutex */
+    atomic_uint_least64_t complained_ns;
+    uint64_t checked_ns; /* of the thread */
 };
 
 static enum phase phase_of(uint64_t deadline_ns)
@@ -218,8 +219,8 @@ static uint32_t candidates_shut(const struct candidate *candidates, uint64_t cou
 
 static void connections_complain(struct server_connections *connections, uint64_t now_ns)
 {
-    if (now_ns - connections->complained_ns < COMPLAINT_NS) return;
-    connections->complained_ns = now_ns;
+    if (now_ns - atomic_load(&connections->complained_ns) < COMPLAINT_NS) return;
+    atomic_store(&connections->complained_ns, now_ns);
     server_log_message(
         SERVER_LOG_WARN, "connections_short",
         "fewer than %u of %u connections are free: connections that wait for their clients are "
