@@ -1,5 +1,4 @@
-/* See gauges.h. */
-#include "server/gauges.h"
+/* Gauges: the state of the daemon's parts, as text for Prometheus (version 0.0.4). */
 
 #include <stdatomic.h>
 

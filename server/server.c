@@ -16,7 +16,6 @@
 #include "server/http/http.h"
 #include "server/jobs/job_table.h"
 #include "server/http/tls.h"
-#include "server/gauges.h"
 #include "server/router.h"
 
 /* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound

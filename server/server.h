@@ -73,4 +73,8 @@ void server_reload(struct server *server);
  * answers need to leave. */
 void server_stop(struct server *server);
 
+/* gauges.c: appends the numbers of a tenant, its keys and jobs, as text for Prometheus. `tenant`
+ * NULL: the numbers of the whole daemon. `user` is the struct server. Thread-safe. */
+void server_gauges_write(void *user, const char *tenant, struct proto_writer *writer);
+
 #endif
