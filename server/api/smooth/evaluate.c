@@ -7,7 +7,6 @@
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/surfaces/kinds.h"
-#include "server/surfaces/kinds.h"
 
 #define NEAREST_BYTES ((size_t)1 << 20)
 

@@ -16,7 +16,6 @@
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/surfaces/kinds.h"
-#include "server/surfaces/kinds.h"
 
 /* bytes that most calls need */
 #define TESSELLATE_BYTES ((size_t)8 << 20)
