@@ -270,6 +270,8 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
                           "memory that this one needs; try again in a moment");
         problem->retry_after = 1;
         return false;
+    case PROTO_WRITER_STOPPED:
+        return proto_problem_from_status(problem, GD_CANCELLED, NULL);
     case PROTO_WRITER_TOO_LARGE:
         break;
     }

@@ -113,8 +113,9 @@ struct proto_writer;
 /* Writes the problem as one JSON value (media type application/problem+json). */
 void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem);
 
-/* True, or false with insufficient_memory: out of memory, no room in the account (retry_after is
- * set), or over the maximum, which is the problem's limit then. */
+/* True, or false with the problem. insufficient_memory: out of memory, no room in the account
+ * (retry_after is set), or over the maximum, which is the problem's limit then; cancelled: the sink
+ * stopped it. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 #endif

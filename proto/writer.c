@@ -68,18 +68,38 @@ static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
 static size_t next_capacity(const struct proto_writer *writer, size_t more)
 {
     size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;
-    size_t capacity =
-        writer->capacity > writer->maximum - step ? writer->maximum : writer->capacity + step;
+    const struct proto_writer_sink *sink = writer->sink;
+    size_t most = sink && sink->block < writer->maximum ? sink->block : writer->maximum;
+    size_t capacity = writer->capacity > most - step ? most : writer->capacity + step;
     if (capacity < FIRST_CAPACITY) capacity = FIRST_CAPACITY;
-    if (capacity < writer->size + more) capacity = writer->size + more;
-    return capacity < writer->maximum ? capacity : writer->maximum;
+    if (capacity > most) capacity = most;
+    return capacity < writer->size + more ? writer->size + more : capacity;
+}
+
+void proto_writer_flush(struct proto_writer *writer)
+{
+    const struct proto_writer_sink *sink = writer->sink;
+    if (writer->size == 0 || writer->failure != PROTO_WRITER_FINE) return;
+    if (writer->size > writer->maximum - writer->flushed)
+        fail(writer, PROTO_WRITER_TOO_LARGE);
+    else if (!sink->write(sink->user, writer->data, writer->size))
+        fail(writer, PROTO_WRITER_STOPPED);
+    else
+        writer->flushed += writer->size;
+    writer->size = 0;
 }
 
 static bool grow(struct proto_writer *writer, size_t more)
 {
     const struct proto_writer_account *account = writer->account;
     if (writer->failure != PROTO_WRITER_FINE) return false;
-    if (more > writer->maximum - writer->size) return fail(writer, PROTO_WRITER_TOO_LARGE);
+    if (more > writer->maximum - writer->flushed - writer->size)
+        return fail(writer, PROTO_WRITER_TOO_LARGE);
+    if (writer->sink && writer->size + more > writer->sink->block) {
+        proto_writer_flush(writer);
+        if (writer->failure != PROTO_WRITER_FINE) return false;
+        if (more <= writer->capacity) return true;
+    }
     size_t capacity = next_capacity(writer, more),
            counted = account ? proto_writer_counted(capacity) : 0;
     if (counted && !account->take(account->user, counted - writer->counted))

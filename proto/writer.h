@@ -13,6 +13,9 @@
  * Failure is sticky: after the first one nothing more is written, so that it is checked once, at
  * the end. One writer belongs to one thread at a time.
  *
+ * A writer with a sink keeps a bounded buffer: it hands the buffer to the sink when more text would
+ * not fit into `block` bytes. Text of more than a block at once still grows the buffer.
+ *
  * A writer with an account takes the bytes of its buffer from it before the buffer grows, and gives
  * them back when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
 #ifndef PROTO_WRITER_H
@@ -31,20 +34,30 @@ struct proto_writer_account {
     void *user;
 };
 
+/* Receives the text of a writer, block by block. */
+struct proto_writer_sink {
+    bool (*write)(void *user, const char *text, size_t size); /* false: the writer fails */
+    void *user;
+    size_t block; /* bytes */
+};
+
 enum proto_writer_failure {
     PROTO_WRITER_FINE,
     PROTO_WRITER_NO_MEMORY, /* of the system */
     PROTO_WRITER_NO_ROOM,   /* in the account, for now */
-    PROTO_WRITER_TOO_LARGE  /* over the maximum */
+    PROTO_WRITER_TOO_LARGE, /* over the maximum */
+    PROTO_WRITER_STOPPED    /* by the sink */
 };
 
 struct proto_writer {
     char *data;      /* the text so far, not NUL-terminated; NULL while empty */
     size_t size;     /* bytes of it */
     size_t capacity; /* <= maximum */
-    size_t maximum;
+    size_t maximum;  /* of size + flushed */
     const struct proto_writer_account *account; /* borrowed; NULL: nothing is counted */
     size_t counted;                             /* bytes taken from it: 0 or the capacity */
+    const struct proto_writer_sink *sink;       /* borrowed; NULL: `data` is all of the text */
+    size_t flushed;                             /* bytes that the sink has received */
     enum proto_writer_failure failure;
     bool comma; /* a value stands before: the next one needs a comma */
 };
@@ -55,6 +68,9 @@ void proto_writer_free(struct proto_writer *writer); /* a second time is harmles
 
 /* Makes room at once for about so many bytes that are to come, instead of now and then. */
 void proto_writer_expect(struct proto_writer *writer, size_t more);
+
+/* Hands what the buffer holds to the sink: the text is within the maximum only if that succeeds. */
+void proto_writer_flush(struct proto_writer *writer);
 
 /* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL
  * if the writer failed or is empty. Of a writer with an account the buffer is cut to the text, and

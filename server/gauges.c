@@ -4,6 +4,7 @@
 
 #include "server/access/access.h"
 #include "server/http/connections.h"
+#include "server/http/answer_stream.h"
 #include "server/http/events.h"
 #include "server/jobs/batch_runner.h"
 #include "server/jobs/job_table.h"
@@ -20,6 +21,7 @@ static void write_values(struct server *server, struct proto_writer *writer)
     struct server_registry_statistics registry =
         server_registry_statistics(server->surfaces.registry);
     struct server_batch_statistics batches = server_batch_runner_statistics(server->batches);
+    const struct server_answer_streams_load streams = server_answer_streams_load(server->streams);
     const struct server_metric values[] = {
         {"connections", "Connections that are open.", (double)connections.open},
         {"connections_cut_total",
@@ -61,6 +63,10 @@ static void write_values(struct server *server, struct proto_writer *writer)
          (double)batches.answered},
         {"batch_items_returned_total", "Items of batches that it gave back for later.",
          (double)batches.returned},
+        {"answer_streams", "Large answers that are encoded while their clients read them.",
+         streams.count},
+        {"answer_streams_held_bytes", "Bytes of the budget that these hold beside their buffers.",
+         (double)streams.held},
         {"event_streams", "Clients that watch jobs.", server_events_count(server->events)},
         {"memory_budget_bytes", "The memory budget.", (double)server->budget.limit},
     };

@@ -11,6 +11,7 @@
 #include "gd/cpu.h"
 #include "server/access/access.h"
 #include "server/jobs/batch_runner.h"
+#include "server/http/answer_stream.h"
 #include "server/http/connections.h"
 #include "server/http/events.h"
 #include "server/http/http.h"
@@ -37,6 +38,7 @@ static void destroy(struct server *server)
     server_batch_runner_destroy(server->batches);
     server_deadlines_stop(&server->deadlines);
     server_job_table_destroy(server->jobs);
+    server_answer_streams_destroy(server->streams);
     server_events_destroy(server->events);
     server_surfaces_destroy(&server->surfaces);
     server_workers_destroy(server->workers);
@@ -125,6 +127,7 @@ void server_connect(struct server *server)
         .workers = server->workers,
         .workspaces = server->workspaces,
         .events = server->events,
+        .streams = server->streams,
         .metrics = server->metrics,
         .timeout_ms = config->timeout_ms,
         .slow_ms = config->slow_ms,
@@ -168,8 +171,9 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
                                                 .metrics = server->metrics};
     if (!server_surfaces_create(&server->surfaces, &parts, error, error_size)) return false;
     server->events = server_events_create();
+    server->streams = server_answer_streams_create();
     server_connect(server);
-    if (!server->events || !server_start_jobs(server)) return false;
+    if (!server->events || !server->streams || !server_start_jobs(server)) return false;
     server->batches = server_batch_runner_create(&server->host, config, error, error_size);
     server->api.batches = server->batches;
     server->connections = server_connections_create();
@@ -244,6 +248,12 @@ static void wait_until_idle(struct server *server, uint64_t until_ns)
         pause_briefly();
 }
 
+/* After a cancel they end by themselves. */
+static void wait_for_streams(struct server *server)
+{
+    while (server_answer_streams_load(server->streams).count) pause_briefly();
+}
+
 /* Whoever asks /readyz turns elsewhere meanwhile; requests that come all the same are answered, and
  * their connections closed. */
 static void stand_aside(struct server *server)
@@ -278,6 +288,7 @@ void server_stop(struct server *server)
     while (atomic_load(&server->host.deferred) || server_workers_load(server->workers).background)
         pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
+    wait_for_streams(server); /* the library does not stop with a connection that is suspended */
     server_http_stop(server->http);
     server_surfaces_persist(&server->surfaces, server->config.persist_fields);
     destroy(server);

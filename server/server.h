@@ -27,6 +27,7 @@
 #include "server/work/budgeted_call.h"
 
 struct server_access;
+struct server_answer_streams;
 struct server_batch_runner;
 struct server_connections;
 struct server_events;
@@ -46,6 +47,7 @@ struct server {
     struct server_surfaces surfaces;
     struct server_metrics *metrics;
     struct server_events *events;
+    struct server_answer_streams *streams;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;
     struct server_deadlines deadlines;

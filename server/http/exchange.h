@@ -36,6 +36,7 @@
 
 struct server_api;
 struct server_events;
+struct server_answer_streams;
 struct server_exchange;
 struct server_metrics;
 struct server_workspaces;
@@ -103,6 +104,7 @@ struct server_host {
     struct server_workers *workers;
     struct server_workspaces *workspaces;
     struct server_events *events;
+    struct server_answer_streams *streams;
     struct server_metrics *metrics;
     uint64_t timeout_ms, slow_ms, queue_length;
     bool has_cors_origins;

@@ -22,7 +22,6 @@ void server_exchange_end(struct server_exchange *exchange)
     if (exchange->surface) exchange->release_surface(exchange->surface);
     server_body_drop(&exchange->body, exchange->host->budget);
     server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
-    server_stream_close(exchange->response.stream);
     server_grant_end(&exchange->grant);
     server_reply_drop_body(exchange);
     free(exchange->copies);

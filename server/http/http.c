@@ -242,7 +242,9 @@ static struct MHD_Response *response_streamed(struct client *client)
     server_stream_attach(
         client->exchange.response.stream,
         (struct server_stream_reader){client_pause, client_resume, client_has_left, client});
-    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, client, NULL);
+    size_t size = client->exchange.response.size; /* 0: it is not known */
+    return MHD_create_response_from_callback(
+        size ? size : MHD_SIZE_UNKNOWN, size ? LARGE_BLOCK : STREAM_BLOCK, on_read, client, NULL);
 }
 
 /* Copies the body from `position` on: its own text, then the lent bytes, then their tail. */
@@ -320,7 +322,7 @@ static enum MHD_Result client_answer(struct client *client)
                          nanoseconds);
     server_metrics_count_problem(exchange->host->metrics, reply->problem);
     server_request_log(exchange, peer_of(client->connection), nanoseconds);
-    server_connection_answer(client->deadlines, reply->size, reply->stream != NULL, now_ns);
+    server_connection_answer(client->deadlines, reply->size, reply->stream && !reply->size, now_ns);
     enum MHD_Result result = MHD_queue_response(client->connection, reply->status, response);
     MHD_destroy_response(response);
     return result;

@@ -5,12 +5,15 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "proto/writer.h"
 #include "server/http/events.h"
 #include "server/base/gzip.h"
 #include "server/http/reply.h"
 
+#define LOOK_NS   100000000 /* between two looks of a blocked writer at the daemon's end */
+#define SECOND_NS 1000000000
 /* bytes that are taken at a time: less than a stream's message may have */
 #define MESSAGE_MOST 32768
 
@@ -18,10 +21,12 @@ struct server_relay {
     struct server_host *host;
     atomic_uint references;
     pthread_mutex_t lock;
+    pthread_cond_t room; /* for a writer that blocks */
     struct proto_writer waiting;
     size_t taken;                    /* bytes of its front that are with the client */
     const struct server_job *parked; /* the writer's; NULL: it has never been */
-    struct server_packer *packer;    /* NULL: the text goes as it is */
+    struct server_packer *packer;    /* the writer's; NULL: the text goes as it is */
+    struct proto_writer packed;      /* the writer's: what the packer made of the text */
     bool is_ended, is_whole;         /* by the writer */
     atomic_bool is_over;
     atomic_uint_least64_t version; /* changes with every byte that can be taken */
@@ -36,6 +41,9 @@ struct server_relay *server_relay_create(struct server_host *host, bool is_packe
     relay->host = host;
     relay->references = 1;
     pthread_mutex_init(&relay->lock, NULL);
+    pthread_cond_init(&relay->room, NULL);
+    proto_writer_init(&relay->packed, SIZE_MAX);
+    relay->packed.account = &host->budget->answers;
     proto_writer_init(&relay->waiting, host->budget->largest_answer + SERVER_RELAY_MOST);
     relay->waiting.account = &host->budget->answers;
     proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST);
@@ -56,6 +64,8 @@ void server_relay_release(struct server_relay *relay)
     if (!relay || atomic_fetch_sub(&relay->references, 1) != 1) return;
     server_packer_destroy(relay->packer);
     proto_writer_free(&relay->waiting);
+    proto_writer_free(&relay->packed);
+    pthread_cond_destroy(&relay->room);
     pthread_mutex_destroy(&relay->lock);
     free(relay);
 }
@@ -73,6 +83,13 @@ static uint64_t version(void *user)
     return atomic_load(&relay->version);
 }
 
+/* Under the relay's lock: wakes the writer. */
+static void let_go_on(struct server_relay *relay)
+{
+    if (relay->parked) server_workers_unpark(relay->host->workers, relay->parked);
+    pthread_cond_signal(&relay->room);
+}
+
 /* Under the relay's lock. */
 static void take(struct server_relay *relay, struct proto_writer *writer)
 {
@@ -84,8 +101,7 @@ static void take(struct server_relay *relay, struct proto_writer *writer)
     } else {
         relay->waiting.size = relay->taken = 0;
     }
-    if (relay->parked && left_in(relay) <= SERVER_RELAY_MOST / 2)
-        server_workers_unpark(relay->host->workers, relay->parked);
+    if (left_in(relay) <= SERVER_RELAY_MOST / 2) let_go_on(relay);
 }
 
 static bool tell(void *user, struct proto_writer *writer)
@@ -106,7 +122,7 @@ static void close_stream(void *user)
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
     atomic_store(&relay->is_over, true);
-    if (relay->parked) server_workers_unpark(relay->host->workers, relay->parked);
+    let_go_on(relay);
     pthread_mutex_unlock(&relay->lock);
     server_relay_release(relay);
 }
@@ -127,7 +143,7 @@ struct server_stream *server_relay_open(struct server_relay *relay)
 
 /* Under the lock. What waits is moved to the front before the buffer would grow by what was taken.
  */
-static void append(struct server_relay *relay, const char *text, size_t size, bool is_last)
+static void append(struct server_relay *relay, const char *text, size_t size)
 {
     struct proto_writer *waiting = &relay->waiting;
     if (relay->taken) {
@@ -135,10 +151,7 @@ static void append(struct server_relay *relay, const char *text, size_t size, bo
         memmove(waiting->data, waiting->data + relay->taken, waiting->size);
         relay->taken = 0;
     }
-    if (relay->packer)
-        server_packer_write(relay->packer, text, size, is_last, waiting);
-    else
-        proto_append(waiting, text, size);
+    proto_append(waiting, text, size);
     if (waiting->failure) atomic_store(&relay->is_over, true);
 }
 
@@ -148,12 +161,53 @@ static void wake(struct server_relay *relay)
     server_events_wake(relay->host->events, relay);
 }
 
+/* Packs without the lock, which the client's thread takes. */
+static void write_text(struct server_relay *relay, const char *text, size_t size, bool is_last)
+{
+    struct proto_writer *packed = &relay->packed;
+    if (server_relay_is_over(relay)) return;
+    if (relay->packer) {
+        packed->size = 0;
+        server_packer_write(relay->packer, text, size, is_last, packed);
+        if (packed->failure) atomic_store(&relay->is_over, true);
+        text = packed->data;
+        size = packed->size;
+    }
+    pthread_mutex_lock(&relay->lock);
+    if (!server_relay_is_over(relay)) append(relay, text, size);
+    pthread_mutex_unlock(&relay->lock);
+}
+
 void server_relay_write(struct server_relay *relay, const char *text, size_t size)
 {
-    pthread_mutex_lock(&relay->lock);
-    if (!atomic_load(&relay->is_over)) append(relay, text, size, false);
-    pthread_mutex_unlock(&relay->lock);
+    write_text(relay, text, size, false);
     wake(relay);
+}
+
+/* Waits for the client, or for a moment: whether the daemon ends is not signalled. */
+static void wait_for_room(struct server_relay *relay)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += LOOK_NS;
+    if (until.tv_nsec >= SECOND_NS) {
+        until.tv_nsec -= SECOND_NS;
+        until.tv_sec++;
+    }
+    pthread_cond_timedwait(&relay->room, &relay->lock, &until);
+}
+
+bool server_relay_block(struct server_relay *relay)
+{
+    pthread_mutex_lock(&relay->lock);
+    bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST;
+    while (is_ahead && !server_relay_is_over(relay)) {
+        if (server_workers_cancelled(relay->host->workers)) atomic_store(&relay->is_over, true);
+        if (!server_relay_is_over(relay)) wait_for_room(relay);
+        is_ahead = left_in(relay) > SERVER_RELAY_MOST / 2;
+    }
+    pthread_mutex_unlock(&relay->lock);
+    return !server_relay_is_over(relay);
 }
 
 /* The job may be run and the writer's reference released before this returns. */
@@ -175,9 +229,9 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
 
 void server_relay_end(struct server_relay *relay, bool is_whole)
 {
+    if (relay->packer && is_whole) write_text(relay, "", 0, true);
     pthread_mutex_lock(&relay->lock);
     relay->is_whole = is_whole && !atomic_load(&relay->is_over);
-    if (relay->packer && relay->is_whole) append(relay, "", 0, true);
     relay->is_ended = true;
     pthread_mutex_unlock(&relay->lock);
     wake(relay);

@@ -2,16 +2,18 @@
  *
  *     relay = server_relay_create(host, is_packed);
  *     stream = server_relay_open(relay);               for server_reply_stream
- *     server_relay_write(relay, text, size);           the worker, again and again
- *     if (server_relay_wait(relay, job)) return;       ... too far ahead of its client: the job is
- * parked server_relay_end(relay, true);                   ... when all is written
+ *     server_relay_write(relay, text, size);           the writer, again and again
+ *     if (server_relay_wait(relay, job)) return;       a worker parks its job when much is unread,
+ *     if (!server_relay_block(relay)) stop;            a thread of its own blocks
+ *     server_relay_end(relay, true);                   when all is written
  *     server_relay_release(relay);
  *
  * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex
- * guards both. A writer that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h)
- * until half of them are read, so what is kept is bounded however long the answer is; that memory
- * is counted as an answer's, SERVER_RELAY_MOST bytes from the beginning. The stream's close is how
- * a client's leaving is told. Of locks, the events' ranks above the relay's, the workers' below. */
+ * guards both. A writer that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h) or
+ * blocks until half of them are read, so what is kept is bounded however long the answer is; that
+ * memory is counted as an answer's, SERVER_RELAY_MOST bytes from the beginning. The stream's close
+ * is how a client's leaving is told. Of locks, the events' ranks above the relay's, the workers'
+ * below. */
 #ifndef SERVER_HTTP_RELAY_H
 #define SERVER_HTTP_RELAY_H
 
@@ -20,7 +22,8 @@
 
 #include "server/work/workers.h"
 
-#define SERVER_RELAY_MOST ((size_t)1 << 20) /* bytes that wait, but for what is written at once */
+/* bytes that wait, besides those of the last write */
+#define SERVER_RELAY_MOST ((size_t)256 << 10)
 
 struct server_host;
 struct server_relay;
@@ -40,6 +43,10 @@ void server_relay_write(struct server_relay *relay, const char *text, size_t siz
 /* Parks the job when too much waits: true, and it is not the caller's any more. False: there is
  * room, or nobody reads. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job);
+
+/* Blocks while too much waits. False: the client has gone, the answer was cut, or the daemon ends.
+ */
+bool server_relay_block(struct server_relay *relay);
 
 /* Nothing more comes; not whole: the client is to see that it was cut. */
 void server_relay_end(struct server_relay *relay, bool is_whole);

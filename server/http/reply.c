@@ -9,6 +9,7 @@
 
 #include "proto/accept.h"
 #include "server/http/etag.h"
+#include "server/http/events.h"
 #include "server/base/gzip.h"
 
 #define GZIP_FROM    1025  /* bytes: smaller ones fit into a packet anyway */
@@ -74,9 +75,11 @@ void server_reply_tag(struct server_exchange *exchange, const char *etag)
 void server_reply_drop_body(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
+    server_stream_close(response->stream);
     free(response->owned);
     if (response->lent.bytes) response->lent.release(response->lent.lender);
     server_budget_give(exchange->host->budget, SERVER_BUDGET_ANSWERS, response->held);
+    response->stream = NULL;
     response->owned = NULL;
     response->body = NULL;
     response->lent = (struct server_lent){0};

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "server/work/budgeted_call.h"
+#include "server/http/answer_stream.h"
 #include "server/http/etag.h"
 #include "server/query/request.h"
 #include "server/http/reply.h"
@@ -170,6 +171,23 @@ static void reply_form(struct server_query *query)
     server_reply_bytes(query->exchange, 200, form->media_type, bytes, size);
 }
 
+static void encode_state(struct server_exchange *exchange, struct proto_writer *writer)
+{
+    struct server_query *query = exchange->state;
+    query->exchange = exchange; /* a stream's may be another */
+    query->kind->encode(query, writer);
+}
+
+/* The query may be a stream's when this returns. */
+static void reply_encoded(struct server_query *query, unsigned status)
+{
+    const struct server_answer_encoder encoder = {.encode = encode_state, .held = &query->held};
+    struct server_exchange *exchange = query->exchange;
+    struct proto_writer writer = query->draft; /* empty */
+    server_answer_reply(exchange, status, &writer, &encoder);
+    proto_writer_free(&writer);
+}
+
 static void reply_answer(struct server_query *query)
 {
     unsigned status = query->kind->status ? query->kind->status(query) : 200;
@@ -187,8 +205,10 @@ static void reply_answer(struct server_query *query)
         reply_form(query);
         return;
     }
-    if (query->kind->encode) query->kind->encode(query, &query->draft);
-    server_reply_json(query->exchange, status, &query->draft);
+    if (query->kind->encode)
+        reply_encoded(query, status);
+    else
+        server_reply_json(query->exchange, status, &query->draft);
 }
 
 /* False: the exchange is not its own any more. */

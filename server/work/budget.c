@@ -61,14 +61,25 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
 }
 
 /* Answers that grow at the same time may exceed their part by a step each, but not the limit. */
-bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
+static bool admits_answer(const struct server_budget *budget, size_t bytes)
 {
     size_t part =
         bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
     size_t most = budget->limit - budget->limit / part,
            used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
-    return bytes <= most && used <= most - bytes &&
-           server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
+    return bytes <= most && used <= most - bytes;
+}
+
+bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
+{
+    return admits_answer(budget, bytes) && server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
+}
+
+bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes)
+{
+    if (!admits_answer(budget, bytes)) return false;
+    server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_ANSWERS, bytes);
+    return true;
 }
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)

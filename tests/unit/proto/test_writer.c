@@ -241,6 +241,87 @@ static void fails_when_there_is_no_room(void **state)
     assert_int_equal(purse.taken, 0);
 }
 
+struct drain {
+    char text[4096];
+    size_t size, most; /* of one block */
+    size_t left;       /* blocks that it takes */
+};
+
+static bool drain_write(void *user, const char *text, size_t size)
+{
+    struct drain *drain = user;
+    if (drain->left-- == 0) return false;
+    assert_true(drain->size + size <= sizeof drain->text);
+    memcpy(drain->text + drain->size, text, size);
+    drain->size += size;
+    if (size > drain->most) drain->most = size;
+    return true;
+}
+
+static void write_rows(struct proto_writer *writer)
+{
+    static const double numbers[] = {0.1, 1.0 / 3, 1e-300, NAN, -12345.678901234567};
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "rows");
+    proto_write_array_begin(writer);
+    for (int i = 0; i < 20; i++) proto_write_numbers(writer, numbers, 5);
+    proto_write_array_end(writer);
+    proto_write_string(writer, "the\nend");
+    proto_write_object_end(writer);
+}
+
+static void hands_its_text_to_a_sink(void **state)
+{
+    (void)state;
+    struct drain drain = {.left = SIZE_MAX};
+    const struct proto_writer_sink sink = {drain_write, &drain, 600};
+    struct proto_writer whole, writer;
+    proto_writer_init(&whole, SIZE_MAX);
+    proto_writer_init(&writer, SIZE_MAX);
+    writer.sink = &sink;
+    write_rows(&whole);
+    write_rows(&writer);
+    assert_true(writer.capacity <= 600);
+    proto_writer_flush(&writer);
+    assert_int_equal(writer.failure, PROTO_WRITER_FINE);
+    assert_int_equal(writer.flushed, whole.size);
+    assert_int_equal(drain.size, whole.size);
+    assert_memory_equal(drain.text, whole.data, whole.size);
+    assert_true(drain.most <= 600);
+    proto_writer_free(&whole);
+    proto_writer_free(&writer);
+}
+
+/* At a maximum that the text just has, or lacks one byte of; and when the sink takes no more. */
+static void a_sink_can_stop_it(void **state)
+{
+    (void)state;
+    struct drain drain = {.left = SIZE_MAX};
+    struct proto_writer_sink sink = {drain_write, &drain, 600};
+    struct proto_writer writer;
+    struct proto_problem problem;
+    proto_writer_init(&writer, SIZE_MAX);
+    write_rows(&writer);
+    size_t size = writer.size;
+    for (int lacking = 0; lacking < 2; lacking++) {
+        proto_writer_free(&writer);
+        drain.size = 0;
+        proto_writer_init(&writer, lacking ? size - 1 : size + 1000); /* rows reserve ahead */
+        writer.sink = &sink;
+        write_rows(&writer);
+        proto_writer_flush(&writer);
+        assert_int_equal(writer.failure, lacking ? PROTO_WRITER_TOO_LARGE : PROTO_WRITER_FINE);
+    }
+    proto_writer_free(&writer);
+    proto_writer_init(&writer, SIZE_MAX);
+    drain = (struct drain){.left = 1};
+    writer.sink = &sink;
+    write_rows(&writer);
+    assert_false(proto_writer_check(&writer, &problem));
+    assert_int_equal(writer.failure, PROTO_WRITER_STOPPED);
+    proto_writer_free(&writer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -254,6 +335,8 @@ int main(void)
         cmocka_unit_test(makes_room_once_for_what_is_expected),
         cmocka_unit_test(counts_large_buffers_until_they_are_freed),
         cmocka_unit_test(fails_when_there_is_no_room),
+        cmocka_unit_test(hands_its_text_to_a_sink),
+        cmocka_unit_test(a_sink_can_stop_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

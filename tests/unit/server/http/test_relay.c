@@ -141,6 +141,68 @@ static void at_the_daemons_end_nobody_waits(void **state)
     assert_ends(SERVER_STREAM_CUT);
 }
 
+/* --- a writer that blocks */
+
+#define BLOCKS 1000
+
+static void *write_all(void *user)
+{
+    char block[4096];
+    memset(block, 'x', sizeof block);
+    bool *is_whole = user;
+    *is_whole = true;
+    for (int i = 0; i < BLOCKS && *is_whole; i++) {
+        server_relay_write(relay, block, sizeof block);
+        *is_whole = server_relay_block(relay);
+    }
+    server_relay_end(relay, *is_whole);
+    return NULL;
+}
+
+static void a_writer_blocks_until_its_client_reads(void **state)
+{
+    (void)state;
+    bool is_whole;
+    pthread_t writer;
+    assert_int_equal(pthread_create(&writer, NULL, write_all, &is_whole), 0);
+    size_t left = (size_t)BLOCKS * 4096;
+    char bytes[5000];
+    while (left > 0) {
+        ptrdiff_t read = server_stream_read(stream, bytes, sizeof bytes);
+        assert_true(read >= 0);
+        left -= (size_t)read;
+        assert_true(atomic_load(&server.budget.total) < 2 * SERVER_RELAY_MOST);
+    }
+    pthread_join(writer, NULL);
+    assert_true(is_whole);
+    assert_int_equal(server_stream_read(stream, bytes, sizeof bytes), SERVER_STREAM_END);
+}
+
+static void a_blocked_writer_ends_when_its_client_leaves(void **state)
+{
+    (void)state;
+    bool is_whole;
+    pthread_t writer;
+    assert_int_equal(pthread_create(&writer, NULL, write_all, &is_whole), 0);
+    char bytes[5000];
+    while (server_stream_read(stream, bytes, sizeof bytes) == 0) continue;
+    server_stream_close(stream);
+    stream = NULL;
+    pthread_join(writer, NULL);
+    assert_false(is_whole);
+}
+
+static void a_blocked_writer_ends_with_the_daemon(void **state)
+{
+    (void)state;
+    bool is_whole;
+    pthread_t writer;
+    assert_int_equal(pthread_create(&writer, NULL, write_all, &is_whole), 0);
+    server_workers_cancel(server.workers);
+    pthread_join(writer, NULL);
+    assert_false(is_whole);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -150,6 +212,9 @@ int main(void)
         TEST(a_writer_that_is_far_ahead_waits_until_half_is_read),
         TEST(who_waits_is_told_that_the_client_has_left),
         TEST(at_the_daemons_end_nobody_waits),
+        TEST(a_writer_blocks_until_its_client_reads),
+        TEST(a_blocked_writer_ends_when_its_client_leaves),
+        TEST(a_blocked_writer_ends_with_the_daemon),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);
