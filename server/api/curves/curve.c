@@ -152,9 +152,13 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
                                            .share = CURVE_SHARE,
                                            .what = "the curve"};
     if (!server_curve_call_make(query, &call, problem)) return SERVER_QUERY_FAILED;
-    proto_curve_result_encode(&query->draft, query->surface->mesh, &operating->result,
-                              &query->options);
-    return server_query_end_draft(query, GD_OK, "the answer", problem);
+    return SERVER_QUERY_DONE;
+}
+
+static void encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct operating *operating = (const struct operating *)query;
+    proto_curve_result_encode(writer, query->surface->mesh, &operating->result, &query->options);
 }
 
 static const struct server_query_kind curve_kind = {.name = "curve",
@@ -162,6 +166,7 @@ static const struct server_query_kind curve_kind = {.name = "curve",
                                                     .fields = proto_curve_operation_fields,
                                                     .decode = decode,
                                                     .solve = solve,
+                                                    .encode = encode,
                                                     .release = release};
 
 void server_handle_curve(struct server_exchange *exchange)

@@ -165,26 +165,24 @@ static bool decode(struct server_query *query, const json_t *document,
     return ok;
 }
 
-static enum server_query_turn write_answer(struct cut *cut, struct proto_problem *problem)
+static void encode(const struct server_query *query, struct proto_writer *writer)
 {
-    uint32_t fields = cut->query.options.fields;
-    enum gd_status status = GD_OK;
-    proto_cut_begin(&cut->query.draft, &cut->cut, fields);
-    for (uint32_t i = 0; i < cut->cut.piece_count && !status; i++) {
+    const struct cut *cut = (const struct cut *)query;
+    uint32_t fields = query->options.fields;
+    proto_cut_begin(writer, &cut->cut, fields);
+    for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
         const char *name = cut->select_only ? NULL : cut->meshes.list[i].surface->record->name;
-        proto_cut_piece_encode(&cut->query.draft, &cut->cut.pieces[i], name, fields);
-        status = server_query_check_draft(&cut->query);
+        proto_cut_piece_encode(writer, &cut->cut.pieces[i], name, fields);
     }
-    proto_cut_end(&cut->query.draft, &cut->cut, fields);
-    return server_query_end_draft(&cut->query, status, "the answer", problem);
+    proto_cut_end(writer, &cut->cut, fields);
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct cut *cut = (struct cut *)query;
-    if (cut->is_stored) return write_answer(cut, problem);
+    if (cut->is_stored) return SERVER_QUERY_DONE;
     if (!make_cut(cut, problem)) return SERVER_QUERY_FAILED;
-    if (cut->select_only) return write_answer(cut, problem);
+    if (cut->select_only) return SERVER_QUERY_DONE;
     if (!make_meshes(cut, problem)) return SERVER_QUERY_FAILED;
     cut->work = query->exchange->work;
     (void)server_request_write(query->exchange, store);
@@ -194,6 +192,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 static void release(struct server_query *query)
 {
     struct cut *cut = (struct cut *)query;
+    if (cut->meshes.exchange) cut->meshes.exchange = query->exchange; /* of a stream, perhaps */
     server_derived_meshes_free(&cut->meshes);
     gd_cut_free(&cut->cut);
     proto_located_curve_free(&cut->curve);
@@ -205,6 +204,7 @@ static const struct server_query_kind cut_kind = {.name = "cut",
                                                   .fields = proto_cut_fields,
                                                   .decode = decode,
                                                   .solve = solve,
+                                                  .encode = encode,
                                                   .release = release};
 
 void server_handle_cut(struct server_exchange *exchange)

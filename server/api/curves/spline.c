@@ -93,9 +93,14 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
         return SERVER_QUERY_FAILED;
     }
     if (status) return server_query_fail(query, status, WHAT, problem);
-    proto_spline_encode(&query->draft, query->surface->mesh, &drawing->spline, &drawing->line,
+    return SERVER_QUERY_DONE;
+}
+
+static void encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct drawing *drawing = (const struct drawing *)query;
+    proto_spline_encode(writer, query->surface->mesh, &drawing->spline, &drawing->line,
                         drawing->wanted.frames, &query->options);
-    return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 
 static const struct server_query_kind spline_kind = {.name = "spline",
@@ -103,6 +108,7 @@ static const struct server_query_kind spline_kind = {.name = "spline",
                                                      .fields = proto_spline_fields,
                                                      .decode = decode,
                                                      .solve = solve,
+                                                     .encode = encode,
                                                      .release = release};
 
 void server_handle_spline(struct server_exchange *exchange)

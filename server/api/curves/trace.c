@@ -14,11 +14,15 @@ struct tracing {
     struct gd_point start;
     double snap;                     /* how far it was moved; NAN: not at all */
     struct gd_direction *directions; /* as many as are wanted */
+    struct gd_trace *traces;
+    uint32_t trace_count;
 };
 
 static void release(struct server_query *query)
 {
     struct tracing *tracing = (struct tracing *)query;
+    for (uint32_t i = 0; i < tracing->trace_count; i++) gd_trace_free(&tracing->traces[i]);
+    free(tracing->traces);
     proto_trace_free(&tracing->wanted);
     free(tracing->directions);
 }
@@ -55,52 +59,61 @@ static bool decode(struct server_query *query, const json_t *document,
 /* --- the answer ------------------------------------------------------------------------------- */
 
 /* While a path grows it is there twice. */
-static enum gd_status reserve(struct tracing *tracing)
+static size_t growth_bytes(const struct tracing *tracing)
 {
-    return server_query_take(&tracing->query, 2 * (size_t)tracing->wanted.options.step_limit *
-                                                  sizeof(struct gd_point));
+    return 2 * (size_t)tracing->wanted.options.step_limit * sizeof(struct gd_point);
 }
 
-static enum gd_status write_path(struct tracing *tracing, uint32_t i)
+static enum gd_status trace_path(struct tracing *tracing)
 {
     const struct proto_trace *wanted = &tracing->wanted;
-    const struct gd_mesh *mesh = tracing->query.surface->mesh;
+    uint32_t i = tracing->trace_count;
+    struct gd_trace *trace = &tracing->traces[i];
     struct server_monitor part =
         server_query_monitor(&tracing->query, (double)i / wanted->count, 1.0 / wanted->count);
     const struct gd_control control = server_exchange_control(&part);
-    struct gd_trace trace;
     enum gd_status status =
-        gd_trace_follow(mesh, &tracing->start, &tracing->directions[i], wanted->length,
-                        &wanted->options, &control, &trace, NULL);
+        gd_trace_follow(tracing->query.surface->mesh, &tracing->start, &tracing->directions[i],
+                        wanted->length, &wanted->options, &control, trace, NULL);
     if (status) return status;
-    proto_trace_encode(&tracing->query.draft, mesh, &trace, tracing->query.options.geometry);
-    gd_trace_free(&trace);
-    status = server_query_check_draft(&tracing->query);
-    return status ? status : gd_control_check(&control, 1);
+    tracing->trace_count++;
+    return server_query_take(&tracing->query, trace->path.count * sizeof *trace->path.points);
 }
 
-static enum gd_status write_paths(struct tracing *tracing)
+static enum gd_status trace_paths(struct tracing *tracing)
 {
-    struct proto_writer *writer = &tracing->query.draft;
-    enum gd_status status = reserve(tracing);
-    proto_write_key(writer, "paths");
-    proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < tracing->wanted.count && !status; i++) status = write_path(tracing, i);
-    proto_write_array_end(writer);
+    uint32_t count = tracing->wanted.count;
+    enum gd_status status = server_query_take(&tracing->query, growth_bytes(tracing));
+    if (status) return status;
+    tracing->traces = calloc(count, sizeof *tracing->traces);
+    if (!tracing->traces) status = GD_NO_MEMORY;
+    while (tracing->trace_count < count && !status) status = trace_path(tracing);
+    server_query_give(&tracing->query, growth_bytes(tracing));
     return status;
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
-    struct tracing *tracing = (struct tracing *)query;
-    struct proto_writer *writer = &tracing->query.draft;
-    enum gd_status status = GD_OK;
+    bool has_paths = query->options.fields & PROTO_TRACE_FIELD_PATHS;
+    enum gd_status status = has_paths ? trace_paths((struct tracing *)query) : GD_OK;
+    return status ? server_query_fail(query, status, WHAT, problem) : SERVER_QUERY_DONE;
+}
+
+static void encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct tracing *tracing = (const struct tracing *)query;
+    const struct gd_mesh *mesh = query->surface->mesh;
     proto_write_object_begin(writer);
     if (query->options.fields & PROTO_TRACE_FIELD_START)
-        proto_member_point(writer, "start", query->surface->mesh, &tracing->start, tracing->snap);
-    if (query->options.fields & PROTO_TRACE_FIELD_PATHS) status = write_paths(tracing);
+        proto_member_point(writer, "start", mesh, &tracing->start, tracing->snap);
+    if (query->options.fields & PROTO_TRACE_FIELD_PATHS) {
+        proto_write_key(writer, "paths");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < tracing->trace_count; i++)
+            proto_trace_encode(writer, mesh, &tracing->traces[i], query->options.geometry);
+        proto_write_array_end(writer);
+    }
     proto_write_object_end(writer);
-    return server_query_end_draft(query, status, WHAT, problem);
 }
 
 static const struct server_query_kind trace_kind = {.name = "trace",
@@ -108,6 +121,7 @@ static const struct server_query_kind trace_kind = {.name = "trace",
                                                     .fields = proto_trace_fields,
                                                     .decode = decode,
                                                     .solve = solve,
+                                                    .encode = encode,
                                                     .release = release};
 
 void server_handle_trace(struct server_exchange *exchange)
