@@ -49,25 +49,33 @@ static struct server_matrix_request request_of(const struct matrix *matrix)
                                           .max_distance = matrix->max_distance};
 }
 
-/* Memory for the distances, and bytes of the budget for them and for solving. */
 static enum gd_status reserve(struct matrix *matrix)
 {
-    struct server_matrix_request request = request_of(matrix);
-    size_t entries = (size_t)matrix->sources.count * matrix->targets.count;
-    size_t bytes = entries * sizeof *matrix->distances + server_matrix_cost(&request);
+    size_t bytes = (size_t)matrix->sources.count * matrix->targets.count * sizeof(double);
     enum gd_status status = server_query_take(&matrix->query, bytes);
     if (status) return status;
-    matrix->distances = malloc(entries * sizeof *matrix->distances);
+    matrix->distances = malloc(bytes);
     return matrix->distances ? GD_OK : GD_NO_MEMORY;
+}
+
+/* With bytes of the budget for solving. */
+static enum gd_status fill(struct matrix *matrix)
+{
+    struct server_matrix_request request = request_of(matrix);
+    struct server_monitor part = server_query_monitor(&matrix->query, 0, 1);
+    size_t cost = server_matrix_cost(&request);
+    enum gd_status status = server_query_take(&matrix->query, cost);
+    if (status) return status;
+    status = server_matrix_solve(&part, &request, matrix->distances);
+    server_query_give(&matrix->query, cost);
+    return status;
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct matrix *matrix = (struct matrix *)query;
-    struct server_matrix_request request = request_of(matrix);
-    struct server_monitor part = server_query_monitor(query, 0, 1);
     enum gd_status status = reserve(matrix);
-    if (!status) status = server_matrix_solve(&part, &request, matrix->distances);
+    if (!status) status = fill(matrix);
     return status ? server_query_fail(query, status, WHAT, problem) : SERVER_QUERY_DONE;
 }
 
