@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Answers in memory: clients ask for large answers of every kind and do not read them, others make many lists at once. Resident memory stays within the
-budget, 10 % and 64 MiB, /livez is answered all the time, and what is not read is let go of.
+budget, 10 % and 64 MiB, /livez and small queries are answered all the time, each large answer is accepted or refused with 507, and what is not read is
+let go of.
 
     tests/fault/answers.py [--budget MIB] [--clients N] [--only KIND] [--short]
 
@@ -92,6 +93,13 @@ def status_of(connection):
     return "cut"
 
 
+def ask_small(daemon):
+    """Queries of another client; how many of them are not answered."""
+    asked = [daemon.get("/v1/meshes/ring/distance?from=v:0&to=v:500"), daemon.get("/v1/meshes/ring/path?from=v:3&to=v:77"),
+             daemon.ask("ring", "matrix", {"sources": in_ring(4), "targets": in_ring(4)})]
+    return sum(answer.status != 200 for answer in asked)
+
+
 def held_by_answers(daemon):
     return process.metrics(daemon).get('memory_bytes{class="answers"}', 0)
 
@@ -103,13 +111,13 @@ class Trial:
         self.daemon, self.budget, self.options, self.held = daemon, budget, options, []
         self.empty = process.resident(daemon)
 
-    def judge(self, kind, watch, note):
+    def judge(self, kind, watch, note, is_clean=True):
         grown, bound = watch.most - self.empty, 1.1 * self.budget + SLACK
         p99 = 1000 * quantile(watch.seconds, 0.99)
         asked = f"{bound / MIB:.0f} MiB; /livez " + ("never fails" if self.options.short else f"p99 <= {LIVEZ_MS} ms")
         is_served = not watch.failures and (self.options.short or p99 <= LIVEZ_MS)
         self.held.append(report(f"memory: {kind}", asked, f"{grown / MIB:.0f} MiB of a budget of {self.budget / MIB:.0f}; /livez p99 {p99:.1f} ms of "
-                                f"{len(watch.seconds)}, {watch.failures} failed; {note}", grown <= bound and is_served))
+                                f"{len(watch.seconds)}, {watch.failures} failed; {note}", grown <= bound and is_served and is_clean))
 
     def let_go(self, connections):
         for connection in connections:
@@ -120,13 +128,16 @@ class Trial:
         with watched(self.daemon) as watch:
             connections = [ask_unread(self.daemon, request) for _ in range(self.options.clients)]
             await_answers(self.daemon)
-            held = held_by_answers(self.daemon)
+            held, streams = held_by_answers(self.daemon), self.daemon.metric("answer_streams")
+            failed = ask_small(self.daemon)
             time.sleep(self.options.dwell)
             statuses = [status_of(connection) for connection in connections]
             self.let_go(connections)
             time.sleep(self.options.dwell)
         counts = ", ".join(f"{statuses.count(status)} x {status}" for status in sorted(set(statuses)))
-        self.judge(f"{len(connections)} unread answers of {kind}", watch, f"{counts}; {held / MIB:.0f} MiB of answers")
+        self.judge(f"{len(connections)} unread answers of {kind}", watch,
+                   f"{counts}; {held / MIB:.0f} MiB of answers, {streams:.0f} streams; {failed} small queries failed",
+                   set(statuses) <= {"200", "507"} and not failed)
 
 
 # --- what is asked for ----------------------------------------------------------------------------------------------------
@@ -153,7 +164,7 @@ def requests(daemon, size):
     fine = daemon.ask("fine", "fields", {"set": {"points": [{"vertex": 0}, {"vertex": 700}]}}).json["id"]
     yield post("trace", "meshes/ring/trace", {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": min(100000, points // 8)})
     yield post("curve", "meshes/ring/curve", {"curve": {"points": in_ring(4), "closed": True}, "operation": "resample", "count": min(100000, points // 8)})
-    yield post("spline", "meshes/ring/spline", {"points": in_ring(4), "samples": min(1000, points // 40), "frames": True})
+    yield post("spline", "meshes/ring/spline", {"points": in_ring(24), "samples": min(1000, points // 40), "frames": True})
     yield post("matrix", "meshes/ring/matrix", {"sources": those, "targets": those})
     yield get("isolines", f"meshes/fine/fields/{fine}/isolines?count={max(1, min(500, size // 200000))}")
     yield get("values", f"meshes/fine/fields/{fine}/values")
@@ -170,7 +181,6 @@ def requests(daemon, size):
 
 def try_answers(trial, cells):
     daemon = trial.daemon
-    daemon.put("ring", sample("torus", columns=48, rows=24))
     daemon.put("fine", sample("terrain", cells=cells, amplitude=1))
     for request in requests(daemon, trial.budget // 6):
         is_left_out = trial.options.short and (request.kind in LONG or "gltf" in request.path or "octet-stream" in request.headers.get("Accept", ""))
@@ -184,7 +194,6 @@ def try_kept(trial):
     daemon = trial.daemon
     count = int((trial.budget / 24 / 19) ** 0.5)
     those = [{"vertex": i % 24} for i in range(count)]
-    daemon.put("ring", sample("torus", columns=48, rows=24))
     accepted = daemon.ask("ring", "matrix", {"sources": those, "targets": those}, {"Prefer": "respond-async"})
     job = daemon.ended(accepted)["id"]
     trial.unread("a job's result", get("jobs", f"jobs/{job}/result"))
@@ -254,6 +263,7 @@ def main():
         if options.only and attempt is not try_answers and options.only not in attempt.__name__:
             continue
         with tempfile.TemporaryDirectory() as place, Daemon("--data-dir", place, "--memory-budget", str(budget), *FLAGS) as daemon:
+            daemon.put("ring", sample("torus", columns=48, rows=24))
             trial = Trial(daemon, budget, options)
             attempt(trial, *sizes)
             held += trial.held
