@@ -14,6 +14,20 @@ void *gd__large_array(size_t count, size_t size)
     void *array;
     if (posix_memalign(&array, bytes >= HUGE_PAGE ? HUGE_PAGE : LINE, bytes ? bytes : LINE))
         return NULL;
-    if (bytes >= HUGE_PAGE) madvise(array, bytes & ~(HUGE_PAGE - 1), MADV_HUGEPAGE);
+    gd__large_advise(array, bytes);
     return array;
+}
+
+void *gd__large_zeroed(size_t count, size_t size)
+{
+    void *array = calloc(count ? count : 1, size);
+    if (array) gd__large_advise(array, count * size);
+    return array;
+}
+
+void gd__large_advise(void *array, size_t bytes)
+{
+    uintptr_t first = ((uintptr_t)array + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1);
+    uintptr_t end = ((uintptr_t)array + bytes) & ~(HUGE_PAGE - 1);
+    if (end > first) madvise((void *)first, end - first, MADV_HUGEPAGE);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "io/endian.h"
 #include "gd/number.h"
 
@@ -51,6 +52,14 @@ static char *room_for(struct gd__output *output, size_t size)
     if (size > output->capacity - output->size && !grow(output, size)) return NULL;
     output->limit = limit_of(output, size);
     return output->bytes + output->size;
+}
+
+void gd__output_expect(struct gd__output *output, size_t size)
+{
+    if (output->bytes || output->failed) return;
+    output->bytes = gd__large_array(size, 1);
+    if (output->bytes) output->capacity = size;
+    output->limit = limit_of(output, 0);
 }
 
 void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size)

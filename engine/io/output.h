@@ -18,6 +18,10 @@ struct gd__output {
     enum gd_status status; /* why, GD_OK: out of memory */
 };
 
+/* Makes room for the first `size` bytes at once, on huge pages: a large buffer that grows is
+ * copied, and takes long to free. A hint. */
+void gd__output_expect(struct gd__output *output, size_t size);
+
 void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size);
 void gd__output_text(struct gd__output *output, const char *text);
 

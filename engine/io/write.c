@@ -6,6 +6,8 @@
 #include "io/gltf_write.h"
 #include "io/writers.h"
 
+#define PLY_HEADER_MOST 512 /* bytes */
+
 static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
 {
     return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
@@ -116,6 +118,10 @@ void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons
                    const double *distances)
 {
     bool long_lists = largest_polygon(polygons) > UINT8_MAX;
+    gd__output_expect(output, PLY_HEADER_MOST +
+                                  polygons->position_count * (size_t)(distances ? 32 : 24) +
+                                  polygons->polygon_count * (size_t)(long_lists ? 4 : 1) +
+                                  gd_polygons_corner_count(polygons) * sizeof(uint32_t));
     write_ply_header(output, polygons, distances != NULL, long_lists);
     for (uint32_t i = 0; i < polygons->position_count && !output->failed; i++) {
         for (int axis = 0; axis < 3; axis++) gd__output_f64(output, polygons->positions[i][axis]);

@@ -1,4 +1,5 @@
 /* Buckets by the lower vertex, each sorted by the higher one. */
+#include "base/large.h"
 #include "mesh/edge_table.h"
 
 #include <stdlib.h>
@@ -55,8 +56,8 @@ enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_
                                      uint32_t vertex_count, struct gd__edge_table *out)
 {
     struct gd__edge_table table = {vertex_count,
-                                   calloc((size_t)vertex_count + 1, sizeof *table.first),
-                                   malloc((3 * (size_t)face_count + 1) * sizeof *table.use)};
+                                   gd__large_zeroed((size_t)vertex_count + 1, sizeof *table.first),
+                                   gd__large_array(3 * (size_t)face_count + 1, sizeof *table.use)};
     if (!table.first || !table.use) {
         gd__edge_table_free(&table);
         return GD_NO_MEMORY;

@@ -10,7 +10,7 @@
 void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)
 {
     if (count == 0) count = 1;
-    void *array = calloc(count, size);
+    void *array = gd__large_zeroed(count, size);
     if (array) mesh->bytes += count * size;
     return array;
 }

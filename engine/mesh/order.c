@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 
 #define CODE_BITS   21 /* per coordinate */
@@ -87,7 +88,7 @@ static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare,
 static enum gd_status number_vertices(struct gd_mesh *mesh)
 {
     uint32_t count = mesh->vertex_count;
-    struct keyed_vertex *keyed = malloc(2 * (size_t)count * sizeof *keyed);
+    struct keyed_vertex *keyed = gd__large_array(2 * (size_t)count, sizeof *keyed);
     mesh->index_of_vertex = gd__mesh_array(mesh, count, sizeof *mesh->index_of_vertex);
     if (!keyed || !mesh->index_of_vertex) {
         free(keyed);
@@ -169,7 +170,7 @@ enum gd_status gd__order(struct gd__construction *work)
     mesh->face_of_index =
         gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
     mesh->index_of_face = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->index_of_face);
-    work->corner = malloc(mesh->face_count * sizeof *work->corner);
+    work->corner = gd__large_array(mesh->face_count, sizeof *work->corner);
     if (!mesh->input_position || !mesh->vertex_of_index || !mesh->face_of_index ||
         !mesh->index_of_face || !work->corner)
         return GD_NO_MEMORY;

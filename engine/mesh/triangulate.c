@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 #include "mesh/ear.h"
 
@@ -141,8 +142,8 @@ enum gd_status gd__triangulate(struct gd__construction *work)
     if (most_corners > GD_EAR_MAX_CORNERS) return refuse_size(work, which, most_corners);
     mesh->face_count = count_triangles(work->polygons);
     mesh->summary.face_index_count = count_triangles(work->input);
-    work->triangle = malloc(mesh->face_count * sizeof *work->triangle);
-    if (edited) work->face_index = malloc(mesh->face_count * sizeof *work->face_index);
+    work->triangle = gd__large_array(mesh->face_count, sizeof *work->triangle);
+    if (edited) work->face_index = gd__large_array(mesh->face_count, sizeof *work->face_index);
     if (!work->triangle || (edited && !work->face_index)) return GD_NO_MEMORY;
     if (largest_polygon(work->input, &which) > 3) {
         mesh->source_polygon =

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/large.h"
 #include "subdiv/chordal.h"
 
 enum { FACES_MOST = 1 << 28, BYTES_PER_VERTEX = 96 };
@@ -71,10 +72,10 @@ static enum gd_status create(const struct gd__tiling *tiling, const struct gd_co
     if (status) return status;
     struct gd_discretization made = {.polygons = {.position_count = (uint32_t)vertices,
                                                   .polygon_count = (uint32_t)tiling->triangles}};
-    made.polygons.positions = malloc(vertices * sizeof *made.polygons.positions);
-    made.polygons.corners = malloc(corners * sizeof *made.polygons.corners);
-    made.places = malloc(vertices * sizeof *made.places);
-    made.normals = malloc(vertices * sizeof *made.normals);
+    made.polygons.positions = gd__large_array(vertices, sizeof *made.polygons.positions);
+    made.polygons.corners = gd__large_array(corners, sizeof *made.polygons.corners);
+    made.places = gd__large_array(vertices, sizeof *made.places);
+    made.normals = gd__large_array(vertices, sizeof *made.normals);
     if (!made.polygons.positions || !made.polygons.corners || !made.places || !made.normals) {
         gd_discretization_free(&made);
         return GD_NO_MEMORY;
