@@ -29,14 +29,19 @@ static void refuse_text(const struct proto_parse_end *end, struct proto_problem 
 #define ARRAY_BYTES  160
 #define VALUE_BYTES  80
 #define MEMBER_BYTES 136
+#define COST_STEP    ((size_t)1 << 20) /* bytes of text between two looks at the control */
 
-size_t proto_decode_cost(const void *bytes, size_t size)
+size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control)
 {
     static const unsigned short costs[256] = {
         ['{'] = OBJECT_BYTES, ['['] = ARRAY_BYTES, [','] = VALUE_BYTES, [':'] = MEMBER_BYTES};
     const unsigned char *text = bytes;
     size_t cost = 2 * size;
-    for (size_t i = 0; i < size; i++) cost += costs[text[i]];
+    for (size_t begin = 0; begin < size; begin += COST_STEP) {
+        size_t end = size - begin < COST_STEP ? size : begin + COST_STEP;
+        for (size_t i = begin; i < end; i++) cost += costs[text[i]];
+        if (end < size && gd_control_check(control, 0)) break;
+    }
     return cost;
 }
 

@@ -18,8 +18,9 @@
 #define PROTO_DECODE_DEPTH PROTO_PARSE_DEPTH
 
 /* Upper bound of the memory that a document takes which is parsed from this text: up to a hundred
- * times its size. O(size). */
-size_t proto_decode_cost(const void *bytes, size_t size);
+ * times its size. O(size). Stops early once `control` (NULL: none) ends the work: then parsing
+ * ends, too. */
+size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control);
 
 /* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no
  * number beyond the doubles. All numbers become json_real. `bytes` are borrowed for the call. The

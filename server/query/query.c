@@ -283,11 +283,10 @@ static bool is_known(struct server_query *query)
     return true;
 }
 
-static void begin(struct server_query *query)
+static void start(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
     struct proto_problem problem;
-    server_exchange_keep(exchange, query, free_query);
     if (!read_query(query, &problem)) {
         server_reply_problem(exchange, &problem);
         return;
@@ -298,6 +297,23 @@ static void begin(struct server_query *query)
         query->with_mesh ? SERVER_QUERY_AGAIN : server_query_glance(query, &problem);
     reply_turn(query, turn, &problem);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, work, join);
+}
+
+static bool start_by_worker(struct server_exchange *exchange)
+{
+    start(exchange->state);
+    return true;
+}
+
+/* An HTTP thread parses small bodies only. */
+static void begin(struct server_query *query)
+{
+    struct server_exchange *exchange = query->exchange;
+    server_exchange_keep(exchange, query, free_query);
+    if (exchange->work || exchange->body.size <= SERVER_REQUEST_SMALL)
+        start(query);
+    else
+        server_exchange_defer(exchange, start_by_worker, NULL);
 }
 
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind)

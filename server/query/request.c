@@ -11,8 +11,8 @@
 #include "server/http/reply.h"
 #include "server/query/api.h"
 
-#define KIND_SEGMENT     1                  /* of the path */
-#define PARSED_UNCOUNTED ((size_t)16 << 10) /* bytes of a text whose document is not counted */
+#define KIND_SEGMENT     1                    /* of the path */
+#define PARSED_UNCOUNTED SERVER_REQUEST_SMALL /* bytes of a text whose document is not counted */
 /* bytes of a document after which freed memory is given back to the system */
 #define PARSED_TRIMMED ((size_t)16 << 20)
 
@@ -260,7 +260,9 @@ bool server_request_begin_parsing(struct server_exchange *exchange, const char *
                                   struct proto_problem *problem)
 {
     struct server_budget *budget = exchange->host->budget;
-    size_t cost = size > PARSED_UNCOUNTED ? proto_decode_cost(text, size) : 0;
+    struct server_monitor monitor = {.exchange = exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    size_t cost = size > PARSED_UNCOUNTED ? proto_decode_cost(text, size, &control) : 0;
     if (cost && !server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
         return server_budget_refuse(budget, "the request's JSON", cost, problem);
     exchange->parsed = cost;

@@ -45,6 +45,7 @@ void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange));
 
 #define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread may make */
+#define SERVER_REQUEST_SMALL      ((size_t)16 << 10) /* bytes of JSON that an HTTP thread may parse */
 
 /* Holds what a document takes that is parsed from this text, until server_request_end_parsing.
  * insufficient_memory. */

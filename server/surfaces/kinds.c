@@ -316,7 +316,8 @@ static enum gd_status nurbs_build(const struct server_builder *builder,
     enum gd_status status;
     build.nurbs = object_create(&build.base, sizeof *build.nurbs, &status);
     if (!status)
-        status = step_run(&build.base, &reading, proto_decode_cost(bytes, (size_t)record->size));
+        status = step_run(&build.base, &reading,
+                          proto_decode_cost(bytes, (size_t)record->size, &builder->control));
     if (!status) {
         status = step_run_growing(&build.base, &tessellation, TESSELLATION_BYTES);
         build.base.detail = build.nurbs->detail;
@@ -400,7 +401,7 @@ static size_t subdivision_read_cost(const struct subdivision_build *build)
     size_t size = (size_t)build->base.record->size;
     size_t placed = gd_read_cost(build->base.bytes, size, build->options.format, &limits);
     size_t cost = build->options.format == GD_FORMAT_JSON
-                      ? proto_decode_cost(build->base.bytes, size)
+                      ? proto_decode_cost(build->base.bytes, size, &build->base.builder->control)
                       : size * READ_FACTOR;
     return placed > cost ? placed : cost;
 }

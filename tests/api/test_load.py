@@ -213,6 +213,18 @@ class Drain(unittest.TestCase):
         self.assertEqual((answer.status, answer.json["code"]), (503, "draining"))
         self.assertEqual(daemon.stop(), 0)
 
+    def test_large_bodies_wait_for_a_worker(self):
+        """An HTTP thread parses small ones only."""
+        daemon, query, connection = self.busy()
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            large = pool.submit(daemon.ask, "slow", "distance", {"from": "x" * 20000})
+            self.assertEqual(daemon.ask("slow", "distance", {"from": "x"}).status, 400)
+            daemon.wait_for("requests_deferred", 2)
+            self.assertFalse(query.done() or large.done(), "too fast to watch")
+            self.assertEqual((query.result().status, large.result().status), (200, 400))
+        connection.close()
+        daemon.stop()
+
     def test_interrupt_ends_it_too(self):
         daemon = Daemon()
         daemon.process.send_signal(signal.SIGINT)
