@@ -9,7 +9,6 @@
 #include "server/http/relay.h"
 #include "server/http/reply.h"
 
-#define BLOCK       ((size_t)64 << 10)  /* bytes that the relay gets at a time */
 #define STACK_BYTES ((size_t)256 << 10) /* encoders are flat */
 
 struct answer_stream {
@@ -32,9 +31,7 @@ struct server_answer_streams {
     pthread_t threads[SERVER_ANSWER_STREAMS];
 };
 
-/* --- the thread
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the thread ------------------------------------------------------------------------------- */
 
 static bool hand_on(void *user, const char *text, size_t size)
 {
@@ -81,7 +78,7 @@ static void *work(void *user)
     return NULL;
 }
 
-/* --- the pool */
+/* --- the pool --------------------------------------------------------------------------------- */
 
 struct server_answer_streams *server_answer_streams_create(void)
 {
@@ -133,7 +130,7 @@ static void submit(struct server_answer_streams *streams, struct answer_stream *
     pthread_mutex_unlock(&streams->lock);
 }
 
-/* --- the start */
+/* --- the start -------------------------------------------------------------------------------- */
 
 /* A free place, taken. */
 static bool take_place(struct server_answer_streams *streams)
@@ -158,10 +155,10 @@ static struct answer_stream *create(struct server_host *host,
         return NULL;
     }
     *stream = (struct answer_stream){
-        .exchange = exchange, .encode = encode, .sink = {hand_on, stream, BLOCK}};
+        .exchange = exchange, .encode = encode, .sink = {hand_on, stream, SERVER_RELAY_BLOCK}};
     server_reply_writer(exchange, &stream->writer);
     stream->writer.sink = &stream->sink;
-    proto_writer_expect(&stream->writer, BLOCK);
+    proto_writer_expect(&stream->writer, SERVER_RELAY_BLOCK);
     stream->relay = server_relay_create(host, is_packed);
     if (stream->relay && !stream->writer.failure) return stream;
     destroy(stream);
@@ -202,9 +199,7 @@ static bool start(struct server_exchange *exchange, unsigned status, size_t size
     return true;
 }
 
-/* --- the answer
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the answer ------------------------------------------------------------------------------- */
 
 struct counting {
     struct server_monitor monitor;

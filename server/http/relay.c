@@ -12,6 +12,9 @@
 #include "server/base/gzip.h"
 #include "server/http/reply.h"
 
+/* bytes that gzip makes of a block at most */
+#define PACKED_MOST (SERVER_RELAY_BLOCK + SERVER_RELAY_BLOCK / 4)
+
 #define LOOK_NS   100000000 /* between two looks of a blocked writer at the daemon's end */
 #define SECOND_NS 1000000000
 /* bytes that are taken at a time: less than a stream's message may have */
@@ -44,11 +47,13 @@ struct server_relay *server_relay_create(struct server_host *host, bool is_packe
     pthread_cond_init(&relay->room, NULL);
     proto_writer_init(&relay->packed, SIZE_MAX);
     relay->packed.account = &host->budget->answers;
-    proto_writer_init(&relay->waiting, host->budget->largest_answer + SERVER_RELAY_MOST);
+    proto_writer_init(&relay->waiting, host->budget->largest_answer + 2 * SERVER_RELAY_MOST);
     relay->waiting.account = &host->budget->answers;
-    proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST);
+    proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST + PACKED_MOST);
     if (is_packed) relay->packer = server_packer_create();
-    if (!relay->waiting.failure && (!is_packed || relay->packer)) return relay;
+    if (is_packed) proto_writer_expect(&relay->packed, PACKED_MOST);
+    if (!relay->waiting.failure && !relay->packed.failure && (!is_packed || relay->packer))
+        return relay;
     server_relay_release(relay);
     return NULL;
 }

@@ -11,7 +11,7 @@
  * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex
  * guards both. A writer that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h) or
  * blocks until half of them are read, so what is kept is bounded however long the answer is; that
- * memory is counted as an answer's, SERVER_RELAY_MOST bytes from the beginning. The stream's close
+ * memory is counted as an answer's from the beginning. The stream's close
  * is how a client's leaving is told. Of locks, the events' ranks above the relay's, the workers'
  * below. */
 #ifndef SERVER_HTTP_RELAY_H
@@ -24,6 +24,9 @@
 
 /* bytes that wait, besides those of the last write */
 #define SERVER_RELAY_MOST ((size_t)256 << 10)
+
+/* A relay whose writes are no larger never lacks memory: it is taken when the relay is created. */
+#define SERVER_RELAY_BLOCK ((size_t)64 << 10)
 
 struct server_host;
 struct server_relay;

@@ -76,8 +76,8 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
  * budget: clients that do not read their answers leave the rest to others. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes);
 
-/* Moves bytes from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. Returns false, with nothing moved,
- * when all answers together would exceed their part of the budget. */
+/* Moves bytes from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. Returns false, with nothing
+ * moved, when all answers together would exceed their part of the budget. */
 bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes);
 
 /* Returns bytes to the budget. */
