@@ -176,7 +176,7 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (!server->events || !server->streams || !server_start_jobs(server)) return false;
     server->batches = server_batch_runner_create(&server->host, config, error, error_size);
     server->api.batches = server->batches;
-    server->connections = server_connections_create();
+    server->connections = server_connections_create(&server->budget);
     return server->batches && server->connections;
 }
 

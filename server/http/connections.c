@@ -17,6 +17,7 @@
 #include "gd/control.h"
 #include "server/base/log.h"
 #include "server/base/thread.h"
+#include "server/work/budget.h"
 
 #define SECOND_NS   UINT64_C(1000000000)
 #define PATIENCE_NS (30 * SECOND_NS) /* for any phase; between two looks at a client that reads */
@@ -29,6 +30,7 @@
 #define RESERVE_PART 8                /* of all places */
 #define SCARCE_PART  2                /* of the reserve */
 #define YOUNG_NS     SECOND_NS        /* age of a head that has just begun */
+#define HASTE_NS     (10 * SECOND_NS) /* for clients that read, while answers lack memory */
 #define COMPLAINT_NS (60 * SECOND_NS) /* between two log lines about a shortage */
 #define ADDRESSES    1024             /* groups of addresses: by a hash */
 
@@ -50,6 +52,8 @@ struct server_connection {
     bool is_leaving;       /* it was shut down; under the mutex */
     uint64_t body_started_ns, body_bytes;
     uint64_t acknowledged; /* bytes, at the thread's last look */
+    uint64_t moved;        /* bytes that the client had acknowledged when it last read */
+    atomic_uint_least64_t moved_ns;
 };
 
 struct candidate {
@@ -62,6 +66,8 @@ struct server_connections {
     pthread_mutex_t mutex;
     struct server_connection *first, *last;
     struct server_thread *thread;
+    const struct server_budget *budget;
+    uint64_t refused_answers; /* of the budget, at the last look; of the thread */
     atomic_uint_least64_t open, leaving, cut, refusals;
     uint32_t most, reserve;
     struct candidate *candidates; /* `most` of them; under the mutex */
@@ -98,20 +104,30 @@ static bool connection_shut(struct server_connection *connection, uint64_t deadl
     return true;
 }
 
+/* False: unix sockets can't say. */
+static bool connection_inquire(const struct server_connection *connection, struct tcp_info *out)
+{
+    socklen_t size = sizeof *out;
+    return getsockopt(connection->descriptor, IPPROTO_TCP, TCP_INFO, out, &size) == 0 &&
+           size >= offsetof(struct tcp_info, tcpi_notsent_bytes) + sizeof out->tcpi_notsent_bytes;
+}
+
+static bool is_read(const struct tcp_info *info)
+{
+    return !info->tcpi_unacked && !info->tcpi_notsent_bytes;
+}
+
 enum reading { READING_NOTHING, READING, READ_ALL };
 
 /* What the client has acknowledged since the last look. The library's writes say less: the kernel
  * buffers megabytes. Unix sockets can't say; the library's timer is for them. */
 static enum reading connection_look(struct server_connection *connection)
 {
-    struct tcp_info info = {0};
-    socklen_t size = sizeof info;
+    struct tcp_info info;
     uint64_t before = connection->acknowledged;
-    if (getsockopt(connection->descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 ||
-        size < offsetof(struct tcp_info, tcpi_notsent_bytes) + sizeof info.tcpi_notsent_bytes)
-        return READ_ALL;
+    if (!connection_inquire(connection, &info)) return READ_ALL;
     connection->acknowledged = info.tcpi_bytes_acked;
-    if (!info.tcpi_unacked && !info.tcpi_notsent_bytes) return READ_ALL;
+    if (is_read(&info)) return READ_ALL;
     return connection->acknowledged - before >= ACKNOWLEDGED ? READING : READING_NOTHING;
 }
 
@@ -253,6 +269,36 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
  * ---------------------------------------------------------------------------------------------------
  */
 
+/* Notes whether clients read. True: the client has read nothing for a while, and could. */
+static bool connection_stalls(struct server_connection *connection, uint64_t now_ns)
+{
+    struct tcp_info info;
+    if (!connection_inquire(connection, &info)) return false;
+    if (info.tcpi_bytes_acked != connection->moved || is_read(&info)) {
+        connection->moved = info.tcpi_bytes_acked;
+        atomic_store(&connection->moved_ns, now_ns);
+    }
+    return now_ns - atomic_load(&connection->moved_ns) >= HASTE_NS;
+}
+
+/* Of the clients that stall while answers lack memory, the one that does for longest goes. */
+static void connections_hasten(struct server_connections *connections, uint64_t now_ns)
+{
+    uint64_t refused = connections->budget ? atomic_load(&connections->budget->refused_answers) : 0;
+    struct server_connection *slowest = NULL;
+    pthread_mutex_lock(&connections->mutex);
+    for (struct server_connection *at = connections->first; at; at = at->next) {
+        if (phase_of(atomic_load(&at->deadline_ns)) != PHASE_ANSWER) continue;
+        if (!connection_stalls(at, now_ns)) continue;
+        if (!slowest || atomic_load(&at->moved_ns) < atomic_load(&slowest->moved_ns)) slowest = at;
+    }
+    uint64_t deadline_ns = slowest ? atomic_load(&slowest->deadline_ns) : 0;
+    if (refused != connections->refused_answers && phase_of(deadline_ns) == PHASE_ANSWER)
+        (void)connection_shut(slowest, deadline_ns);
+    pthread_mutex_unlock(&connections->mutex);
+    connections->refused_answers = refused;
+}
+
 static void connections_watch(void *user, struct server_thread *thread)
 {
     struct server_connections *connections = user;
@@ -263,13 +309,15 @@ static void connections_watch(void *user, struct server_thread *thread)
         if (now_ns - connections->checked_ns < SECOND_NS / 2) continue;
         connections->checked_ns = now_ns;
         server_connections_check(connections, now_ns);
+        connections_hasten(connections, now_ns);
     }
 }
 
-struct server_connections *server_connections_create(void)
+struct server_connections *server_connections_create(const struct server_budget *budget)
 {
     struct server_connections *connections = calloc(1, sizeof *connections);
     if (!connections) return NULL;
+    connections->budget = budget;
     pthread_mutex_init(&connections->mutex, NULL);
     connections->thread = server_thread_start(connections_watch, connections);
     if (connections->thread) return connections;
@@ -413,6 +461,7 @@ void server_connection_answer(struct server_connection *connection, size_t size,
         is_stream ? NEVER : now_ns + PATIENCE_NS + (uint64_t)size / ANSWER_RATE * SECOND_NS;
     bool is_looked_at = is_stream || size > LONG_ANSWER;
     connection->is_short = !is_stream && size < ANSWER_RATE;
+    atomic_store_explicit(&connection->moved_ns, now_ns, memory_order_relaxed);
     atomic_store_explicit(&connection->last_ns, last_ns, memory_order_relaxed);
     connection_set(connection, PHASE_ANSWER, is_looked_at ? now_ns + PATIENCE_NS : last_ns);
 }

@@ -20,6 +20,7 @@
 #include <stdint.h>
 #include <sys/socket.h>
 
+struct server_budget;
 struct server_connections;
 
 /* The record of one connection. Its functions are called by the HTTP thread that serves the
@@ -32,8 +33,10 @@ struct server_connections_statistics {
     uint64_t refusals; /* since the start: requests that are no HTTP */
 };
 
-/* Starts the thread. NULL without memory or thread. */
-struct server_connections *server_connections_create(void);
+/* Starts the thread. While `budget` (NULL: none) has no room for answers, the thread shuts down one
+ * connection a second: the one whose client has acknowledged nothing of its answer for longest, if
+ * that is 10 s. NULL without memory or thread. */
+struct server_connections *server_connections_create(const struct server_budget *budget);
 
 /* Sets how many connections there can be at a time, before the first is opened. 0, as at first: any
  * number. False without memory. */

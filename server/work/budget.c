@@ -61,13 +61,15 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
 }
 
 /* Answers that grow at the same time may exceed their part by a step each, but not the limit. */
-static bool admits_answer(const struct server_budget *budget, size_t bytes)
+static bool admits_answer(struct server_budget *budget, size_t bytes)
 {
     size_t part =
         bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
     size_t most = budget->limit - budget->limit / part,
            used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
-    return bytes <= most && used <= most - bytes;
+    if (bytes <= most && used <= most - bytes) return true;
+    atomic_fetch_add(&budget->refused_answers, 1);
+    return false;
 }
 
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes)

@@ -55,8 +55,9 @@ struct server_reclaimer {
 
 struct server_budget {
     size_t limit;
-    size_t largest_answer;               /* bytes */
-    struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
+    size_t largest_answer;                 /* bytes */
+    struct proto_writer_account answers;   /* takes from SERVER_BUDGET_ANSWERS */
+    atomic_uint_least64_t refused_answers; /* takes for answers that found their part full */
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
     struct server_reclaimer reclaimers[SERVER_RECLAIM_TURNS]; /* set before the first take */

@@ -4,6 +4,7 @@ import concurrent.futures
 import json
 import socket
 import struct
+import time
 import unittest
 
 from harness import TETRAHEDRON, Daemon, TestCase, sample, wait_until
@@ -47,7 +48,7 @@ class Large(TestCase):
         return connection
 
     def test_unread_answers_are_held_in_the_budget_and_others_refused(self):
-        crowd = [self.ask_unread() for _ in range(8)]
+        crowd = [self.ask_unread() for _ in range(12)]
         wait_until(lambda: not self.daemon.metric("requests_deferred") and held(self.daemon, "answers") > 8 * MIB)
         self.assertLessEqual(held(self.daemon, "answers"), 32 * MIB)  # half of the budget
         refused = self.daemon.ask("ring", "trace", LARGE)
@@ -61,6 +62,15 @@ class Large(TestCase):
             connection.close()
         wait_until(lambda: held(self.daemon, "answers") < MIB)
         self.assertEqual(self.daemon.ask("ring", "trace", LARGE).status, 200)
+
+    def test_who_reads_nothing_goes_sooner_when_others_are_refused(self):
+        crowd = [self.ask_unread() for _ in range(12)]
+        wait_until(lambda: not self.daemon.metric("requests_deferred"))
+        began = time.monotonic()
+        wait_until(lambda: self.daemon.ask("ring", "trace", LARGE).status == 200 or time.sleep(0.2))
+        self.assertLess(time.monotonic() - began, 20)  # else after 30 s
+        for connection in crowd:
+            connection.close()
 
     def test_an_answer_that_is_read_is_given_back(self):
         for headers in ({}, {"Accept-Encoding": "gzip"}, {"Accept": "application/octet-stream"}):

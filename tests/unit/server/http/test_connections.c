@@ -18,7 +18,7 @@ static int ends[2]; /* ours, the client's */
 static int set_up(void **state)
 {
     (void)state;
-    connections = server_connections_create();
+    connections = server_connections_create(NULL);
     if (!connections || socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) != 0) return -1;
     connection = server_connection_open(connections, ends[0], NULL);
     return connection ? 0 : -1;
