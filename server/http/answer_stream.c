@@ -117,6 +117,7 @@ void server_answer_streams_destroy(struct server_answer_streams *streams)
 struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams)
 {
+    if (!streams) return (struct server_answer_streams_load){0};
     return (struct server_answer_streams_load){atomic_load(&streams->count),
                                                atomic_load(&streams->held)};
 }

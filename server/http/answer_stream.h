@@ -35,7 +35,7 @@ struct server_answer_streams_load {
     size_t held;    /* bytes of SERVER_BUDGET_ANSWERS that their states hold, without the relays */
 };
 
-/* Thread-safe. */
+/* Thread-safe. NULL: zeros. */
 struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams);
 
