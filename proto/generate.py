@@ -2,6 +2,7 @@
 """Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
 
     generate.py routes openapi.yaml              the route table, C, for proto/route.h
+    generate.py handlers openapi.yaml            the handlers' declarations, C, for server/query/handlers.h
     generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/asset.h
     generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
 
@@ -249,14 +250,17 @@ def route_row(path, item, method, operation):
 
 def print_routes(document):
     routes = sorted((route for route in operations(document) if route[2] != "head"), key=literals_first)
-    handlers = sorted({handler(operation) for _, _, _, operation in routes})
-    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/route.h"\n')
-    for name in handlers:
-        print(f"void server_handle_{name}(struct server_exchange *exchange);")
-    print("\nconst struct proto_route proto_routes[] = {")
+    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/route.h"\n\n#include "generated/handlers.h"\n')
+    print("const struct proto_route proto_routes[] = {")
     for path, item, method, operation in routes:
         print(route_row(path, item, method, operation))
     print("};\n\nconst size_t proto_route_count = sizeof proto_routes / sizeof proto_routes[0];")
+
+
+def print_handlers(document):
+    print("/* Made by generate.py from openapi.yaml. */\nstruct server_exchange;\n")
+    for name in sorted({handler(operation) for _, _, method, operation in operations(document) if method != "head"}):
+        print(f"void server_handle_{name}(struct server_exchange *exchange);")
 
 
 # --- assets ---------------------------------------------------------------------------------------------------------
@@ -332,7 +336,7 @@ def print_assets(document, arguments):
 
 
 def main(arguments):
-    if len(arguments) < 2 or arguments[0] not in ("routes", "assets", "check"):
+    if len(arguments) < 2 or arguments[0] not in ("routes", "handlers", "assets", "check"):
         sys.exit(__doc__.strip())
     mode, path, *rest = arguments
     document = load_document(path)
@@ -344,6 +348,8 @@ def main(arguments):
         sys.exit("\n".join(f"{path}: {complaint}" for complaint in complaints))
     if mode == "routes":
         print_routes(document)
+    elif mode == "handlers":
+        print_handlers(document)
     elif mode == "assets":
         print_assets(document, rest)
 
