@@ -21,6 +21,8 @@ METHODS = ("get", "put", "post", "delete")  # what the table knows; head is answ
 MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
 MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
 IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
+# queries about meshes with handlers of their own
+OWN_HANDLERS = {"batch", "picture_png", "picture_svg", "get_mesh_parameters", "get_mesh_places"}
 CAPTURE = re.compile(r"\{([a-z_]+)\}")
 PREFER = {"$ref": "#/components/parameters/Prefer"}
 ROLES = ("read", "write")  # of keys, as the security requirements name them
@@ -230,6 +232,13 @@ def literals_first(route):
     return [(bool(CAPTURE.fullmatch(part)), part) for part in segments(path)], METHODS.index(method)
 
 
+def is_query(path, item, operation):
+    """Queries about meshes need no handlers of their own; what makes meshes, pictures or lines of answers does."""
+    parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
+    names = {parameter.get("$ref", "").split("/")[-1] for parameter in parameters}
+    return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
+
+
 def route_row(path, item, method, operation):
     parts = [None if CAPTURE.fullmatch(part) else part for part in segments(path)]
     query = query_name(path, method, operation)
@@ -243,7 +252,8 @@ def route_row(path, item, method, operation):
         "query": c_string(query) if query else "NULL",
         "segment_count": str(len(parts)),
         "segments": "{" + ", ".join(c_string(part) if part else "NULL" for part in parts or [None]) + "}",
-        "handle": f"server_handle_{handler(operation)}",
+        "handle": "server_handle_query" if is_query(path, item, operation) else f"server_handle_{handler(operation)}",
+        "kind": f"&server_query_{handler(operation)}" if is_query(path, item, operation) else "NULL",
     }
     return "    {" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "},"
 
@@ -258,9 +268,11 @@ def print_routes(document):
 
 
 def print_handlers(document):
-    print("/* Made by generate.py from openapi.yaml. */\nstruct server_exchange;\n")
-    for name in sorted({handler(operation) for _, _, method, operation in operations(document) if method != "head"}):
+    print("/* Made by generate.py from openapi.yaml. */\nstruct server_exchange;\nstruct server_query_kind;\n\nvoid server_handle_query(struct server_exchange *exchange);")
+    for name in sorted({handler(operation) for path, item, method, operation in operations(document) if method != "head" and not is_query(path, item, operation)}):
         print(f"void server_handle_{name}(struct server_exchange *exchange);")
+    for name in sorted({handler(operation) for path, item, _, operation in operations(document) if is_query(path, item, operation)}):
+        print(f"extern const struct server_query_kind server_query_{name};")
 
 
 # --- assets ---------------------------------------------------------------------------------------------------------

@@ -22,9 +22,8 @@ static enum gd_status curve_make(void *user, const struct gd_control *control, s
 bool server_curve_query_solve(struct server_curve_query *query, const struct server_curve_use *use,
                               size_t grant, struct proto_problem *problem)
 {
-    struct server_monitor part = server_query_monitor(&query->query, 0, RESOLVE_SHARE);
     query->use = use;
-    enum gd_status status = server_query_call(&query->query, &part, curve_make, query, grant);
+    enum gd_status status = server_query_call(&query->query, NULL, curve_make, query, grant);
     if (!status) return true;
     if (status == GD_BUDGET || !query->detail.text[0]) {
         server_query_fail(&query->query, status, use->what, problem);

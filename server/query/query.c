@@ -6,6 +6,7 @@
 #include "server/http/etag.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
+#include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/surfaces/landmarks.h"
 #include "server/work/budgeted_call.h"
@@ -41,6 +42,7 @@ void server_query_destroy(struct server_query *query)
         next = *block;
         free(block);
     }
+    proto_located_points_free(&query->points);
     proto_writer_free(&query->draft);
     if (query->held) server_query_give(query, query->held);
     server_surface_release(query->surface);
@@ -52,7 +54,8 @@ enum server_query_turn server_query_glance(struct server_query *query,
 {
     const struct server_query_kind *kind = query->kind;
     if (kind->glance) return kind->glance(query, problem);
-    return kind->answer ? server_field_query_glance(query, problem) : SERVER_QUERY_AGAIN;
+    if (kind->answer) return server_field_query_glance(query, problem);
+    return kind->solve ? SERVER_QUERY_AGAIN : SERVER_QUERY_DONE;
 }
 
 enum server_query_turn server_query_solve(struct server_query *query, struct proto_problem *problem)
@@ -126,6 +129,14 @@ void *server_query_allocate(struct server_query *query, size_t count, size_t siz
     return block + 1;
 }
 
+bool server_query_locate(struct server_query *query, struct proto_points *points,
+                         struct proto_problem *problem)
+{
+    bool ok = proto_points_locate(query->surface->mesh, points, &query->points, problem);
+    proto_points_free(points);
+    return ok;
+}
+
 struct query_call {
     server_query_maker *make;
     void *user;
@@ -145,6 +156,8 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
 {
     struct server_host *host = query->exchange->host;
     struct query_call making = {.make = make, .user = user};
+    struct server_monitor whole = server_query_monitor(query, 0, 1);
+    if (!part) part = &whole;
     const struct server_budgeted_call call = {.make = call_make,
                                               .user = &making,
                                               .control = server_exchange_control(part),
@@ -279,15 +292,14 @@ static void query_reply_form(struct server_query *query)
 {
     const struct server_form *form = &query->kind->forms[query->form - SERVER_FORM_FIRST];
     struct proto_problem problem;
-    char *bytes;
-    size_t size;
-    if (!query->kind->write(query, &bytes, &size, &problem)) {
+    struct server_answer_file file;
+    if (!query->kind->write(query, &file, &problem)) {
         server_reply_problem(query->exchange, &problem);
         return;
     }
     server_reply_header(query->exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
                         query->kind->name, form->name);
-    server_reply_bytes(query->exchange, 200, form->media_type, bytes, size);
+    server_reply_bytes(query->exchange, 200, form->media_type, file.bytes, file.size);
 }
 
 static void query_reply(struct server_query *query)
@@ -410,4 +422,9 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
     }
     query->form = form;
     query_begin(query);
+}
+
+void server_handle_query(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, exchange->match.route->kind);
 }

@@ -4,7 +4,8 @@
  * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
  * server_query and starts as zeros. The steps, in their order:
  * - decode or parse reads the question and locates its points.
- * - glance runs once, perhaps on an HTTP thread. It answers if that takes no time.
+ * - glance runs once, perhaps on an HTTP thread. It answers if that takes no time. A kind that only
+ *   decodes needs no glance and no solve.
  * - solve runs on a worker, again as long as the turn is AGAIN or, once the exchange is resumed,
  *   PARKED.
  * - encode, bytes, write or reply writes the answer when the turn is DONE. A kind without them has
@@ -22,6 +23,7 @@
 #include <jansson.h>
 
 #include "proto/options.h"
+#include "proto/points.h"
 #include "proto/set.h"
 #include "proto/writer.h"
 #include "server/http/exchange.h"
@@ -40,6 +42,11 @@ struct server_form {
     const char *name; /* in ?format=, and the file's suffix; NULL ends a list */
     const char *media_type;
     bool has_mesh; /* ?mesh=true adds the mesh */
+};
+
+struct server_answer_file {
+    char *bytes; /* by malloc */
+    size_t size;
 };
 
 enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST }; /* and on: forms[0], … */
@@ -66,8 +73,9 @@ struct server_query {
     bool with_mesh;      /* the form includes the mesh */
     double begun, share; /* of the exchange's work, see struct server_monitor */
     struct proto_writer draft;
-    size_t held;  /* bytes of SERVER_BUDGET_FLIGHT, without the draft's */
-    void *blocks; /* of server_query_allocate */
+    size_t held;                        /* bytes of SERVER_BUDGET_FLIGHT, without the draft's */
+    void *blocks;                       /* of server_query_allocate */
+    struct proto_located_points points; /* of server_query_locate */
     struct server_field_query field;
     /* During server_query_call: the part of the work that the call is, and what the kind uses. */
     struct server_monitor *part;
@@ -86,9 +94,9 @@ struct server_query_kind {
                    struct proto_problem *problem);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters,
                   struct proto_problem *problem);
-    /* NULL: AGAIN, or that of a field */
+    /* NULL: a default, see above */
     enum server_query_turn (*glance)(struct server_query *query, struct proto_problem *problem);
-    bool (*join)(struct server_query *query); /* see server_exchange_defer; NULL: likewise */
+    bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
     /* By a worker: names a set that takes time to locate; NULL: locates the pending one. */
     bool (*prepare)(struct server_query *query, struct proto_problem *problem);
@@ -102,19 +110,14 @@ struct server_query_kind {
     void (*reply)(struct server_query *query); /* for an answer that is no JSON */
     /* Writes the answer as float64 to `out`, unless that is NULL, and returns its bytes. */
     size_t (*bytes)(const struct server_query *query, void *out);
-    /* Writes the answer in the query's form, by malloc; the exchange's `held` counts it. False with
-     * the problem. */
-    bool (*write)(const struct server_query *query, char **bytes, size_t *size,
+    /* Writes the answer in the query's form; the exchange's `held` counts it. False with the
+     * problem. */
+    bool (*write)(const struct server_query *query, struct server_answer_file *out,
                   struct proto_problem *problem);
     void (*release)(struct server_query *query);
     /* Returns the answer's status and adds headers; NULL: 200. */
     unsigned (*status)(struct server_query *query);
 };
-
-/* Those that a batch takes. */
-extern const struct server_query_kind server_query_distance, server_query_path,
-    server_query_nearest, server_query_matrix, server_query_distance_to_set,
-    server_query_curve_distance;
 
 /* A query before its first step, for all of the exchange's work; it retains the surface. NULL
  * without memory. */
@@ -132,7 +135,8 @@ enum server_query_turn server_query_solve(struct server_query *query,
 /* Appends the answer of a query that is DONE, for a batch. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
-/* Handles a request of its own. */
+/* Handles a request of its own. The route table names server_handle_query for queries about meshes,
+ * whose kinds are declared in handlers.h. */
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
 
 /* --- for the steps ---------------------------------------------------------------------------- */
@@ -166,6 +170,10 @@ GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
+/* Locates points of the request as query->points, and frees `points`. False with the problem. */
+bool server_query_locate(struct server_query *query, struct proto_points *points,
+                         struct proto_problem *problem);
+
 /* An array of zeros that the query holds, and its bytes, until it ends. NULL: too little memory,
  * for which GD_BUDGET stands. */
 void *server_query_allocate(struct server_query *query, size_t count, size_t size);
@@ -173,8 +181,8 @@ void *server_query_allocate(struct server_query *query, size_t count, size_t siz
 typedef enum gd_status server_query_maker(void *user, const struct gd_control *control,
                                           size_t *kept);
 
-/* Runs one long call of the engine (budgeted_call.h) for a part of the query's work. The query
- * holds the `*kept` bytes of its result. */
+/* Runs one long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for all
+ * of it. The query holds the `*kept` bytes of its result. */
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query,
                                              struct server_monitor *part, server_query_maker *make,
                                              void *user, size_t grant);

@@ -147,19 +147,14 @@ static void operation_release(struct server_query *query)
     proto_curve_operation_free(&operation->wanted);
 }
 
-static const struct server_query_kind operation_kind = {.name = "curve",
-                                                        .size = sizeof(struct operation_query),
-                                                        .fields = proto_curve_operation_fields,
-                                                        .uses_landmarks = true,
-                                                        .decode = operation_decode,
-                                                        .solve = operation_solve,
-                                                        .encode = operation_encode,
-                                                        .release = operation_release};
-
-void server_handle_curve(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &operation_kind);
-}
+const struct server_query_kind server_query_curve = {.name = "curve",
+                                                     .size = sizeof(struct operation_query),
+                                                     .fields = proto_curve_operation_fields,
+                                                     .uses_landmarks = true,
+                                                     .decode = operation_decode,
+                                                     .solve = operation_solve,
+                                                     .encode = operation_encode,
+                                                     .release = operation_release};
 
 /* --- splines ---------------------------------------------------------------------------------- */
 
@@ -217,8 +212,7 @@ static enum server_query_turn spline_solve(struct server_query *query,
                                            struct proto_problem *problem)
 {
     struct spline_query *own = (struct spline_query *)query;
-    struct server_monitor part = server_query_monitor(query, 0, SPLINE_BUILD_SHARE);
-    enum gd_status status = server_query_call(query, &part, spline_make, query,
+    enum gd_status status = server_query_call(query, NULL, spline_make, query,
                                               server_field_build_grant(query->surface->mesh));
     if (!status || status == GD_BUDGET || !own->detail.text[0])
         return server_query_end_draft(query, status, "the spline", problem);
@@ -243,20 +237,15 @@ static void spline_release(struct server_query *query)
     proto_spline_free(&own->wanted);
 }
 
-static const struct server_query_kind spline_kind = {.name = "spline",
-                                                     .size = sizeof(struct spline_query),
-                                                     .fields = proto_spline_fields,
-                                                     .uses_landmarks = true,
-                                                     .uses_executor = true,
-                                                     .decode = spline_decode,
-                                                     .solve = spline_solve,
-                                                     .encode = spline_encode,
-                                                     .release = spline_release};
-
-void server_handle_spline(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &spline_kind);
-}
+const struct server_query_kind server_query_spline = {.name = "spline",
+                                                      .size = sizeof(struct spline_query),
+                                                      .fields = proto_spline_fields,
+                                                      .uses_landmarks = true,
+                                                      .uses_executor = true,
+                                                      .decode = spline_decode,
+                                                      .solve = spline_solve,
+                                                      .encode = spline_encode,
+                                                      .release = spline_release};
 
 /* --- distance between two curves -------------------------------------------------------------- */
 
@@ -361,8 +350,3 @@ const struct server_query_kind server_query_curve_distance = {.name = "curve-dis
                                                               .answer = curves_answer,
                                                               .encode = curves_encode,
                                                               .release = curves_release};
-
-void server_handle_curve_distance(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_curve_distance);
-}

@@ -177,16 +177,11 @@ static void cut_release(struct server_query *query)
     free(cut->names);
 }
 
-static const struct server_query_kind cut_kind = {.name = "cut",
-                                                  .size = sizeof(struct cut_query),
-                                                  .fields = proto_cut_fields,
-                                                  .uses_landmarks = true,
-                                                  .decode = cut_decode,
-                                                  .solve = cut_solve,
-                                                  .encode = cut_encode,
-                                                  .release = cut_release};
-
-void server_handle_cut(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &cut_kind);
-}
+const struct server_query_kind server_query_cut = {.name = "cut",
+                                                   .size = sizeof(struct cut_query),
+                                                   .fields = proto_cut_fields,
+                                                   .uses_landmarks = true,
+                                                   .decode = cut_decode,
+                                                   .solve = cut_solve,
+                                                   .encode = cut_encode,
+                                                   .release = cut_release};

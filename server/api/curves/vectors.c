@@ -257,31 +257,21 @@ static void trace_release(struct server_query *query)
     proto_vectors_free(&own->vectors);
 }
 
-static const struct server_query_kind trace_kind = {.name = "trace",
-                                                    .size = sizeof(struct trace_query),
-                                                    .fields = proto_trace_fields,
-                                                    .decode = trace_decode,
-                                                    .solve = trace_solve,
-                                                    .encode = trace_encode,
-                                                    .release = trace_release};
+const struct server_query_kind server_query_trace = {.name = "trace",
+                                                     .size = sizeof(struct trace_query),
+                                                     .fields = proto_trace_fields,
+                                                     .decode = trace_decode,
+                                                     .solve = trace_solve,
+                                                     .encode = trace_encode,
+                                                     .release = trace_release};
 
-static const struct server_query_kind exp_kind = {.name = "exp",
-                                                  .size = sizeof(struct trace_query),
-                                                  .fields = proto_exp_fields,
-                                                  .decode = exp_decode,
-                                                  .solve = trace_solve,
-                                                  .encode = exp_encode,
-                                                  .release = trace_release};
-
-void server_handle_trace(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &trace_kind);
-}
-
-void server_handle_exp(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &exp_kind);
-}
+const struct server_query_kind server_query_exp = {.name = "exp",
+                                                   .size = sizeof(struct trace_query),
+                                                   .fields = proto_exp_fields,
+                                                   .decode = exp_decode,
+                                                   .solve = trace_solve,
+                                                   .encode = exp_encode,
+                                                   .release = trace_release};
 
 /* --- log -------------------------------------------------------------------------------------- */
 
@@ -294,9 +284,9 @@ void server_handle_exp(struct server_exchange *exchange)
 struct log_query {
     struct server_query query; /* first */
     struct gd_seed from;
-    struct proto_located_set set;   /* `from` alone */
-    double snap;                    /* how far it was moved; NAN: not at all */
-    struct proto_located_points to; /* empty: all vertices */
+    struct proto_located_set set; /* `from` alone */
+    double snap;                  /* how far it was moved; NAN: not at all */
+    bool has_targets;             /* the query's points; else all vertices */
     bool first_vector_only;
 };
 
@@ -304,16 +294,15 @@ static bool log_decode(struct server_query *query, const json_t *document,
                        struct proto_problem *problem)
 {
     struct log_query *own = (struct log_query *)query;
-    const struct gd_mesh *mesh = query->surface->mesh;
     struct proto_log wanted;
     if (!proto_log_decode(document, &wanted, problem)) return false;
-    bool ok = proto_point_locate(mesh, &wanted.from, &own->from.point, &own->snap, problem) &&
-              (!wanted.to.count || proto_points_locate(mesh, &wanted.to, &own->to, problem));
-    proto_points_free(&wanted.to);
+    own->has_targets = wanted.to.count;
+    if (own->has_targets && !server_query_locate(query, &wanted.to, problem)) return false;
     own->first_vector_only = wanted.first_vector_only;
     own->set = (struct proto_located_set){.count = 1, .seed_count = 1, .seeds = &own->from};
     server_field_query_of_located(query, &own->set, 0);
-    return ok;
+    return proto_point_locate(query->surface->mesh, &wanted.from, &own->from.point, &own->snap,
+                              problem);
 }
 
 /* Frees the answer. */
@@ -342,12 +331,12 @@ static enum gd_status log_write_targets(struct log_query *own, const struct gd_f
                                         const struct server_monitor *whole)
 {
     struct server_query *query = &own->query;
-    uint32_t count = own->to.count;
+    uint32_t count = query->points.count;
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
         struct server_monitor part = server_monitor_portion(whole, (double)i / count, 1.0 / count);
         const struct gd_control control = server_exchange_control(&part);
-        const struct server_pair pair = {&own->from.point, &own->to.points[i],
+        const struct server_pair pair = {&own->from.point, &query->points.points[i],
                                          GD_PAIR_PATH_AND_CUT};
         struct gd_pair_answer answer;
         status = field ? gd_pair_from_field(field, pair.from, pair.to, pair.wish, &answer)
@@ -399,8 +388,8 @@ static enum server_query_turn log_answer(struct server_query *query, const struc
     if (query->options.fields & PROTO_LOG_FIELD_VECTORS) {
         proto_write_key(writer, "vectors");
         proto_write_array_begin(writer);
-        status = own->to.count ? log_write_targets(own, field, part)
-                               : log_write_vertices(own, field, part);
+        status = own->has_targets ? log_write_targets(own, field, part)
+                                  : log_write_vertices(own, field, part);
         proto_write_array_end(writer);
     }
     proto_write_object_end(writer);
@@ -410,7 +399,7 @@ static enum server_query_turn log_answer(struct server_query *query, const struc
 static bool log_needs_field(const struct server_query *query)
 {
     const struct log_query *own = (const struct log_query *)query;
-    bool is_short = !query->field.pin && own->to.count && own->to.count <= FEW;
+    bool is_short = !query->field.pin && own->has_targets && query->points.count <= FEW;
     return query->options.fields & PROTO_LOG_FIELD_VECTORS && !is_short;
 }
 
@@ -426,31 +415,19 @@ static enum server_query_turn log_solve(struct server_query *query, struct proto
                                   : log_answer(query, NULL, &whole, problem);
 }
 
-static void log_release(struct server_query *query)
-{
-    proto_located_points_free(&((struct log_query *)query)->to);
-}
-
-static const struct server_query_kind log_kind = {.name = "log",
-                                                  .size = sizeof(struct log_query),
-                                                  .fields = proto_log_fields,
-                                                  .decode = log_decode,
-                                                  .join = log_join,
-                                                  .solve = log_solve,
-                                                  .answer = log_answer,
-                                                  .release = log_release};
-
-void server_handle_log(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &log_kind);
-}
+const struct server_query_kind server_query_log = {.name = "log",
+                                                   .size = sizeof(struct log_query),
+                                                   .fields = proto_log_fields,
+                                                   .decode = log_decode,
+                                                   .join = log_join,
+                                                   .solve = log_solve,
+                                                   .answer = log_answer};
 
 /* --- transport -------------------------------------------------------------------------------- */
 
 /* Vectors at a point are moved to another one along the shortest path. */
 struct transport_query {
     struct server_query query; /* first */
-    struct proto_located_points ends;
     struct proto_vectors wanted;
     struct gd_vector *vectors; /* at the first end, then at the second */
     double distance;           /* INFINITY: no path */
@@ -458,7 +435,8 @@ struct transport_query {
 
 static bool transport_locate(struct transport_query *own, struct proto_problem *problem)
 {
-    const struct gd_mesh *mesh = own->ends.mesh;
+    const struct gd_mesh *mesh = own->query.surface->mesh;
+    const struct gd_point *from = own->query.points.points;
     struct proto_vectors *wanted = &own->wanted;
     own->vectors = server_query_allocate(&own->query, wanted->count, sizeof *own->vectors);
     if (!own->vectors) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
@@ -468,11 +446,11 @@ static bool transport_locate(struct transport_query *own, struct proto_problem *
             return proto_problem_refuse(problem, "/vectors",
                                         "segments alone can't be moved; send the vector's "
                                         "direction and length as well");
-        if (count && !proto_segment_locate(mesh, own->ends.points, &wanted->segments[first],
-                                           &own->vectors[i], problem))
+        if (count &&
+            !proto_segment_locate(mesh, from, &wanted->segments[first], &own->vectors[i], problem))
             return false;
     }
-    vectors_combine(mesh, own->ends.points, wanted, own->vectors);
+    vectors_combine(mesh, from, wanted, own->vectors);
     return true;
 }
 
@@ -483,9 +461,7 @@ static bool transport_decode(struct server_query *query, const json_t *document,
     struct proto_transport wanted;
     if (!proto_transport_decode(document, &wanted, problem)) return false;
     own->wanted = wanted.vectors;
-    bool ok = proto_points_locate(query->surface->mesh, &wanted.ends, &own->ends, problem);
-    proto_points_free(&wanted.ends);
-    return ok && transport_locate(own, problem);
+    return server_query_locate(query, &wanted.ends, problem) && transport_locate(own, problem);
 }
 
 static enum server_query_turn transport_solve(struct server_query *query,
@@ -493,14 +469,15 @@ static enum server_query_turn transport_solve(struct server_query *query,
 {
     struct transport_query *own = (struct transport_query *)query;
     struct server_monitor whole = server_query_monitor(query, 0, 1);
-    const struct server_pair pair = {&own->ends.points[0], &own->ends.points[1], GD_PAIR_PATH};
+    const struct server_pair pair = {&query->points.points[0], &query->points.points[1],
+                                     GD_PAIR_PATH};
     struct gd_pair_answer answer;
     enum gd_status status = server_pair_solve(&whole, query->surface, &pair, &answer);
     if (status) return server_query_fail(query, status, "the search", problem);
     own->distance = answer.distance;
     if (isfinite(answer.distance))
-        status = gd_vector_transport(own->ends.mesh, &answer.path, own->vectors, own->wanted.count,
-                                     own->vectors, NULL);
+        status = gd_vector_transport(query->surface->mesh, &answer.path, own->vectors,
+                                     own->wanted.count, own->vectors, NULL);
     gd_pair_answer_free(&answer);
     return server_query_end_draft(query, status, "the search", problem);
 }
@@ -508,7 +485,7 @@ static enum server_query_turn transport_solve(struct server_query *query,
 static void transport_encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct transport_query *own = (const struct transport_query *)query;
-    const struct proto_located_points *ends = &own->ends;
+    const struct proto_located_points *ends = &query->points;
     uint32_t fields = query->options.fields;
     proto_write_object_begin(writer);
     if (fields & PROTO_TRANSPORT_FIELD_FROM)
@@ -532,20 +509,13 @@ static void transport_encode(const struct server_query *query, struct proto_writ
 
 static void transport_release(struct server_query *query)
 {
-    struct transport_query *own = (struct transport_query *)query;
-    proto_located_points_free(&own->ends);
-    proto_vectors_free(&own->wanted);
+    proto_vectors_free(&((struct transport_query *)query)->wanted);
 }
 
-static const struct server_query_kind transport_kind = {.name = "transport",
-                                                        .size = sizeof(struct transport_query),
-                                                        .fields = proto_transport_fields,
-                                                        .decode = transport_decode,
-                                                        .solve = transport_solve,
-                                                        .encode = transport_encode,
-                                                        .release = transport_release};
-
-void server_handle_transport(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &transport_kind);
-}
+const struct server_query_kind server_query_transport = {.name = "transport",
+                                                         .size = sizeof(struct transport_query),
+                                                         .fields = proto_transport_fields,
+                                                         .decode = transport_decode,
+                                                         .solve = transport_solve,
+                                                         .encode = transport_encode,
+                                                         .release = transport_release};

@@ -16,26 +16,20 @@
 
 struct evaluation {
     struct server_query query; /* first */
-    struct proto_located_points points;
-    uint32_t wanted; /* fields of each result */
+    uint32_t wanted;           /* fields of each result */
     double *distances;
 };
-
-static void evaluation_release(struct server_query *query)
-{
-    proto_located_points_free(&((struct evaluation *)query)->points);
-}
 
 /* --- the question ----------------------------------------------------------------------------- */
 
 static bool evaluation_is_quick(const struct evaluation *evaluation)
 {
     const struct proto_located_set *set = evaluation->query.field.set;
-    uint32_t count = evaluation->points.count;
+    uint32_t count = evaluation->query.points.count;
     if (set && !set->has_segments && !(evaluation->wanted & PROTO_RESULT_FIELD_PATH))
         return count <= QUICK_POINTS;
     return count <= QUICK_PATHS &&
-           gd_mesh_summary(evaluation->points.mesh)->faces <= QUICK_PATH_FACES;
+           gd_mesh_summary(evaluation->query.surface->mesh)->faces <= QUICK_PATH_FACES;
 }
 
 /* Frees what was decoded. */
@@ -43,8 +37,7 @@ static bool evaluation_locate(struct server_query *query, struct proto_evaluatio
                               struct proto_problem *problem)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
-    bool ok =
-        proto_points_locate(query->surface->mesh, &wanted->points, &evaluation->points, problem);
+    bool ok = server_query_locate(query, &wanted->points, problem);
     evaluation->wanted = proto_evaluation_wanted(wanted, &query->options);
     query->field.is_quick = ok && evaluation_is_quick(evaluation);
     proto_evaluation_free(wanted);
@@ -77,15 +70,16 @@ static bool set_evaluation_decode(struct server_query *query, const json_t *docu
 /* Beyond the field's radius a distance becomes NAN, or INFINITY on components without a seed. */
 static enum gd_status distances_limit(struct evaluation *evaluation)
 {
-    const struct gd_mesh *mesh = evaluation->points.mesh;
+    const struct gd_mesh *mesh = evaluation->query.surface->mesh;
+    const struct proto_located_points *points = &evaluation->query.points;
     const struct gd_field_request *request = &evaluation->query.field.request;
     if (!(request->radius > 0)) return GD_OK;
     bool *has_seed = calloc(gd_mesh_summary(mesh)->components, sizeof *has_seed);
     if (!has_seed) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < request->seed_count; i++)
         has_seed[gd_point_component(mesh, &request->seeds[i].point)] = true;
-    for (uint32_t i = 0; i < evaluation->points.count; i++) {
-        uint32_t component = gd_point_component(mesh, &evaluation->points.points[i]);
+    for (uint32_t i = 0; i < points->count; i++) {
+        uint32_t component = gd_point_component(mesh, &points->points[i]);
         if (!(evaluation->distances[i] <= request->radius))
             evaluation->distances[i] = has_seed[component] ? NAN : INFINITY;
     }
@@ -138,8 +132,8 @@ static enum gd_status result_write(struct evaluation *evaluation, const struct g
                                    uint32_t i)
 {
     struct server_query *query = &evaluation->query;
-    const struct gd_mesh *mesh = evaluation->points.mesh;
-    const struct gd_point *point = &evaluation->points.points[i];
+    const struct gd_mesh *mesh = query->surface->mesh;
+    const struct gd_point *point = &query->points.points[i];
     struct gd_path path = {0};
     struct proto_result result = {.distance = evaluation->distances[i]};
     enum gd_status status = GD_OK;
@@ -160,21 +154,22 @@ static enum gd_status evaluation_write(struct evaluation *evaluation, const stru
 {
     const uint32_t each =
         PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT;
-    uint32_t count = evaluation->points.count;
+    struct server_query *query = &evaluation->query;
+    uint32_t count = query->points.count;
     double share = evaluation->wanted & each ? DISTANCE_SHARE : 1 - DISTANCE_SHARE;
     struct server_monitor first = server_monitor_portion(part, 0, share),
                           second = server_monitor_portion(part, share, 1 - share);
     const struct gd_control measuring = server_exchange_control(&first),
                             writing = server_exchange_control(&second);
-    enum gd_status status = gd_field_distances(field, evaluation->points.points, count, &measuring,
-                                               evaluation->distances);
+    enum gd_status status =
+        gd_field_distances(field, query->points.points, count, &measuring, evaluation->distances);
     if (!status) status = distances_limit(evaluation);
-    proto_results_begin(&evaluation->query.draft);
+    proto_results_begin(&query->draft);
     for (uint32_t i = 0; i < count && !status; i++) {
         status = result_write(evaluation, field, i);
-        if (!status) status = server_query_pause(&evaluation->query, &writing, (i + 1.0) / count);
+        if (!status) status = server_query_pause(query, &writing, (i + 1.0) / count);
     }
-    proto_results_end(&evaluation->query.draft);
+    proto_results_end(&query->draft);
     return status;
 }
 
@@ -184,34 +179,22 @@ static enum server_query_turn evaluation_answer(struct server_query *query,
                                                 struct proto_problem *problem)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
-    evaluation->distances = malloc(evaluation->points.count * sizeof *evaluation->distances);
+    evaluation->distances = malloc(query->points.count * sizeof *evaluation->distances);
     enum gd_status status =
         evaluation->distances ? evaluation_write(evaluation, field, part) : GD_NO_MEMORY;
     free(evaluation->distances);
     return server_query_end_draft(query, status, "the answer", problem);
 }
 
-static const struct server_query_kind field_evaluation_kind = {.name = "evaluate",
-                                                               .size = sizeof(struct evaluation),
-                                                               .fields = proto_evaluation_fields,
-                                                               .decode = field_evaluation_decode,
-                                                               .answer = evaluation_answer,
-                                                               .release = evaluation_release};
-
-void server_handle_evaluate_field(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &field_evaluation_kind);
-}
+const struct server_query_kind server_query_evaluate_field = {.name = "evaluate",
+                                                              .size = sizeof(struct evaluation),
+                                                              .fields = proto_evaluation_fields,
+                                                              .decode = field_evaluation_decode,
+                                                              .answer = evaluation_answer};
 
 const struct server_query_kind server_query_distance_to_set = {.name = "distance-to-set",
                                                                .size = sizeof(struct evaluation),
                                                                .fields =
                                                                    proto_distance_to_set_fields,
                                                                .decode = set_evaluation_decode,
-                                                               .answer = evaluation_answer,
-                                                               .release = evaluation_release};
-
-void server_handle_distance_to_set(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_distance_to_set);
-}
+                                                               .answer = evaluation_answer};

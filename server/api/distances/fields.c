@@ -106,19 +106,14 @@ static unsigned creation_status(struct server_query *query)
     return creation->is_new ? 201 : 200;
 }
 
-static const struct server_query_kind creation_kind = {.name = "fields",
-                                                       .size = sizeof(struct field_creation),
-                                                       .fields = proto_field_fields,
-                                                       .decode = creation_decode,
-                                                       .located = creation_name,
-                                                       .answer = creation_answer,
-                                                       .encode = resource_encode,
-                                                       .status = creation_status};
-
-void server_handle_create_field(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &creation_kind);
-}
+const struct server_query_kind server_query_create_field = {.name = "fields",
+                                                            .size = sizeof(struct field_creation),
+                                                            .fields = proto_field_fields,
+                                                            .decode = creation_decode,
+                                                            .located = creation_name,
+                                                            .answer = creation_answer,
+                                                            .encode = resource_encode,
+                                                            .status = creation_status};
 
 /* --- describe --------------------------------------------------------------------------------- */
 
@@ -129,25 +124,11 @@ static bool resource_parse(struct server_query *query, const struct proto_parame
     return server_field_query_of_resource(query, problem);
 }
 
-/* The description needs no field. */
-static enum server_query_turn resource_describe(struct server_query *query,
-                                                struct proto_problem *problem)
-{
-    (void)query, (void)problem;
-    return SERVER_QUERY_DONE;
-}
-
-static const struct server_query_kind description_kind = {.name = "field",
-                                                          .size = sizeof(struct server_query),
-                                                          .fields = proto_field_fields,
-                                                          .parse = resource_parse,
-                                                          .glance = resource_describe,
-                                                          .encode = resource_encode};
-
-void server_handle_get_field(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &description_kind);
-}
+const struct server_query_kind server_query_get_field = {.name = "field",
+                                                         .size = sizeof(struct server_query),
+                                                         .fields = proto_field_fields,
+                                                         .parse = resource_parse,
+                                                         .encode = resource_encode};
 
 /* --- list ------------------------------------------------------------------------------------- */
 
@@ -239,8 +220,8 @@ static bool values_parse(struct server_query *query, const struct proto_paramete
                          struct proto_problem *problem)
 {
     (void)parameters;
-    query->field.is_quick =
-        values_count(query) <= QUICK_VERTICES && query->form < SERVER_FORM_FIRST;
+    query->with_mesh = query->form >= SERVER_FORM_FIRST; /* whatever ?mesh= says */
+    query->field.is_quick = values_count(query) <= QUICK_VERTICES;
     return server_field_query_of_resource(query, problem);
 }
 
@@ -280,35 +261,29 @@ static size_t values_bytes(const struct server_query *query, void *out)
     return count * sizeof *bytes;
 }
 
-/* Each has the mesh, whatever ?mesh= says. */
 static const struct server_form values_forms[] = {{"ply", "application/x-ply", false},
                                                   {"glb", "model/gltf-binary", false},
                                                   {"csv", "text/csv", false},
                                                   {NULL, NULL, false}};
 
-static bool values_write(const struct server_query *query, char **bytes, size_t *size,
+static bool values_write(const struct server_query *query, struct server_answer_file *out,
                          struct proto_problem *problem)
 {
     static const enum gd_result_format formats[] = {GD_RESULT_PLY, GD_RESULT_GLB, GD_RESULT_CSV};
     const struct gd_result result = {.distances = ((const struct values_query *)query)->values};
-    return server_result_write(query, &result, true, formats[query->form - SERVER_FORM_FIRST],
-                               bytes, size, problem);
+    return server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out,
+                               problem);
 }
 
-static const struct server_query_kind values_kind = {.name = "values",
-                                                     .size = sizeof(struct values_query),
-                                                     .fields = proto_values_fields,
-                                                     .forms = values_forms,
-                                                     .parse = values_parse,
-                                                     .answer = values_answer,
-                                                     .encode = values_encode,
-                                                     .bytes = values_bytes,
-                                                     .write = values_write};
-
-void server_handle_get_field_values(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &values_kind);
-}
+const struct server_query_kind server_query_get_field_values = {.name = "values",
+                                                                .size = sizeof(struct values_query),
+                                                                .fields = proto_values_fields,
+                                                                .forms = values_forms,
+                                                                .parse = values_parse,
+                                                                .answer = values_answer,
+                                                                .encode = values_encode,
+                                                                .bytes = values_bytes,
+                                                                .write = values_write};
 
 /* --- wedges on an edge ------------------------------------------------------------------------ */
 
@@ -359,16 +334,12 @@ static void wedges_release(struct server_query *query)
     free(((struct wedges_query *)query)->wedges);
 }
 
-static const struct server_query_kind wedges_kind = {.name = "wedges",
-                                                     .size = sizeof(struct wedges_query),
-                                                     .fields = proto_wedges_fields,
-                                                     .parameters = proto_wedges_parameters,
-                                                     .parse = wedges_parse,
-                                                     .answer = wedges_answer,
-                                                     .encode = wedges_encode,
-                                                     .release = wedges_release};
-
-void server_handle_get_field_wedges(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &wedges_kind);
-}
+const struct server_query_kind server_query_get_field_wedges = {.name = "wedges",
+                                                                .size = sizeof(struct wedges_query),
+                                                                .fields = proto_wedges_fields,
+                                                                .parameters =
+                                                                    proto_wedges_parameters,
+                                                                .parse = wedges_parse,
+                                                                .answer = wedges_answer,
+                                                                .encode = wedges_encode,
+                                                                .release = wedges_release};

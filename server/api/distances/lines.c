@@ -236,33 +236,28 @@ static enum server_query_turn isolines_answer(struct server_query *query,
     return server_query_end_draft(query, GD_OK, WHAT, problem);
 }
 
-static bool isolines_write(const struct server_query *query, char **bytes, size_t *size,
+static bool isolines_write(const struct server_query *query, struct server_answer_file *out,
                            struct proto_problem *problem)
 {
     const struct isolines_query *own = (const struct isolines_query *)query;
     const struct server_result_lines lines = {own->lines, own->levels, own->line_count};
     if (!own->line_count)
         return server_result_refuse_nothing(problem, "there are no lines at these distances");
-    return server_result_write_lines(query, &lines, bytes, size, problem);
+    return server_result_write_lines(query, &lines, out, problem);
 }
 
 static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
 
-static const struct server_query_kind isolines_kind = {.name = "isolines",
-                                                       .size = sizeof(struct isolines_query),
-                                                       .fields = proto_isolines_fields,
-                                                       .parameters = proto_isolines_parameters,
-                                                       .forms = isolines_forms,
-                                                       .decode = isolines_decode,
-                                                       .parse = isolines_parse,
-                                                       .answer = isolines_answer,
-                                                       .write = isolines_write,
-                                                       .release = isolines_release};
-
-void server_handle_isolines(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &isolines_kind);
-}
+const struct server_query_kind server_query_isolines = {.name = "isolines",
+                                                        .size = sizeof(struct isolines_query),
+                                                        .fields = proto_isolines_fields,
+                                                        .parameters = proto_isolines_parameters,
+                                                        .forms = isolines_forms,
+                                                        .decode = isolines_decode,
+                                                        .parse = isolines_parse,
+                                                        .answer = isolines_answer,
+                                                        .write = isolines_write,
+                                                        .release = isolines_release};
 
 /* --- Voronoi diagrams ------------------------------------------------------------------------- */
 
@@ -392,13 +387,8 @@ static enum server_query_turn voronoi_answer(struct server_query *query,
     return server_query_end_draft(query, GD_OK, WHAT, problem);
 }
 
-static const struct server_query_kind voronoi_kind = {.name = "voronoi",
-                                                      .size = sizeof(struct voronoi_query),
-                                                      .fields = proto_voronoi_fields,
-                                                      .decode = voronoi_decode,
-                                                      .answer = voronoi_answer};
-
-void server_handle_voronoi(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &voronoi_kind);
-}
+const struct server_query_kind server_query_voronoi = {.name = "voronoi",
+                                                       .size = sizeof(struct voronoi_query),
+                                                       .fields = proto_voronoi_fields,
+                                                       .decode = voronoi_decode,
+                                                       .answer = voronoi_answer};

@@ -36,10 +36,10 @@ struct point_index {
 };
 
 struct matrix_query {
-    struct server_query query; /* first */
-    struct proto_located_points sources, targets;
-    double max_distance; /* INFINITY: no limit */
-    double *distances;   /* a source a row. INFINITY: no path; NAN: beyond max_distance */
+    struct server_query query;           /* first */
+    struct proto_located_points targets; /* the sources are the query's points */
+    double max_distance;                 /* INFINITY: no limit */
+    double *distances; /* a source a row. INFINITY: no path; NAN: beyond max_distance */
 
     bool is_turned; /* the rows are the targets */
     struct point_index rows, columns;
@@ -60,20 +60,17 @@ struct matrix_row {
 
 static void matrix_release(struct server_query *query)
 {
-    struct matrix_query *matrix = (struct matrix_query *)query;
-    proto_located_points_free(&matrix->sources);
-    proto_located_points_free(&matrix->targets);
+    proto_located_points_free(&((struct matrix_query *)query)->targets);
 }
 
 static bool matrix_decode(struct server_query *query, const json_t *document,
                           struct proto_problem *problem)
 {
     struct matrix_query *matrix = (struct matrix_query *)query;
-    const struct gd_mesh *mesh = query->surface->mesh;
     struct proto_matrix wanted;
     if (!proto_matrix_decode(document, &wanted, problem)) return false;
-    bool ok = proto_points_locate(mesh, &wanted.sources, &matrix->sources, problem) &&
-              proto_points_locate(mesh, &wanted.targets, &matrix->targets, problem);
+    bool ok = server_query_locate(query, &wanted.sources, problem) &&
+              proto_points_locate(query->surface->mesh, &wanted.targets, &matrix->targets, problem);
     matrix->max_distance = wanted.max_distance;
     proto_matrix_free(&wanted);
     return ok;
@@ -320,7 +317,7 @@ static void matrix_spread(struct matrix_query *matrix)
     const uint32_t *row = matrix->rows.number, *column = matrix->columns.number;
     size_t columns = matrix->columns.count;
     double *out = matrix->distances;
-    for (size_t i = 0; i < matrix->sources.count; i++)
+    for (size_t i = 0; i < matrix->query.points.count; i++)
         for (size_t j = 0; j < matrix->targets.count; j++)
             *out++ = matrix->row_distances[matrix->is_turned ? row[j] * columns + column[i]
                                                              : row[i] * columns + column[j]];
@@ -331,7 +328,8 @@ static enum gd_status matrix_work(struct matrix_query *matrix)
 {
     const struct gd_mesh *mesh = matrix->query.surface->mesh;
     struct point_index sources = {0}, targets = {0};
-    bool ok = points_index(&matrix->sources, &sources) && points_index(&matrix->targets, &targets);
+    bool ok =
+        points_index(&matrix->query.points, &sources) && points_index(&matrix->targets, &targets);
     matrix->is_turned = targets.count < sources.count;
     matrix->rows = matrix->is_turned ? targets : sources;
     matrix->columns = matrix->is_turned ? sources : targets;
@@ -357,8 +355,8 @@ static enum server_query_turn matrix_solve(struct server_query *query,
                                            struct proto_problem *problem)
 {
     struct matrix_query *matrix = (struct matrix_query *)query;
-    size_t points = (size_t)matrix->sources.count + matrix->targets.count,
-           entries = (size_t)matrix->sources.count * matrix->targets.count,
+    size_t points = (size_t)query->points.count + matrix->targets.count,
+           entries = (size_t)query->points.count * matrix->targets.count,
            cost = entries * sizeof(double) +
                   points * (sizeof(struct gd_point) + 2 * sizeof(uint32_t) + sizeof(bool));
     matrix->distances = server_query_allocate(query, entries, sizeof *matrix->distances);
@@ -373,7 +371,7 @@ static enum server_query_turn matrix_solve(struct server_query *query,
 static struct proto_matrix_answer matrix_answer(const struct server_query *query)
 {
     const struct matrix_query *matrix = (const struct matrix_query *)query;
-    return (struct proto_matrix_answer){matrix->distances, matrix->sources.count,
+    return (struct proto_matrix_answer){matrix->distances, query->points.count,
                                         matrix->targets.count};
 }
 
@@ -397,8 +395,3 @@ const struct server_query_kind server_query_matrix = {.name = "matrix",
                                                       .encode = matrix_encode,
                                                       .bytes = matrix_bytes,
                                                       .release = matrix_release};
-
-void server_handle_matrix(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_matrix);
-}

@@ -21,9 +21,8 @@
 
 struct pair_query {
     struct server_query query; /* first */
-    struct proto_located_points stops;
     enum gd_pair_wish wish;
-    uint32_t leg, leg_count;      /* in work: from stop `leg` to the next one */
+    uint32_t leg, leg_count;      /* in work: from point `leg` of the query to the next one */
     bool is_noted;                /* the cache has counted the leg's ends */
     struct gd_pair_answer answer; /* of the legs before it */
     struct gd_seed source;        /* of the field that this query builds */
@@ -31,22 +30,19 @@ struct pair_query {
 
 static void pair_release(struct server_query *query)
 {
-    struct pair_query *pair = (struct pair_query *)query;
-    gd_pair_answer_free(&pair->answer);
-    proto_located_points_free(&pair->stops);
+    gd_pair_answer_free(&((struct pair_query *)query)->answer);
 }
 
 static bool pair_locate(struct server_query *query, struct proto_points *stops,
                         struct proto_problem *problem)
 {
     struct pair_query *pair = (struct pair_query *)query;
-    bool ok = proto_points_locate(query->surface->mesh, stops, &pair->stops, problem);
-    proto_points_free(stops);
-    pair->leg_count = ok ? pair->stops.count - 1 : 0;
+    if (!server_query_locate(query, stops, problem)) return false;
+    pair->leg_count = query->points.count - 1;
     pair->wish = query->options.fields & PROTO_PAIR_FIELD_PATH || query->form >= SERVER_FORM_FIRST
                      ? GD_PAIR_PATH
                      : GD_PAIR_DISTANCE;
-    return ok;
+    return true;
 }
 
 static bool pair_decode(struct server_query *query, const json_t *document,
@@ -67,7 +63,7 @@ static bool pair_parse(struct server_query *query, const struct proto_parameters
 
 static struct server_pair leg_of(const struct pair_query *pair)
 {
-    const struct gd_point *from = &pair->stops.points[pair->leg];
+    const struct gd_point *from = &pair->query.points.points[pair->leg];
     return (struct server_pair){from, from + 1, pair->wish};
 }
 
@@ -147,7 +143,8 @@ static enum server_cache_turn field_enter(struct pair_query *pair, const struct 
 static enum server_cache_turn leg_enter(struct pair_query *pair)
 {
     const struct server_pair ends = leg_of(pair);
-    uint64_t patience = PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->stops.mesh)->edges;
+    uint64_t patience =
+        PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->query.surface->mesh)->edges;
     if (pair->query.exchange->job.deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
     enum server_cache_turn turn = field_enter(pair, ends.from);
     return turn == SERVER_CACHE_SEARCH ? field_enter(pair, ends.to) : turn;
@@ -172,7 +169,7 @@ static enum server_query_turn leg_build(struct pair_query *pair, struct proto_pr
 static enum server_query_turn pair_glance(struct server_query *query, struct proto_problem *problem)
 {
     struct pair_query *pair = (struct pair_query *)query;
-    uint64_t faces = gd_mesh_summary(pair->stops.mesh)->faces;
+    uint64_t faces = gd_mesh_summary(pair->query.surface->mesh)->faces;
     bool is_quick = !pair->wish || faces * pair->leg_count <= INLINE_PATH_FACES;
     enum server_query_turn turn = is_quick ? leg_find(pair, problem) : SERVER_QUERY_AGAIN;
     if (turn == SERVER_QUERY_AGAIN) leg_note(pair);
@@ -210,10 +207,10 @@ static enum server_query_turn pair_solve(struct server_query *query, struct prot
 static void pair_encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct pair_query *pair = (const struct pair_query *)query;
-    proto_pair_encode(writer, &pair->stops, &pair->answer, &query->options);
+    proto_pair_encode(writer, &query->points, &pair->answer, &query->options);
 }
 
-static bool path_write(const struct server_query *query, char **bytes, size_t *size,
+static bool path_write(const struct server_query *query, struct server_answer_file *out,
                        struct proto_problem *problem)
 {
     const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
@@ -221,8 +218,8 @@ static bool path_write(const struct server_query *query, char **bytes, size_t *s
         return server_result_refuse_nothing(problem, "there is no path between the points");
     const struct server_result_lines line = {.paths = &answer->path, .count = 1};
     if (query->form < SERVER_RESULT_LINE_FORMS_END)
-        return server_result_write_lines(query, &line, bytes, size, problem);
-    return server_result_write_strip(query, &answer->path, bytes, size, problem);
+        return server_result_write_lines(query, &line, out, problem);
+    return server_result_write_strip(query, &answer->path, out, problem);
 }
 
 static const struct server_form path_forms[] = {
@@ -240,13 +237,3 @@ const struct server_query_kind server_query_path = {.name = "path",
                                                     .forms = path_forms,
                                                     .write = path_write,
                                                     PAIR_STEPS};
-
-void server_handle_distance(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_distance);
-}
-
-void server_handle_path(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_path);
-}

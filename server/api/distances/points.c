@@ -13,6 +13,8 @@
 
 /* --- nearest ---------------------------------------------------------------------------------- */
 
+/* Locating takes O(log n): nothing is left to solve. */
+
 struct nearest_query {
     struct server_query query; /* first */
     struct gd_point point;
@@ -43,14 +45,6 @@ static bool nearest_parse(struct server_query *query, const struct proto_paramet
            nearest_locate(query, &wanted, problem);
 }
 
-/* Locating takes O(log n), so decoding has done all. */
-static enum server_query_turn nearest_glance(struct server_query *query,
-                                             struct proto_problem *problem)
-{
-    (void)query, (void)problem;
-    return SERVER_QUERY_DONE;
-}
-
 static void nearest_encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct nearest_query *nearest = (const struct nearest_query *)query;
@@ -64,20 +58,13 @@ const struct server_query_kind server_query_nearest = {.name = "nearest",
                                                        .parameters = proto_nearest_parameters,
                                                        .decode = nearest_decode,
                                                        .parse = nearest_parse,
-                                                       .glance = nearest_glance,
                                                        .encode = nearest_encode};
-
-void server_handle_nearest(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_nearest);
-}
 
 /* --- mean ------------------------------------------------------------------------------------- */
 
 struct mean_query {
     struct server_query query; /* first */
-    struct proto_located_points points;
-    double *weights; /* NULL: equal ones */
+    double *weights;           /* NULL: equal ones */
     bool one_step;
     struct gd_mean mean;
 };
@@ -91,64 +78,55 @@ static bool mean_decode(struct server_query *query, const json_t *document,
     if (!proto_mean_decode(document, &wanted, problem)) return false;
     mean->weights = wanted.weights;
     mean->one_step = wanted.one_step;
-    bool ok = proto_points_locate(mesh, &wanted.points, &mean->points, problem);
-    proto_points_free(&wanted.points);
-    for (uint32_t i = 1; ok && i < mean->points.count; i++)
-        if (gd_point_component(mesh, &mean->points.points[i]) !=
-            gd_point_component(mesh, &mean->points.points[0]))
-            ok = proto_problem_refuse(problem, "/points",
-                                      "point %u lies on another component than point 0: there is "
-                                      "no path between them",
-                                      i);
-    return ok;
+    if (!server_query_locate(query, &wanted.points, problem)) return false;
+    const struct gd_point *points = query->points.points;
+    for (uint32_t i = 1; i < query->points.count; i++)
+        if (gd_point_component(mesh, &points[i]) != gd_point_component(mesh, &points[0]))
+            return proto_problem_refuse(problem, "/points",
+                                        "point %u lies on another component than point 0: there "
+                                        "is no path between them",
+                                        i);
+    return true;
 }
 
 static enum gd_status mean_find(void *user, const struct gd_control *control, size_t *kept)
 {
     struct mean_query *mean = user;
-    const struct gd_mean_request request = {.points = mean->points.points,
+    const struct gd_mean_request request = {.points = mean->query.points.points,
                                             .weights = mean->weights,
-                                            .count = mean->points.count,
+                                            .count = mean->query.points.count,
                                             .one_step = mean->one_step,
                                             .landmarks = mean->query.landmarks};
     *kept = 0;
-    return gd_mean_find(mean->points.mesh, &request, control, &mean->mean, NULL);
+    return gd_mean_find(mean->query.surface->mesh, &request, control, &mean->mean, NULL);
 }
 
 static enum server_query_turn mean_solve(struct server_query *query, struct proto_problem *problem)
 {
-    struct server_monitor whole = server_query_monitor(query, 0, 1);
-    enum gd_status status = server_query_call(query, &whole, mean_find, query,
+    enum gd_status status = server_query_call(query, NULL, mean_find, query,
                                               server_field_build_grant(query->surface->mesh));
     return server_query_end_draft(query, status, "the mean", problem);
 }
 
 static void mean_encode(const struct server_query *query, struct proto_writer *writer)
 {
-    const struct mean_query *mean = (const struct mean_query *)query;
-    proto_mean_encode(writer, mean->points.mesh, &mean->mean, &query->options);
+    proto_mean_encode(writer, query->surface->mesh, &((const struct mean_query *)query)->mean,
+                      &query->options);
 }
 
 static void mean_release(struct server_query *query)
 {
-    struct mean_query *mean = (struct mean_query *)query;
-    proto_located_points_free(&mean->points);
-    free(mean->weights);
+    free(((struct mean_query *)query)->weights);
 }
 
-static const struct server_query_kind mean_kind = {.name = "mean",
-                                                   .size = sizeof(struct mean_query),
-                                                   .fields = proto_mean_fields,
-                                                   .uses_landmarks = true,
-                                                   .decode = mean_decode,
-                                                   .solve = mean_solve,
-                                                   .encode = mean_encode,
-                                                   .release = mean_release};
-
-void server_handle_mean(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &mean_kind);
-}
+const struct server_query_kind server_query_mean = {.name = "mean",
+                                                    .size = sizeof(struct mean_query),
+                                                    .fields = proto_mean_fields,
+                                                    .uses_landmarks = true,
+                                                    .decode = mean_decode,
+                                                    .solve = mean_solve,
+                                                    .encode = mean_encode,
+                                                    .release = mean_release};
 
 /* --- farthest points -------------------------------------------------------------------------- */
 
@@ -189,12 +167,11 @@ static enum server_query_turn sampling_solve(struct server_query *query,
                                              struct proto_problem *problem)
 {
     struct sampling_query *sampling = (struct sampling_query *)query;
-    struct server_monitor whole = server_query_monitor(query, 0, 1);
     enum gd_status status = GD_BUDGET;
     sampling->points = server_query_allocate(query, sampling->count, sizeof *sampling->points);
     sampling->radii = server_query_allocate(query, sampling->count, sizeof *sampling->radii);
     if (sampling->points && sampling->radii)
-        status = server_query_call(query, &whole, sampling_choose, query,
+        status = server_query_call(query, NULL, sampling_choose, query,
                                    server_field_build_grant(query->surface->mesh));
     return server_query_end_draft(query, status, "the sampling", problem);
 }
@@ -206,15 +183,11 @@ static void sampling_encode(const struct server_query *query, struct proto_write
                           sampling->count, sampling->snap, &query->options);
 }
 
-static const struct server_query_kind sampling_kind = {.name = "farthest-points",
-                                                       .size = sizeof(struct sampling_query),
-                                                       .fields = proto_sampling_fields,
-                                                       .uses_executor = true,
-                                                       .decode = sampling_decode,
-                                                       .solve = sampling_solve,
-                                                       .encode = sampling_encode};
-
-void server_handle_farthest_points(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &sampling_kind);
-}
+const struct server_query_kind server_query_farthest_points = {.name = "farthest-points",
+                                                               .size =
+                                                                   sizeof(struct sampling_query),
+                                                               .fields = proto_sampling_fields,
+                                                               .uses_executor = true,
+                                                               .decode = sampling_decode,
+                                                               .solve = sampling_solve,
+                                                               .encode = sampling_encode};
