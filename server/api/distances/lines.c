@@ -10,14 +10,12 @@
 #include "server/query/query.h"
 #include "server/query/result.h"
 
-#define BYTES_A_TRACE   ((size_t)1 << 20)
-#define ISOLINE_EDGE    32  /* bytes an edge of the mesh, while an isoline is traced, */
-#define BISECTOR_EDGE   48  /* and while bisectors are */
-#define ISOLINE_SHARE   0.5 /* of the work, to trace; the rest is to write */
-#define LABELS_SHARE    0.1
-#define BISECTORS_SHARE 0.7 /* of the work after the labels */
-#define PORTION         512 /* elements that are written between two checks of the control */
-#define WHAT            "the answer"
+#define BYTES_A_TRACE ((size_t)1 << 20)
+#define ISOLINE_EDGE  32  /* bytes an edge of the mesh, while an isoline is traced, */
+#define BISECTOR_EDGE 48  /* and while bisectors are */
+#define ISOLINE_SHARE 0.5 /* of the work, to trace; the rest is to write */
+#define PORTION       512 /* elements that are written between two checks of the control */
+#define WHAT          "the answer"
 
 static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
 {
@@ -265,6 +263,7 @@ struct voronoi_query {
     struct server_query query; /* first */
     double tolerance;
     const struct gd_field *field;
+    uint32_t *labels; /* by vertex index; NULL: not wanted */
     struct gd_voronoi found;
 };
 
@@ -279,25 +278,17 @@ static bool voronoi_decode(struct server_query *query, const json_t *document,
     return server_field_query_of_set(query, &wanted.set, 0, problem);
 }
 
-static enum gd_status labels_write(struct voronoi_query *own, struct server_monitor *part)
+/* The engine takes as many bytes as the labels. */
+static enum gd_status labels_find(struct voronoi_query *own)
 {
     struct server_query *query = &own->query;
-    const struct gd_control control = server_exchange_control(part);
-    uint32_t count = gd_mesh_summary(query->surface->mesh)->index_count;
-    size_t bytes = count * sizeof(uint32_t);
-    enum gd_status status = server_query_take(query, 2 * bytes); /* twice while they are found */
+    size_t count = gd_mesh_summary(query->surface->mesh)->index_count,
+           bytes = count * sizeof *own->labels;
+    own->labels = server_query_allocate(query, count, sizeof *own->labels);
+    enum gd_status status = own->labels ? server_query_take(query, bytes) : GD_BUDGET;
     if (status) return status;
-    uint32_t *labels = malloc(bytes);
-    status =
-        labels ? gd_voronoi_labels(own->field, query->field.set->members, labels) : GD_NO_MEMORY;
-    proto_voronoi_labels_begin(&query->draft);
-    for (uint32_t i = 0; i < count && !status; i++) {
-        proto_voronoi_label(&query->draft, labels[i]);
-        if ((i + 1) % PORTION == 0) status = server_query_pause(query, &control, (double)i / count);
-    }
-    proto_voronoi_list_end(&query->draft);
-    free(labels);
-    server_query_give(query, 2 * bytes);
+    status = gd_voronoi_labels(own->field, query->field.set->members, own->labels);
+    server_query_give(query, bytes);
     return status;
 }
 
@@ -324,50 +315,6 @@ static bool bisectors_admit(const struct voronoi_query *own, struct proto_proble
     return proto_problem_limit(problem, PROTO_VORONOI_POINTS);
 }
 
-static enum gd_status bisectors_write(struct voronoi_query *own, struct server_monitor *part)
-{
-    struct server_query *query = &own->query;
-    const struct gd_control control = server_exchange_control(part);
-    uint32_t count = own->found.bisector_count;
-    enum gd_status status = GD_OK;
-    proto_voronoi_bisectors_begin(&query->draft);
-    for (uint32_t i = 0; i < count && !status; i++) {
-        const struct gd_bisector *bisector = &own->found.bisectors[i];
-        proto_bisector_begin(&query->draft, bisector);
-        if (query->options.geometry != PROTO_GEOMETRY_NONE) {
-            proto_bisector_points_begin(&query->draft);
-            status = points_write(query, bisector->points, bisector->point_count,
-                                  bisector->point_count, &control);
-            proto_voronoi_list_end(&query->draft);
-        }
-        proto_bisector_end(&query->draft);
-        if (!status) status = server_query_pause(query, &control, (double)i / count);
-    }
-    proto_voronoi_list_end(&query->draft);
-    return status;
-}
-
-static bool bisectors_answer(struct voronoi_query *own, const struct server_monitor *part,
-                             struct proto_problem *problem)
-{
-    struct server_query *query = &own->query;
-    struct server_monitor first = server_monitor_portion(part, 0, BISECTORS_SHARE),
-                          second =
-                              server_monitor_portion(part, BISECTORS_SHARE, 1 - BISECTORS_SHARE);
-    enum gd_status status =
-        server_query_call(query, &first, bisectors_trace, own, trace_grant(query, BISECTOR_EDGE));
-    if (status) {
-        server_query_fail(query, status, "the diagram", problem);
-        return false;
-    }
-    bool ok = bisectors_admit(own, problem);
-    if (ok) status = bisectors_write(own, &second);
-    if (status) server_query_fail(query, status, WHAT, problem);
-    server_query_give(query, own->found.bytes);
-    gd_voronoi_free(&own->found);
-    return ok && !status;
-}
-
 static enum server_query_turn voronoi_answer(struct server_query *query,
                                              const struct gd_field *field,
                                              struct server_monitor *part,
@@ -375,20 +322,57 @@ static enum server_query_turn voronoi_answer(struct server_query *query,
 {
     struct voronoi_query *own = (struct voronoi_query *)query;
     uint32_t fields = query->options.fields;
-    struct server_monitor first = server_monitor_portion(part, 0, LABELS_SHARE),
-                          second = server_monitor_portion(part, LABELS_SHARE, 1 - LABELS_SHARE);
     own->field = field;
-    proto_voronoi_begin(&query->draft);
-    enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_write(own, &first) : GD_OK;
-    if (status) return server_query_fail(query, status, WHAT, problem);
-    if (fields & PROTO_VORONOI_FIELD_BISECTORS && !bisectors_answer(own, &second, problem))
-        return SERVER_QUERY_FAILED;
-    proto_voronoi_end(&query->draft);
-    return server_query_end_draft(query, GD_OK, WHAT, problem);
+    enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_find(own) : GD_OK;
+    if (!status && fields & PROTO_VORONOI_FIELD_BISECTORS)
+        status =
+            server_query_call(query, part, bisectors_trace, own, trace_grant(query, BISECTOR_EDGE));
+    if (!status && !bisectors_admit(own, problem)) return SERVER_QUERY_FAILED;
+    return server_query_end_draft(query, status, "the diagram", problem);
+}
+
+static void bisector_encode(const struct server_query *query, struct proto_writer *writer,
+                            const struct gd_bisector *bisector)
+{
+    enum proto_geometry geometry = query->options.geometry;
+    proto_bisector_begin(writer, bisector);
+    if (geometry != PROTO_GEOMETRY_NONE) {
+        proto_bisector_points_begin(writer);
+        for (uint32_t i = 0; i < bisector->point_count; i++)
+            proto_path_point_encode(writer, query->surface->mesh, &bisector->points[i], geometry);
+        proto_voronoi_list_end(writer);
+    }
+    proto_bisector_end(writer);
+}
+
+static void voronoi_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct voronoi_query *own = (const struct voronoi_query *)query;
+    uint32_t count = gd_mesh_summary(query->surface->mesh)->index_count;
+    proto_voronoi_begin(writer);
+    if (own->labels) {
+        proto_voronoi_labels_begin(writer);
+        for (uint32_t i = 0; i < count; i++) proto_voronoi_label(writer, own->labels[i]);
+        proto_voronoi_list_end(writer);
+    }
+    if (query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) {
+        proto_voronoi_bisectors_begin(writer);
+        for (uint32_t i = 0; i < own->found.bisector_count; i++)
+            bisector_encode(query, writer, &own->found.bisectors[i]);
+        proto_voronoi_list_end(writer);
+    }
+    proto_voronoi_end(writer);
+}
+
+static void voronoi_release(struct server_query *query)
+{
+    gd_voronoi_free(&((struct voronoi_query *)query)->found);
 }
 
 const struct server_query_kind server_query_voronoi = {.name = "voronoi",
                                                        .size = sizeof(struct voronoi_query),
                                                        .fields = proto_voronoi_fields,
                                                        .decode = voronoi_decode,
-                                                       .answer = voronoi_answer};
+                                                       .answer = voronoi_answer,
+                                                       .encode = voronoi_encode,
+                                                       .release = voronoi_release};
