@@ -192,7 +192,7 @@ $(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mpr
 $(BUILD)/obj/engine/base/%_avx512.c.o: CFLAGS += -mavx512bw
 endif
 
-$(BUILD)/obj/%.c.o: %.c
+$(BUILD)/obj/%.c.o: %.c | $(BUILD)/generated/handlers.h
 	@mkdir -p $(@D)
 	$(call tell,CC,$<)$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
@@ -275,9 +275,13 @@ include docker/packages.mk
 
 # --- generated sources: the route table and the embedded pages ------------------------------------------------------------
 
-$(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py
+$(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py | $(BUILD)/generated/handlers.h
 	@mkdir -p $(@D)
 	$(call tell,GEN)python3 proto/generate.py routes proto/openapi.yaml > $@
+
+$(BUILD)/generated/handlers.h: proto/openapi.yaml proto/generate.py
+	@mkdir -p $(@D)
+	$(call tell,GEN)python3 proto/generate.py handlers proto/openapi.yaml > $@
 
 # The pages are built by npm's packages, once for all builds below $(BUILD) (clients/web/build.sh). VIEWER=no: a page that says that they are missing.
 VIEWER ?= yes

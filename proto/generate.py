@@ -2,6 +2,7 @@
 """Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
 
     generate.py routes openapi.yaml              the route table, C, for proto/route.h
+    generate.py handlers openapi.yaml            the handlers' declarations, C, for server/query/handlers.h
     generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/asset.h
     generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
 
@@ -20,6 +21,8 @@ METHODS = ("get", "put", "post", "delete")  # what the table knows; head is answ
 MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
 MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
 IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
+# queries about meshes with handlers of their own
+OWN_HANDLERS = {"batch", "picture_png", "picture_svg", "get_mesh_parameters", "get_mesh_places"}
 CAPTURE = re.compile(r"\{([a-z_]+)\}")
 PREFER = {"$ref": "#/components/parameters/Prefer"}
 ROLES = ("read", "write")  # of keys, as the security requirements name them
@@ -229,6 +232,13 @@ def literals_first(route):
     return [(bool(CAPTURE.fullmatch(part)), part) for part in segments(path)], METHODS.index(method)
 
 
+def is_query(path, item, operation):
+    """Queries about meshes need no handlers of their own; what makes meshes, pictures or lines of answers does."""
+    parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
+    names = {parameter.get("$ref", "").split("/")[-1] for parameter in parameters}
+    return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
+
+
 def route_row(path, item, method, operation):
     parts = [None if CAPTURE.fullmatch(part) else part for part in segments(path)]
     query = query_name(path, method, operation)
@@ -242,21 +252,27 @@ def route_row(path, item, method, operation):
         "query": c_string(query) if query else "NULL",
         "segment_count": str(len(parts)),
         "segments": "{" + ", ".join(c_string(part) if part else "NULL" for part in parts or [None]) + "}",
-        "handle": f"server_handle_{handler(operation)}",
+        "handle": "server_handle_query" if is_query(path, item, operation) else f"server_handle_{handler(operation)}",
+        "kind": f"&server_query_{handler(operation)}" if is_query(path, item, operation) else "NULL",
     }
     return "    {" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "},"
 
 
 def print_routes(document):
     routes = sorted((route for route in operations(document) if route[2] != "head"), key=literals_first)
-    handlers = sorted({handler(operation) for _, _, _, operation in routes})
-    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/route.h"\n')
-    for name in handlers:
-        print(f"void server_handle_{name}(struct server_exchange *exchange);")
-    print("\nconst struct proto_route proto_routes[] = {")
+    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/route.h"\n\n#include "generated/handlers.h"\n')
+    print("const struct proto_route proto_routes[] = {")
     for path, item, method, operation in routes:
         print(route_row(path, item, method, operation))
     print("};\n\nconst size_t proto_route_count = sizeof proto_routes / sizeof proto_routes[0];")
+
+
+def print_handlers(document):
+    print("/* Made by generate.py from openapi.yaml. */\nstruct server_exchange;\nstruct server_query_kind;\n\nvoid server_handle_query(struct server_exchange *exchange);")
+    for name in sorted({handler(operation) for path, item, method, operation in operations(document) if method != "head" and not is_query(path, item, operation)}):
+        print(f"void server_handle_{name}(struct server_exchange *exchange);")
+    for name in sorted({handler(operation) for path, item, _, operation in operations(document) if is_query(path, item, operation)}):
+        print(f"extern const struct server_query_kind server_query_{name};")
 
 
 # --- assets ---------------------------------------------------------------------------------------------------------
@@ -332,7 +348,7 @@ def print_assets(document, arguments):
 
 
 def main(arguments):
-    if len(arguments) < 2 or arguments[0] not in ("routes", "assets", "check"):
+    if len(arguments) < 2 or arguments[0] not in ("routes", "handlers", "assets", "check"):
         sys.exit(__doc__.strip())
     mode, path, *rest = arguments
     document = load_document(path)
@@ -344,6 +360,8 @@ def main(arguments):
         sys.exit("\n".join(f"{path}: {complaint}" for complaint in complaints))
     if mode == "routes":
         print_routes(document)
+    elif mode == "handlers":
+        print_handlers(document)
     elif mode == "assets":
         print_assets(document, rest)
 

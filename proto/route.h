@@ -1,10 +1,11 @@
 /* Route: the table of operations, generated from openapi.yaml (`generate.py routes`), and how a
  * request finds its row.
  *
- * The generated source defines proto_routes and proto_route_count, and declares each row's handler
- * as `void server_handle_<name>(struct server_exchange *)`, where <name> is the operation's
- * x-handler or else its operationId: operations that are the GET and POST forms of one query share
- * a handler. Rows with literal segments stand before rows that capture in the same place. */
+ * The generated source defines proto_routes and proto_route_count. A row's handler is
+ * server_handle_<name>, where <name> is the operation's x-handler or else its operationId. Queries
+ * about meshes share the handler server_handle_query; their kind is server_query_<name>, the same
+ * for the GET and POST forms of one query. Rows with literal segments stand before rows that
+ * capture in the same place. */
 #ifndef PROTO_ROUTE_H
 #define PROTO_ROUTE_H
 
@@ -14,7 +15,9 @@
 
 #include "proto/problem.h"
 
-struct server_exchange; /* the server's own; only its address passes through here */
+/* the server's own; only their addresses pass through here */
+struct server_exchange;
+struct server_query_kind;
 
 /* Which key an operation needs, where keys are needed. */
 enum proto_access { PROTO_ACCESS_READ, PROTO_ACCESS_WRITE, PROTO_ACCESS_PUBLIC };
@@ -36,6 +39,7 @@ struct proto_route {
     uint32_t segment_count;                     /* "/" has none */
     const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text, or NULL: captures */
     void (*handle)(struct server_exchange *exchange);
+    const struct server_query_kind *kind; /* of a query about a mesh; else NULL */
 };
 
 extern const struct proto_route proto_routes[];

@@ -1,60 +1,101 @@
-/* See field_query.h. */
-#include "server/query/field_query.h"
+/* Queries that are answered from the field of a set. */
+#include "server/query/query.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "server/fields/cache.h"
-#include "server/query/field_build.h"
-#include "server/query/set_resolve.h"
+#include "server/query/api.h"
+#include "server/surfaces/landmarks.h"
+#include "server/work/budgeted_call.h"
+#include "server/work/executor.h"
 
 #define WHAT        "the field"
-#define SET_SHARE   0.2 /* of the work, when the set is to be put on the mesh, */
-#define BUILD_SHARE 0.9 /* and when the field is not there */
+#define SET_SHARE   0.2 /* of the work, if the set takes time to locate */
+#define BUILD_SHARE 0.9 /* of the work, if the field is not cached */
 
-/* --- which field ------------------------------------------------------------------------------ */
+#define BYTES_A_CALL ((size_t)1 << 20) /* on a mesh of any size */
+/* A field that two threads build. The finished field has 50 bytes on flat meshes, 200 to 400 on
+ * scans. */
+#define BYTES_AN_EDGE     1024
+#define SET_BYTES_AN_EDGE 224 /* as a search (pair_search.c) */
 
-void server_field_query_of_located(struct server_field_query *query,
-                                   const struct proto_located_set *set, double max_distance)
+/* --- locating the set ------------------------------------------------------------------------- */
+
+struct set_call {
+    const struct gd_mesh *mesh;
+    const struct proto_set *set;
+    const struct gd_landmarks *landmarks;
+    struct proto_located_set **out;
+    struct proto_problem *problem;
+};
+
+static enum gd_status set_locate(void *user, const struct gd_control *control, size_t *kept)
 {
-    query->set = set;
-    query->request = (struct gd_field_request){
+    const struct set_call *call = user;
+    enum gd_status status =
+        proto_set_locate(call->mesh, call->set, call->landmarks, control, call->out, call->problem);
+    if (!status) *kept = (*call->out)->bytes;
+    return status;
+}
+
+bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
+                             const struct proto_set *set, struct proto_located_set **out,
+                             struct proto_problem *problem)
+{
+    const struct gd_mesh *mesh = query->surface->mesh;
+    struct server_landmark_set *landmarks =
+        server_landmarks_find(query->exchange->host->api->landmarks, query->surface);
+    struct set_call call = {mesh, set, landmarks ? landmarks->landmarks : NULL, out, problem};
+    size_t grant = BYTES_A_CALL + gd_mesh_summary(mesh)->edges * (size_t)SET_BYTES_AN_EDGE;
+    enum gd_status status = server_query_call(query, part, set_locate, &call, grant);
+    server_landmark_set_release(landmarks);
+    if (status == GD_BUDGET) server_query_fail(query, status, "the set", problem);
+    return !status;
+}
+
+void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
+                                   double max_distance)
+{
+    query->field.set = set;
+    query->field.request = (struct gd_field_request){
         .seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
 }
 
-/* The pending set is on the mesh. */
-static bool take(struct server_field_query *query, struct proto_located_set *located,
-                 struct proto_problem *problem)
+static bool set_end(struct server_query *query, struct proto_located_set *located,
+                    struct proto_problem *problem)
 {
-    query->own_set = located;
-    proto_set_free(&query->pending);
-    server_field_query_of_located(query, located, query->max_distance);
-    return !query->located || query->located(query, problem);
+    query->field.own_set = located;
+    proto_set_free(&query->field.pending);
+    server_field_query_of_located(query, located, query->field.max_distance);
+    return !query->kind->located || query->kind->located(query, problem);
 }
 
-bool server_field_query_of_set(struct server_field_query *query, struct proto_set *set,
+bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
                                double max_distance, struct proto_problem *problem)
 {
     struct proto_located_set *located;
-    query->pending = *set;
-    query->max_distance = max_distance;
+    query->field.pending = *set;
+    query->field.max_distance = max_distance;
     *set = (struct proto_set){0};
-    if (!proto_set_is_quick(&query->pending)) return true;
-    if (proto_set_locate(query->query.surface->mesh, &query->pending, NULL, NULL, &located,
-                         problem))
-        return false;
-    return take(query, located, problem);
+    if (!proto_set_is_quick(&query->field.pending)) return true;
+    return !proto_set_locate(query->surface->mesh, &query->field.pending, NULL, NULL, &located,
+                             problem) &&
+           set_end(query, located, problem);
 }
 
-static bool resolve(struct server_field_query *query, struct proto_problem *problem)
+static bool set_prepare(struct server_query *query, struct proto_problem *problem)
 {
-    struct server_monitor part = server_query_monitor(&query->query, 0, SET_SHARE);
+    struct server_monitor part = server_query_monitor(query, 0, SET_SHARE);
     struct proto_located_set *located;
-    if (!server_set_resolve(&query->query, &part, &query->pending, &located, problem)) return false;
-    return take(query, located, problem);
+    if (query->kind->prepare) return query->kind->prepare(query, problem);
+    return server_query_locate_set(query, &part, &query->field.pending, &located, problem) &&
+           set_end(query, located, problem);
 }
 
-static struct server_resource *find_resource(struct server_record *record, const char *text,
+/* --- field resources -------------------------------------------------------------------------- */
+
+static struct server_resource *resource_find(struct server_record *record, const char *text,
                                              size_t length, struct proto_problem *problem)
 {
     struct server_catalogue *catalogue = server_record_catalogue(record);
@@ -80,130 +121,184 @@ struct server_resource *server_find_resource(const struct server_exchange *excha
                                              struct proto_problem *problem)
 {
     const struct proto_capture *capture = &exchange->match.captures[1];
-    return find_resource(record, capture->text, capture->length, problem);
+    return resource_find(record, capture->text, capture->length, problem);
 }
 
-/* The resource, which is the query's, or NULL. */
-static bool use_resource(struct server_field_query *query, struct server_resource *resource)
+static bool resource_use(struct server_query *query, struct server_resource *resource)
 {
-    query->resource = resource;
+    query->field.resource = resource;
     if (!resource) return false;
-    query->set = query->resource->set;
-    query->request = server_resource_request(query->resource);
+    query->field.set = resource->set;
+    query->field.request = server_resource_request(resource);
     return true;
 }
 
-/* --- from the field --------------------------------------------------------------------------- */
-
-/* The cached field may reach farther than the query's, which is answered as if it did not. `begun`:
- * the part of the query's work that is done. */
-static enum server_query_turn answer_by(struct server_field_query *query,
-                                        const struct server_cached *cached, double begun,
-                                        struct proto_problem *problem)
+bool server_field_query_of_resource(struct server_query *query, struct proto_problem *problem)
 {
-    struct server_monitor part = server_query_monitor(&query->query, begun, 1 - begun);
-    double radius = query->request.radius;
-    struct gd_field *within = NULL;
-    enum gd_status status = radius > 0 ? gd_field_within(cached->field, radius, &within) : GD_OK;
-    if (status) return server_query_fail(&query->query, status, WHAT, problem);
-    enum server_query_turn turn =
-        query->answer(query, within ? within : cached->field, &part, problem);
-    gd_field_release(within);
-    return turn;
+    return resource_use(query,
+                        server_find_resource(query->exchange, query->surface->record, problem));
 }
 
-static enum server_query_turn answer_by_pin(struct server_field_query *query,
-                                            struct proto_problem *problem)
+bool server_field_query_of_id(struct server_query *query, const char *id,
+                              struct proto_problem *problem)
 {
-    const struct server_cached *pin = query->pin;
-    query->pin = NULL;
-    enum server_query_turn turn = answer_by(query, pin, 0, problem);
-    server_cache_unpin(pin);
-    return turn;
+    return resource_use(query, resource_find(query->surface->record, id, strlen(id), problem)) ||
+           proto_problem_at(problem, "field");
 }
 
-/* True if the field is in the cache; it is pinned then. */
-static bool look(struct server_field_query *query)
+/* --- building --------------------------------------------------------------------------------- */
+
+size_t server_field_build_grant(const struct gd_mesh *mesh)
 {
-    query->pin = server_cache_find_field(query->query.surface->fields, &query->request);
-    return query->pin != NULL;
+    return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE;
 }
 
-static enum server_query_turn fly(struct server_field_query *query, struct proto_problem *problem)
-{
-    struct server_pending_build *build = query->build;
-    struct server_monitor part = server_query_monitor(&query->query, 0, BUILD_SHARE);
+struct field_build {
+    const struct gd_mesh *mesh;
+    struct gd_field_request request;
+    const struct gd_field *nearer; /* to be resumed, or NULL */
+    const struct gd_executor *executor;
     struct gd_field *field;
-    part.build = build;
+};
+
+static enum gd_status build_make(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct field_build *build = user;
+    enum gd_status status = build->nearer
+                                ? gd_field_resume(build->nearer, build->request.radius, control,
+                                                  build->executor, &build->field, NULL)
+                                : gd_field_build(build->mesh, &build->request, control,
+                                                 build->executor, &build->field, NULL);
+    if (!status) *kept = gd_field_memsize(build->field);
+    return status;
+}
+
+/* Counts the windows that were propagated, of a resumed field the additional ones. */
+static void build_count(struct server_metrics *metrics, const struct field_build *build)
+{
+    uint64_t all = gd_field_statistics(build->field)->windows_propagated;
+    uint64_t before = build->nearer ? gd_field_statistics(build->nearer)->windows_propagated : 0;
+    server_metrics_count_windows(metrics, all > before ? all - before : 0);
+}
+
+static enum gd_status build_run(struct field_build *build, struct server_monitor *part)
+{
+    struct server_host *host = part->exchange->host;
+    build->executor = server_executor_start(host->workers, 2, part->exchange->job.deadline_ns);
+    const struct server_budgeted_call call = {.make = build_make,
+                                              .user = build,
+                                              .control = server_exchange_control(part),
+                                              .grant = server_field_build_grant(build->mesh)};
+    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
+    server_executor_stop(build->executor);
+    if (!status) build_count(host->metrics, build);
+    return status;
+}
+
+/* Without memory for two fields, or when rounding has spoilt the nearer one, the field is built
+ * from its seeds. */
+enum gd_status server_query_build_field(struct server_query *query, struct server_monitor part,
+                                        const struct server_cached **out)
+{
+    struct server_pending_build *pending = query->field.build;
+    const struct server_cached *nearer = server_cache_find_nearer(pending);
+    struct field_build build = {.mesh = query->surface->mesh,
+                                .request = query->field.request,
+                                .nearer = nearer ? nearer->field : NULL};
+    part.build = pending;
     part.is_awaited = server_cache_is_awaited;
-    query->build = NULL;
-    enum gd_status status =
-        server_field_build_request(&part, query->query.surface->mesh, &query->request, &field);
-    if (status) {
-        server_cache_fail(build, status);
-        return server_query_fail(&query->query, status, WHAT, problem);
+    query->field.build = NULL;
+    enum gd_status status = build_run(&build, &part);
+    server_cache_unpin(nearer);
+    if (nearer && (status == GD_BUDGET || status == GD_INTERNAL)) {
+        build.nearer = NULL;
+        status = build_run(&build, &part);
     }
-    const struct server_cached *published = server_cache_publish(build, field);
-    if (!published) return server_query_fail(&query->query, GD_NO_MEMORY, WHAT, problem);
-    enum server_query_turn turn = answer_by(query, published, BUILD_SHARE, problem);
-    server_cache_unpin(published);
-    return turn;
+    *out = NULL;
+    if (status)
+        server_cache_fail(pending, status);
+    else
+        *out = server_cache_publish(pending, build.field);
+    return status || *out ? status : GD_NO_MEMORY;
 }
 
 /* --- the steps -------------------------------------------------------------------------------- */
 
-static enum server_cache_turn claim(struct server_field_query *query, enum gd_status *why)
+/* Answers by a field, which is unpinned. The field may reach farther than the query's, which must
+ * not show. `begun`: the part of the query's work that is done. */
+static enum server_query_turn field_answer(struct server_query *query,
+                                           const struct server_cached *cached, double begun,
+                                           struct proto_problem *problem)
 {
-    return server_cache_claim(query->query.surface->fields, &query->request,
-                              &query->query.exchange->job, &query->build, why);
+    struct server_monitor part = server_query_monitor(query, begun, 1 - begun);
+    double radius = query->field.request.radius;
+    struct gd_field *within = NULL;
+    enum gd_status status = radius > 0 ? gd_field_within(cached->field, radius, &within) : GD_OK;
+    enum server_query_turn turn =
+        status ? server_query_fail(query, status, WHAT, problem)
+               : query->kind->answer(query, within ? within : cached->field, &part, problem);
+    gd_field_release(within);
+    server_cache_unpin(cached);
+    return turn;
 }
 
-bool server_field_query_of_resource(struct server_field_query *query, struct proto_problem *problem)
+static enum server_query_turn field_answer_by_pin(struct server_query *query,
+                                                  struct proto_problem *problem)
 {
-    return use_resource(
-        query, server_find_resource(query->query.exchange, query->query.surface->record, problem));
+    const struct server_cached *pin = query->field.pin;
+    query->field.pin = NULL;
+    return field_answer(query, pin, 0, problem);
 }
 
-bool server_field_query_of_id(struct server_field_query *query, const char *id,
-                              struct proto_problem *problem)
+static bool field_pin(struct server_query *query)
 {
-    if (use_resource(query, find_resource(query->query.surface->record, id, strlen(id), problem)))
-        return true;
-    proto_problem_at(problem, "field");
-    return false;
+    query->field.pin = server_cache_find_field(query->surface->fields, &query->field.request);
+    return query->field.pin;
+}
+
+static enum server_query_turn field_build(struct server_query *query, struct proto_problem *problem)
+{
+    const struct server_cached *cached;
+    enum gd_status status =
+        server_query_build_field(query, server_query_monitor(query, 0, BUILD_SHARE), &cached);
+    return status ? server_query_fail(query, status, WHAT, problem)
+                  : field_answer(query, cached, BUILD_SHARE, problem);
+}
+
+static enum server_cache_turn field_claim(struct server_query *query, enum gd_status *why)
+{
+    return server_cache_claim(query->surface->fields, &query->field.request, &query->exchange->job,
+                              &query->field.build, why);
 }
 
 enum server_query_turn server_field_query_glance(struct server_query *query,
                                                  struct proto_problem *problem)
 {
-    struct server_field_query *own = (struct server_field_query *)query;
-    if (!own->set) return SERVER_QUERY_AGAIN;
-    return look(own) && own->is_quick ? answer_by_pin(own, problem) : SERVER_QUERY_AGAIN;
+    return query->field.set && field_pin(query) && query->field.is_quick
+               ? field_answer_by_pin(query, problem)
+               : SERVER_QUERY_AGAIN;
 }
 
-/* A pending build begins here, before its builder is queued: so those who come meanwhile take no
- * place in the queue. */
+/* A pending build begins here, before its builder is queued, so that later queries for the same
+ * field take no place in the queue. */
 bool server_field_query_join(struct server_query *query)
 {
-    struct server_field_query *own = (struct server_field_query *)query;
     enum gd_status why;
-    return own->set && !own->pin && claim(own, &why) == SERVER_CACHE_WAIT;
+    return query->field.set && !query->field.pin && field_claim(query, &why) == SERVER_CACHE_WAIT;
 }
 
 enum server_query_turn server_field_query_solve(struct server_query *query,
                                                 struct proto_problem *problem)
 {
-    struct server_field_query *own = (struct server_field_query *)query;
     enum gd_status why;
-    if (!own->set && !(own->prepare ? own->prepare : resolve)(own, problem))
-        return SERVER_QUERY_FAILED;
-    if (own->build) return fly(own, problem);
-    if (own->pin || look(own)) return answer_by_pin(own, problem);
-    switch (claim(own, &why)) {
+    if (!query->field.set && !set_prepare(query, problem)) return SERVER_QUERY_FAILED;
+    if (query->field.build) return field_build(query, problem);
+    if (query->field.pin || field_pin(query)) return field_answer_by_pin(query, problem);
+    switch (field_claim(query, &why)) {
     case SERVER_CACHE_WAIT:
         return SERVER_QUERY_PARKED;
     case SERVER_CACHE_BUILD:
-        return fly(own, problem);
+        return field_build(query, problem);
     case SERVER_CACHE_SEARCH:
         return server_query_fail(query, why, WHAT, problem);
     case SERVER_CACHE_AGAIN:
@@ -214,10 +309,10 @@ enum server_query_turn server_field_query_solve(struct server_query *query,
 
 void server_field_query_release(struct server_query *query)
 {
-    struct server_field_query *own = (struct server_field_query *)query;
-    if (own->build) server_cache_fail(own->build, GD_CANCELLED);
-    server_cache_unpin(own->pin);
-    server_resource_release(own->resource);
-    proto_set_free(&own->pending);
-    free(own->own_set);
+    struct server_field_query *field = &query->field;
+    if (field->build) server_cache_fail(field->build, GD_CANCELLED);
+    server_cache_unpin(field->pin);
+    server_resource_release(field->resource);
+    proto_set_free(&field->pending);
+    free(field->own_set);
 }

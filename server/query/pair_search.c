@@ -1,54 +1,71 @@
-/* See pair_search.h. */
 #include "server/query/pair_search.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/work/budgeted_call.h"
+#include "server/fields/cache.h"
 #include "server/query/api.h"
+#include "server/surfaces/landmarks.h"
+#include "server/work/budgeted_call.h"
 
 /* the arrays of a workspace and the windows of a far pair; see doc/003 */
-#define BYTES_AN_EDGE 224
-#define BYTES_A_SEARCH                                                                             \
-    ((size_t)1 << 20) /* on any mesh: the queue, and what is taken in advance                      \
-                       */
+#define BYTES_AN_EDGE  224
+#define BYTES_A_SEARCH ((size_t)1 << 20) /* on a mesh of any size */
 
-struct search {
+struct pair_call {
     const struct gd_mesh *mesh;
-    const struct gd_point *from, *to;
-    enum gd_pair_wish wish;
+    const struct server_pair *pair;
     const struct gd_landmarks *landmarks;
     struct gd_pair_answer *out;
 };
 
-static enum gd_status search(void *user, const struct gd_control *control, size_t *kept)
+/* Keeps nothing: a path is small and soon freed. */
+static enum gd_status pair_make(void *user, const struct gd_control *control, size_t *kept)
 {
-    const struct search *wanted = user;
-    *kept = 0; /* a path is small, and soon gone */
-    return gd_pair_solve(wanted->mesh, wanted->from, wanted->to, wanted->wish, wanted->landmarks,
-                         control, wanted->out, NULL);
+    const struct pair_call *call = user;
+    *kept = 0;
+    return gd_pair_solve(call->mesh, call->pair->from, call->pair->to, call->pair->wish,
+                         call->landmarks, control, call->out, NULL);
 }
 
-enum gd_status server_pair_search(struct server_monitor *part, const struct gd_mesh *mesh,
-                                  const struct gd_point *from, const struct gd_point *to,
-                                  enum gd_pair_wish wish, const struct gd_landmarks *landmarks,
-                                  struct gd_pair_answer *out)
+enum gd_status server_pair_search(struct server_monitor *part, struct server_surface *surface,
+                                  const struct server_pair *pair, struct gd_pair_answer *out)
 {
-    struct search wanted = {mesh, from, to, wish, landmarks, out};
-    const struct server_budgeted_call call = {
-        .make = search,
-        .user = &wanted,
-        .control = server_exchange_control(part),
-        .grant = BYTES_A_SEARCH + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
-    server_metrics_count_search(part->exchange->host->metrics);
-    return server_budgeted_call_run(part->exchange->host->workspaces, &call);
+    struct server_host *host = part->exchange->host;
+    struct server_landmark_set *set = server_landmarks_find(host->api->landmarks, surface);
+    struct pair_call search = {surface->mesh, pair, set ? set->landmarks : NULL, out};
+    size_t edges = gd_mesh_summary(surface->mesh)->edges;
+    const struct server_budgeted_call call = {.make = pair_make,
+                                              .user = &search,
+                                              .control = server_exchange_control(part),
+                                              .grant = BYTES_A_SEARCH + edges * BYTES_AN_EDGE};
+    server_metrics_count_search(host->metrics);
+    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
+    server_landmark_set_release(set);
+    return status;
 }
 
-/* --- routes ----------------------------------------------------------------------------------- */
+const struct server_cached *server_pair_find_field(struct server_surface *surface,
+                                                   const struct server_pair *pair)
+{
+    const struct server_cached *cached = server_cache_find(surface->fields, pair->from);
+    return cached ? cached : server_cache_find(surface->fields, pair->to);
+}
+
+enum gd_status server_pair_solve(struct server_monitor *part, struct server_surface *surface,
+                                 const struct server_pair *pair, struct gd_pair_answer *out)
+{
+    const struct server_cached *cached = server_pair_find_field(surface, pair);
+    if (!cached) return server_pair_search(part, surface, pair, out);
+    enum gd_status status =
+        gd_pair_from_field(cached->field, pair->from, pair->to, pair->wish, out);
+    server_cache_unpin(cached);
+    return status;
+}
 
 /* The leg's first point is the route's last one. */
-static enum gd_status append_path(struct gd_path *route, const struct gd_path *leg)
+static enum gd_status path_append(struct gd_path *route, const struct gd_path *leg)
 {
     uint32_t more = leg->count - 1;
     struct gd_point *points =
@@ -71,7 +88,7 @@ enum gd_status server_pair_append(struct gd_pair_answer *route, struct gd_pair_a
         route->path = leg->path;
         leg->path = (struct gd_path){0};
     } else {
-        status = append_path(&route->path, &leg->path);
+        status = path_append(&route->path, &leg->path);
     }
     gd_pair_answer_free(leg);
     return status;

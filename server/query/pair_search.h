@@ -1,22 +1,37 @@
-/* Pair search: distance and path of one pair for an exchange, without a field, within the byte
- * budget; and pairs that are legs of one route. */
+/* Pair search: distance and shortest path between two points, without building a field. */
 #ifndef SERVER_QUERY_PAIR_SEARCH_H
 #define SERVER_QUERY_PAIR_SEARCH_H
 
 #include "gd/query.h"
 #include "server/http/exchange.h"
+#include "server/surfaces/surface.h"
 
-/* Searches on behalf of the part's exchange, whose deadline, drain and client end it early.
- * `landmarks` may be NULL. Errors: those of gd_pair_solve; GD_BUDGET: not even all that could be
- * had was enough. */
-GD_MUST_USE enum gd_status
-server_pair_search(struct server_monitor *part, const struct gd_mesh *mesh,
-                   const struct gd_point *from, const struct gd_point *to, enum gd_pair_wish wish,
-                   const struct gd_landmarks *landmarks, struct gd_pair_answer *out);
+struct server_pair {
+    const struct gd_point *from, *to;
+    enum gd_pair_wish wish;
+};
 
-/* Makes a route (all zero at first) longer by a leg that begins where it ends: distances and
- * lengths are summed, the paths become one polyline. The leg is used up in any case. A leg without
- * a path (INFINITY) leaves a route without. GD_NO_MEMORY. O(points of the leg). */
+/* Searches on behalf of the part's exchange, with the mesh's landmarks, within the memory budget.
+ * Distance INFINITY: there is no path. Errors: those of gd_pair_solve; GD_BUDGET: all memory that
+ * could be had was too little. Thread-safe. */
+GD_MUST_USE enum gd_status server_pair_search(struct server_monitor *part,
+                                              struct server_surface *surface,
+                                              const struct server_pair *pair,
+                                              struct gd_pair_answer *out);
+
+/* The cached field of either point, pinned, or NULL. */
+const struct server_cached *server_pair_find_field(struct server_surface *surface,
+                                                   const struct server_pair *pair);
+
+/* Answers from the cached field of either point, else by a search. */
+GD_MUST_USE enum gd_status server_pair_solve(struct server_monitor *part,
+                                             struct server_surface *surface,
+                                             const struct server_pair *pair,
+                                             struct gd_pair_answer *out);
+
+/* Appends to a route (all zero at first) a leg that begins where the route ends: adds distances and
+ * lengths, and joins the polylines. Frees the leg. A leg without a path (INFINITY) leaves a route
+ * without. GD_NO_MEMORY. O(points of the leg). */
 GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
                                               struct gd_pair_answer *leg);
 

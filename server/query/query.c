@@ -1,19 +1,22 @@
-/* See query.h. */
 #include "server/query/query.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-#include "server/work/budgeted_call.h"
+#include "proto/accept.h"
 #include "server/http/answer_stream.h"
 #include "server/http/etag.h"
-#include "server/query/request.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
+#include "server/query/handlers.h"
+#include "server/query/request.h"
+#include "server/surfaces/landmarks.h"
+#include "server/work/budgeted_call.h"
+#include "server/work/executor.h"
 
+#define JSON  "application/json"
 #define BYTES "application/octet-stream"
 
-enum { MOST_PARAMETERS = 24 };
+enum { MOST_PARAMETERS = 24, MOST_FORMS = 8 };
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -21,11 +24,12 @@ struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface)
 {
-    struct server_query *query = malloc(kind->size);
+    struct server_query *query = calloc(1, kind->size);
     if (!query) return NULL;
-    memset((char *)query + sizeof *query, 0, kind->size - sizeof *query);
-    *query = (struct server_query){
-        .kind = kind, .exchange = exchange, .surface = server_surface_retain(surface), .share = 1};
+    query->kind = kind;
+    query->exchange = exchange;
+    query->surface = server_surface_retain(surface);
+    query->share = 1;
     server_reply_writer(exchange, &query->draft);
     return query;
 }
@@ -34,6 +38,12 @@ void server_query_destroy(struct server_query *query)
 {
     if (!query) return;
     if (query->kind->release) query->kind->release(query);
+    server_field_query_release(query);
+    for (void **block = query->blocks, **next; block; block = next) {
+        next = *block;
+        free(block);
+    }
+    proto_located_points_free(&query->points);
     proto_writer_free(&query->draft);
     if (query->held) server_query_give(query, query->held);
     server_surface_release(query->surface);
@@ -43,15 +53,16 @@ void server_query_destroy(struct server_query *query)
 enum server_query_turn server_query_glance(struct server_query *query,
                                            struct proto_problem *problem)
 {
-    return query->kind->glance ? query->kind->glance(query, problem) : SERVER_QUERY_AGAIN;
+    const struct server_query_kind *kind = query->kind;
+    if (kind->glance) return kind->glance(query, problem);
+    if (kind->answer) return server_field_query_glance(query, problem);
+    return kind->solve ? SERVER_QUERY_AGAIN : SERVER_QUERY_DONE;
 }
 
-struct server_monitor server_query_monitor(const struct server_query *query, double begun,
-                                           double share)
+enum server_query_turn server_query_solve(struct server_query *query, struct proto_problem *problem)
 {
-    return (struct server_monitor){.exchange = query->exchange,
-                                   .begun = query->begun + query->share * begun,
-                                   .share = query->share * share};
+    const struct server_query_kind *kind = query->kind;
+    return kind->solve ? kind->solve(query, problem) : server_field_query_solve(query, problem);
 }
 
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
@@ -60,6 +71,14 @@ struct server_monitor server_monitor_portion(const struct server_monitor *whole,
     return (struct server_monitor){.exchange = whole->exchange,
                                    .begun = whole->begun + whole->share * begun,
                                    .share = whole->share * share};
+}
+
+struct server_monitor server_query_monitor(const struct server_query *query, double begun,
+                                           double share)
+{
+    const struct server_monitor whole = {
+        .exchange = query->exchange, .begun = query->begun, .share = query->share};
+    return server_monitor_portion(&whole, begun, share);
 }
 
 void server_query_count(const struct server_query *query, enum gd_status status)
@@ -71,16 +90,16 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
                                          const char *what, struct proto_problem *problem)
 {
     server_query_count(query, status);
-    if (status == GD_BUDGET && query->draft.failure)
-        (void)proto_writer_check(&query->draft, problem);
-    else if (status == GD_BUDGET)
-        server_budget_refuse(query->exchange->host->budget, what, 0, problem);
-    else
+    if (status != GD_BUDGET)
         proto_problem_from_status(problem, status, NULL);
+    else if (query->draft.failure)
+        (void)proto_writer_check(&query->draft, problem);
+    else
+        server_budget_refuse(query->exchange->host->budget, what, 0, problem);
     return SERVER_QUERY_FAILED;
 }
 
-/* --- what it holds ---------------------------------------------------------------------------- */
+/* --- memory and long calls -------------------------------------------------------------------- */
 
 enum gd_status server_query_take(struct server_query *query, size_t bytes)
 {
@@ -96,30 +115,67 @@ void server_query_give(struct server_query *query, size_t bytes)
     query->held -= bytes;
 }
 
-struct holding {
+void *server_query_allocate(struct server_query *query, size_t count, size_t size)
+{
+    union {
+        void *next;
+        max_align_t alignment;
+    } * block;
+    size_t bytes = sizeof *block + count * size;
+    if (server_query_take(query, bytes)) return NULL;
+    block = calloc(1, bytes);
+    if (!block) return NULL;
+    block->next = query->blocks;
+    query->blocks = block;
+    return block + 1;
+}
+
+bool server_query_locate(struct server_query *query, struct proto_points *points,
+                         struct proto_problem *problem)
+{
+    bool ok = proto_points_locate(query->surface->mesh, points, &query->points, problem);
+    proto_points_free(points);
+    return ok;
+}
+
+struct query_call {
     server_query_maker *make;
     void *user;
     size_t kept;
 };
 
-static enum gd_status make_and_count(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status call_make(void *user, const struct gd_control *control, size_t *kept)
 {
-    struct holding *holding = user;
-    enum gd_status status = holding->make(holding->user, control, kept);
-    holding->kept = *kept;
+    struct query_call *call = user;
+    enum gd_status status = call->make(call->user, control, kept);
+    call->kept = *kept;
     return status;
 }
 
 enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
                                  server_query_maker *make, void *user, size_t grant)
 {
-    struct holding holding = {.make = make, .user = user};
-    const struct server_budgeted_call call = {.make = make_and_count,
-                                              .user = &holding,
+    struct server_host *host = query->exchange->host;
+    struct query_call making = {.make = make, .user = user};
+    struct server_monitor whole = server_query_monitor(query, 0, 1);
+    if (!part) part = &whole;
+    const struct server_budgeted_call call = {.make = call_make,
+                                              .user = &making,
                                               .control = server_exchange_control(part),
                                               .grant = grant};
-    enum gd_status status = server_budgeted_call_run(query->exchange->host->workspaces, &call);
-    query->held += holding.kept;
+    struct server_landmark_set *set =
+        query->kind->uses_landmarks ? server_landmarks_find(host->api->landmarks, query->surface)
+                                    : NULL;
+    query->part = part;
+    query->landmarks = set ? set->landmarks : NULL;
+    query->executor =
+        query->kind->uses_executor
+            ? server_executor_start(host->workers, 2, query->exchange->job.deadline_ns)
+            : NULL;
+    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
+    query->held += making.kept;
+    server_executor_stop(query->executor);
+    server_landmark_set_release(set);
     return status;
 }
 
@@ -128,6 +184,12 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
 enum gd_status server_query_check_draft(const struct server_query *query)
 {
     return query->draft.failure ? GD_BUDGET : GD_OK;
+}
+
+enum gd_status server_query_pause(const struct server_query *query,
+                                  const struct gd_control *control, double fraction)
+{
+    return query->draft.failure ? GD_BUDGET : gd_control_check(control, fraction);
 }
 
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
@@ -145,9 +207,80 @@ void server_query_encode(const struct server_query *query, struct proto_writer *
         proto_write_raw(writer, query->draft.data, query->draft.size);
 }
 
+/* --- the form of the answer ------------------------------------------------------------------- */
+
+static bool form_choose_by_accept(const struct server_query_kind *kind, const char *accept,
+                                  unsigned *out, struct proto_problem *problem)
+{
+    unsigned best = proto_accept_quality(accept, JSON);
+    unsigned bytes = kind->bytes ? proto_accept_quality(accept, BYTES) : 0;
+    *out = SERVER_FORM_JSON;
+    if (bytes > best) {
+        best = bytes;
+        *out = SERVER_FORM_BYTES;
+    }
+    for (unsigned i = 0; kind->forms && kind->forms[i].name; i++) {
+        unsigned quality = proto_accept_quality(accept, kind->forms[i].media_type);
+        if (quality <= best) continue;
+        best = quality;
+        *out = SERVER_FORM_FIRST + i;
+    }
+    return best > 0 ||
+           proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                             "the answer is %s%s; the request's Accept takes none of it", JSON,
+                             kind->forms ? ", or a file: see format" : "");
+}
+
+/* By ?format= if it is there, else by Accept, where JSON wins a tie. */
+static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
+                        unsigned *out, struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    const char *words[MOST_FORMS + 1] = {"json"};
+    unsigned word = 0;
+    if (!kind->forms || !parameters.get(parameters.user, "format"))
+        return form_choose_by_accept(kind, server_exchange_header(exchange, "Accept"), out,
+                                     problem);
+    for (unsigned i = 0; kind->forms[i].name && i + 1 < MOST_FORMS; i++)
+        words[i + 1] = kind->forms[i].name;
+    if (!proto_parameters_choice(&parameters, "format", words, &word, problem)) return false;
+    *out = word ? SERVER_FORM_FIRST + word - 1 : SERVER_FORM_JSON;
+    return true;
+}
+
+/* Reads ?mesh=, which only forms with a mesh take. */
+static bool form_read_mesh(struct server_query *query, const struct proto_parameters *parameters,
+                           struct proto_problem *problem)
+{
+    static const char *const words[] = {"false", "true", NULL};
+    unsigned word = 0;
+    if (!proto_parameters_choice(parameters, "mesh", words, &word, problem)) return false;
+    query->with_mesh = word;
+    return !word ||
+           (query->form >= SERVER_FORM_FIRST &&
+            query->kind->forms[query->form - SERVER_FORM_FIRST].has_mesh) ||
+           proto_problem_refuse(problem, "mesh",
+                                "this format can't have the mesh with it; glb and obj can");
+}
+
+/* The kind's parameters, and those of its forms. */
+static const char *const *form_parameters(const char *const *names, const struct server_form *forms,
+                                          const char *out[MOST_PARAMETERS])
+{
+    unsigned count = 0;
+    bool has_mesh = false;
+    if (!forms) return names;
+    while (names && *names && count + 3 < MOST_PARAMETERS) out[count++] = *names++;
+    out[count++] = "format";
+    for (; forms->name; forms++) has_mesh = has_mesh || forms->has_mesh;
+    if (has_mesh) out[count++] = "mesh";
+    out[count] = NULL;
+    return out;
+}
+
 /* --- a request of its own --------------------------------------------------------------------- */
 
-static void reply_bytes(struct server_query *query)
+static void query_reply_bytes(struct server_query *query)
 {
     size_t size = query->kind->bytes(query, NULL);
     void *bytes = server_reply_allocate(query->exchange, size);
@@ -156,39 +289,38 @@ static void reply_bytes(struct server_query *query)
     server_reply_bytes(query->exchange, 200, BYTES, bytes, size);
 }
 
-static void reply_form(struct server_query *query)
+static void query_reply_form(struct server_query *query)
 {
     const struct server_form *form = &query->kind->forms[query->form - SERVER_FORM_FIRST];
     struct proto_problem problem;
-    char *bytes;
-    size_t size;
-    if (!query->kind->write(query, &bytes, &size, &problem)) {
+    struct server_answer_file file;
+    if (!query->kind->write(query, &file, &problem)) {
         server_reply_problem(query->exchange, &problem);
         return;
     }
     server_reply_header(query->exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
                         query->kind->name, form->name);
-    server_reply_bytes(query->exchange, 200, form->media_type, bytes, size);
+    server_reply_bytes(query->exchange, 200, form->media_type, file.bytes, file.size);
 }
 
-static void encode_state(struct server_exchange *exchange, struct proto_writer *writer)
+static void query_encode(struct server_exchange *exchange, struct proto_writer *writer)
 {
     struct server_query *query = exchange->state;
-    query->exchange = exchange; /* a stream's may be another */
+    query->exchange = exchange; /* a stream has another */
     query->kind->encode(query, writer);
 }
 
-/* The query may be a stream's when this returns. */
-static void reply_encoded(struct server_query *query, unsigned status)
+/* A stream may own the query when this returns. */
+static void query_reply_encoded(struct server_query *query, unsigned status)
 {
-    const struct server_answer_encoder encoder = {.encode = encode_state, .held = &query->held};
+    const struct server_answer_encoder encoder = {.encode = query_encode, .held = &query->held};
     struct server_exchange *exchange = query->exchange;
     struct proto_writer writer = query->draft; /* empty */
     server_answer_reply(exchange, status, &writer, &encoder);
     proto_writer_free(&writer);
 }
 
-static void reply_answer(struct server_query *query)
+static void query_reply(struct server_query *query)
 {
     unsigned status = query->kind->status ? query->kind->status(query) : 200;
     server_reply_tag(query->exchange, query->surface->record->etag);
@@ -198,64 +330,55 @@ static void reply_answer(struct server_query *query)
     }
     if (query->kind->forms) server_reply_header(query->exchange, "Vary", "Accept");
     if (query->form == SERVER_FORM_BYTES) {
-        reply_bytes(query);
+        query_reply_bytes(query);
         return;
     }
     if (query->form >= SERVER_FORM_FIRST) {
-        reply_form(query);
+        query_reply_form(query);
         return;
     }
     if (query->kind->encode)
-        reply_encoded(query, status);
+        query_reply_encoded(query, status);
     else
         server_reply_json(query->exchange, status, &query->draft);
 }
 
-/* False: the exchange is not its own any more. */
-static bool reply_turn(struct server_query *query, enum server_query_turn turn,
-                       const struct proto_problem *problem)
+/* False: another thread has the exchange. After AGAIN there is no reply, and the worker calls
+ * again. */
+static bool query_take_turn(struct server_query *query, enum server_query_turn turn,
+                            const struct proto_problem *problem)
 {
-    switch (turn) {
-    case SERVER_QUERY_DONE:
-        reply_answer(query);
-        break;
-    case SERVER_QUERY_FAILED:
-        server_reply_problem(query->exchange, problem);
-        break;
-    case SERVER_QUERY_AGAIN:
-        break; /* without a reply: the dispatcher calls again */
-    case SERVER_QUERY_PARKED:
-        return false;
-    }
-    return true;
+    if (turn == SERVER_QUERY_DONE) query_reply(query);
+    if (turn == SERVER_QUERY_FAILED) server_reply_problem(query->exchange, problem);
+    return turn != SERVER_QUERY_PARKED;
 }
 
-static bool work(struct server_exchange *exchange)
+static bool query_work(struct server_exchange *exchange)
 {
     struct server_query *query = exchange->state;
     struct proto_problem problem;
-    return reply_turn(query, query->kind->solve(query, &problem), &problem);
+    enum server_query_turn turn = server_query_solve(query, &problem);
+    return query_take_turn(query, turn, &problem);
 }
 
-static bool join(struct server_exchange *exchange)
+static bool query_join(struct server_exchange *exchange)
 {
     struct server_query *query = exchange->state;
-    return query->kind->join && query->kind->join(query);
+    if (query->kind->join) return query->kind->join(query);
+    return query->kind->answer && server_field_query_join(query);
 }
 
-static bool read_query(struct server_query *query, struct proto_problem *problem)
+static bool query_read(struct server_query *query, struct proto_problem *problem)
 {
     const struct server_query_kind *kind = query->kind;
     bool has_body = query->exchange->match.route->has_body;
     struct proto_parameters parameters = server_exchange_parameters(query->exchange);
     const char *room[MOST_PARAMETERS];
-    const char *const *names = server_form_parameters(has_body ? NULL : kind->parameters,
-                                                      kind->forms, room, MOST_PARAMETERS);
+    const char *const *names =
+        form_parameters(has_body ? NULL : kind->parameters, kind->forms, room);
     if (!proto_options_parse(&parameters, kind->fields, names, &query->options, problem))
         return false;
-    if (kind->forms &&
-        !server_form_wants_mesh(&parameters, kind->forms, query->form, &query->with_mesh, problem))
-        return false;
+    if (kind->forms && !form_read_mesh(query, &parameters, problem)) return false;
     if (!has_body) return kind->parse(query, &parameters, problem);
     json_t *document = server_request_document(query->exchange, problem);
     if (!document) return false;
@@ -265,62 +388,62 @@ static bool read_query(struct server_query *query, struct proto_problem *problem
     return ok;
 }
 
-static void free_query(void *query)
+static void query_free(void *query)
 {
     server_query_destroy(query);
 }
 
-/* Replies without an answer to who has it already, so that it need not be found once more: the same
- * question about the same surface. */
-static bool is_known(struct server_query *query)
+/* Replies 304 if the client has the answer, so that nothing is computed. */
+static bool query_is_known(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
+    const char *etag = query->surface->record->etag;
     if (!query->kind->reply || !exchange->has_conditions) return false;
     const struct server_precondition precondition = server_precondition_read(exchange);
-    if (!server_precondition_known(&precondition, query->surface->record->etag)) return false;
-    server_reply_tag(exchange, query->surface->record->etag);
+    if (!server_precondition_known(&precondition, etag)) return false;
+    server_reply_tag(exchange, etag);
     server_reply_empty(exchange, 304);
     return true;
 }
 
-static void start(struct server_query *query)
+static void query_start(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
     struct proto_problem problem;
-    if (!read_query(query, &problem)) {
+    if (!query_read(query, &problem)) {
         server_reply_problem(exchange, &problem);
         return;
     }
-    if (is_known(query)) return;
+    if (query_is_known(query)) return;
     server_exchange_shorten(exchange, query->options.timeout_ms);
     enum server_query_turn turn =
         query->with_mesh ? SERVER_QUERY_AGAIN : server_query_glance(query, &problem);
-    reply_turn(query, turn, &problem);
-    if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, work, join);
+    query_take_turn(query, turn, &problem);
+    if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, query_work, query_join);
 }
 
-static bool start_by_worker(struct server_exchange *exchange)
+static bool query_start_by_worker(struct server_exchange *exchange)
 {
-    start(exchange->state);
+    query_start(exchange->state);
     return true;
 }
 
 /* An HTTP thread parses small bodies only. */
-static void begin(struct server_query *query)
+static void query_begin(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
-    server_exchange_keep(exchange, query, free_query);
+    server_exchange_keep(exchange, query, query_free);
     if (exchange->work || exchange->body.size <= SERVER_REQUEST_SMALL)
-        start(query);
+        query_start(query);
     else
-        server_exchange_defer(exchange, start_by_worker, NULL);
+        server_exchange_defer(exchange, query_start_by_worker, NULL);
 }
 
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind)
 {
     struct proto_problem problem;
     unsigned form = SERVER_FORM_JSON;
-    if (!kind->reply && !server_form_choose(exchange, kind->forms, kind->bytes, &form, &problem)) {
+    if (!kind->reply && !form_choose(kind, exchange, &form, &problem)) {
         server_reply_problem(exchange, &problem);
         return;
     }
@@ -334,5 +457,10 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
         return;
     }
     query->form = form;
-    begin(query);
+    query_begin(query);
+}
+
+void server_handle_query(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, exchange->match.route->kind);
 }

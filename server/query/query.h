@@ -1,22 +1,33 @@
-/* Query: a question about a surface, in the steps that a request of its own and a line of a batch
- * have in common.
+/* Query: a question about a surface. A request of its own and a line of a batch take the same
+ * steps.
  *
- * DESIGN. A kind of query is a table of steps. Its own struct begins with a struct server_query and
- * is made all zero. The steps: decode or parse    once: reads the question and puts its points on
- * the mesh glance             once, perhaps by an HTTP thread: answers if that takes no time solve
- * by a worker, as long as the turn is AGAIN or, after the exchange has come back, PARKED encode,
- * bytes or write    once the turn is DONE; a kind whose long answer is written as it is found, as
- * the query's draft, has none release            in the end, at whatever step that is A query
- * belongs to the thread that has its exchange: whoever gets PARKED touches neither any more. */
+ * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
+ * server_query and starts as zeros. The steps, in their order:
+ * - decode or parse reads the question and locates its points.
+ * - glance runs once, perhaps on an HTTP thread. It answers if that takes no time. A kind that only
+ *   decodes needs no glance and no solve.
+ * - solve runs on a worker, again as long as the turn is AGAIN or, once the exchange is resumed,
+ *   PARKED.
+ * - encode, bytes, write or reply writes the answer when the turn is DONE. A kind without them has
+ *   written its answer to the draft.
+ * - release frees what the kind's own struct holds, whatever step was the last.
+ *
+ * A kind with the step `answer` is answered from the field of a set. Its decoding ends with a
+ * server_field_query_of_… function, which names the set. The field is found in the cache, built, or
+ * waited for (field_query.c); then `answer` runs. Such a kind needs no glance, join and solve.
+ *
+ * A query belongs to the thread that has its exchange. After PARKED the caller touches neither. */
 #ifndef SERVER_QUERY_QUERY_H
 #define SERVER_QUERY_QUERY_H
 
 #include <jansson.h>
 
 #include "proto/options.h"
+#include "proto/points.h"
+#include "proto/set.h"
 #include "proto/writer.h"
 #include "server/http/exchange.h"
-#include "server/query/form.h"
+#include "server/surfaces/catalogue.h"
 #include "server/surfaces/surface.h"
 
 enum server_query_turn {
@@ -26,111 +37,201 @@ enum server_query_turn {
     SERVER_QUERY_PARKED  /* the exchange waits for something; then solve is to be called */
 };
 
+/* A form of an answer besides JSON: a file for another program, by ?format= or by Accept. */
+struct server_form {
+    const char *name; /* in ?format=, and the file's suffix; NULL ends a list */
+    const char *media_type;
+    bool has_mesh; /* ?mesh=true adds the mesh */
+};
+
+struct server_answer_file {
+    char *bytes; /* by malloc */
+    size_t size;
+};
+
+enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST }; /* and on: forms[0], … */
+
+/* The field that a query is answered from; all zero: none is named. */
+struct server_field_query {
+    const struct proto_located_set *set; /* NULL: a worker has to locate it */
+    struct gd_field_request request;     /* of the set */
+    bool is_quick;                       /* an answer from a cached field takes no time */
+    struct proto_set pending;            /* to be located */
+    double max_distance;                 /* of `pending` */
+    struct proto_located_set *own_set;   /* `set`, or NULL */
+    struct server_resource *resource;    /* a reference to the one that has `set`, or NULL */
+    const struct server_cached *pin; /* the field, if it was found before there was time, or NULL */
+    struct server_pending_build *build; /* that this query is to do, or NULL */
+};
+
 struct server_query {
     const struct server_query_kind *kind;
-    struct server_exchange *exchange; /* on whose behalf */
-    struct server_surface *surface;   /* a reference */
+    struct server_exchange *exchange;
+    struct server_surface *surface; /* a reference */
     struct proto_options options;
-    unsigned form;       /* of the answer, form.h */
-    bool with_mesh;      /* the form is to have the mesh with it */
+    unsigned form;       /* of the answer */
+    bool with_mesh;      /* the form includes the mesh */
     double begun, share; /* of the exchange's work, see struct server_monitor */
     struct proto_writer draft;
-    /* bytes of SERVER_BUDGET_FLIGHT, given back when it ends; those of the draft are not among them
-     */
-    size_t held;
+    size_t held;                        /* bytes of SERVER_BUDGET_FLIGHT, without the draft's */
+    void *blocks;                       /* of server_query_allocate */
+    struct proto_located_points points; /* of server_query_locate */
+    struct server_field_query field;
+    /* During server_query_call: the part of the work that the call is, and what the kind uses. */
+    struct server_monitor *part;
+    const struct gd_landmarks *landmarks; /* of the mesh; NULL: there are none */
+    const struct gd_executor *executor;   /* NULL: no second thread */
 };
 
 struct server_query_kind {
-    const char *name;          /* as in the path, and in a batch */
-    size_t size;               /* of its own struct */
-    const char *const *fields; /* of the JSON answer; NULL: it has another form, see `reply` */
-    /* of its GET form besides the options; NULL: there is no such form */
-    const char *const *parameters;
+    const char *name;                   /* as in the path, and in a batch */
+    size_t size;                        /* of its own struct */
+    const char *const *fields;          /* of the JSON answer; NULL: `reply` has another form */
+    const char *const *parameters;      /* of the GET form, besides the options; or NULL */
+    const struct server_form *forms;    /* the answer's other forms, or NULL */
+    bool uses_landmarks, uses_executor; /* in server_query_call */
     bool (*decode)(struct server_query *query, const json_t *document,
                    struct proto_problem *problem);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters,
                   struct proto_problem *problem);
-    /* NULL: AGAIN */
+    /* NULL: a default, see above */
     enum server_query_turn (*glance)(struct server_query *query, struct proto_problem *problem);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
-    /* NULL: the answer is the draft */
+    /* By a worker: names a set that takes time to locate; NULL: locates the pending one. */
+    bool (*prepare)(struct server_query *query, struct proto_problem *problem);
+    /* Runs when the pending set is located; may be NULL. */
+    bool (*located)(struct server_query *query, struct proto_problem *problem);
+    /* Answers from the field; `part` is for long calls. DONE, FAILED, or AGAIN with another field
+     * named. */
+    enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
+                                     struct server_monitor *part, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
-    /* instead of encode: the answer is no JSON. NULL: it is */
-    void (*reply)(struct server_query *query);
-    /* Writes the answer as float64 to `out`, if that is not NULL, and returns its bytes. NULL: it
-     * has no such form. */
+    void (*reply)(struct server_query *query); /* for an answer that is no JSON */
+    /* Writes the answer as float64 to `out`, unless that is NULL, and returns its bytes. */
     size_t (*bytes)(const struct server_query *query, void *out);
-    const struct server_form *forms; /* the answer's other forms; NULL: none */
-    /* The answer in the query's form, which is one of these, by malloc. Its memory is the
-     * exchange's `held`. False with the problem. */
-    bool (*write)(const struct server_query *query, char **bytes, size_t *size,
+    /* Writes the answer in the query's form; the exchange's `held` counts it. False with the
+     * problem. */
+    bool (*write)(const struct server_query *query, struct server_answer_file *out,
                   struct proto_problem *problem);
-    void (*release)(struct server_query *query); /* what its own struct holds; NULL: nothing */
-    /* of the answer, its own headers being set; NULL: 200 */
+    void (*release)(struct server_query *query);
+    /* Returns the answer's status and adds headers; NULL: 200. */
     unsigned (*status)(struct server_query *query);
 };
 
-extern const struct server_query_kind server_query_distance, server_query_path; /* pair.c */
-extern const struct server_query_kind server_query_nearest;                     /* nearest.c */
-extern const struct server_query_kind server_query_matrix;                      /* matrix.c */
-extern const struct server_query_kind server_query_distance_to_set;             /* sets.c */
-/* curve_distance.c */
-extern const struct server_query_kind server_query_curve_distance;
-
-/* A query before its first step, of all of the exchange's work; it retains the surface. NULL
+/* A query before its first step, for all of the exchange's work; it retains the surface. NULL
  * without memory. */
 struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface);
 void server_query_destroy(struct server_query *query); /* NULL is harmless */
 
-/* The glance, and DONE, FAILED or AGAIN. */
+/* DONE, FAILED or AGAIN. */
 enum server_query_turn server_query_glance(struct server_query *query,
                                            struct proto_problem *problem);
+enum server_query_turn server_query_solve(struct server_query *query,
+                                          struct proto_problem *problem);
 
-/* The monitor of a long call that is the part [begun, begun + share] of the query's work. */
+/* Appends the answer of a query that is DONE, for a batch. */
+void server_query_encode(const struct server_query *query, struct proto_writer *writer);
+
+/* Handles a request of its own. The route table names server_handle_query for queries about meshes,
+ * whose kinds are declared in handlers.h. */
+void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
+
+/* --- for the steps ---------------------------------------------------------------------------- */
+
+/* The monitor of a long call that is the part [begun, begun + share] of the query's work, or of the
+ * work that another monitor watches. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
-
-/* The monitor of a part of what another one watches. */
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
                                              double share);
 
-/* Makes the problem that an engine's failure is, and counts it. `what` needs memory ("the search").
- * FAILED. */
+/* Makes the problem of an engine's failure and counts failed self-checks. `what` names what needs
+ * memory ("the search"). FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what, struct proto_problem *problem);
+void server_query_count(const struct server_query *query, enum gd_status status); /* counts only */
 
-/* Counts a failure of the engine if it is a failed self-check. */
-void server_query_count(const struct server_query *query, enum gd_status status);
+/* The last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that is too
+ * large. */
+enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
+                                              const char *what, struct proto_problem *problem);
 
-/* Holds so many bytes more. GD_BUDGET. */
+/* GD_BUDGET when the draft takes no more. To be called now and then, so that no work is in vain. */
+GD_MUST_USE enum gd_status server_query_check_draft(const struct server_query *query);
+
+/* The same, then the control's check of deadline and cancellation. */
+GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
+                                              const struct gd_control *control, double fraction);
+
+/* Holds more bytes of the budget until the query ends. GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
+
+/* Locates points of the request as query->points, and frees `points`. False with the problem. */
+bool server_query_locate(struct server_query *query, struct proto_points *points,
+                         struct proto_problem *problem);
+
+/* An array of zeros that the query holds, and its bytes, until it ends. NULL: too little memory,
+ * for which GD_BUDGET stands. */
+void *server_query_allocate(struct server_query *query, size_t count, size_t size);
 
 typedef enum gd_status server_query_maker(void *user, const struct gd_control *control,
                                           size_t *kept);
 
-/* One long call of the engine (budgeted_call.h) on behalf of a part of the query's work. What its
- * result keeps is held. */
+/* Runs one long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for all
+ * of it. The query holds the `*kept` bytes of its result. */
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query,
                                              struct server_monitor *part, server_query_maker *make,
                                              void *user, size_t grant);
 
-/* Can more be written to the draft? To be called now and then, so that no work is done in vain.
- * GD_BUDGET. */
-GD_MUST_USE enum gd_status server_query_check_draft(const struct server_query *query);
+/* --- for kinds that are answered from a field (field_query.c) --------------------------------- */
 
-/* The turn when it is written: DONE; or FAILED with the problem that `status` is (then `what` needs
- * memory), or that the draft is too large. */
-enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
-                                              const char *what, struct proto_problem *problem);
+/* Names the field of a set, which the query takes over. Locates the set at once if that takes no
+ * time. False with the problem. */
+bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
+                               double max_distance, struct proto_problem *problem);
 
-/* Writes the answer of a query that is DONE, for a batch; who has it counts the copy. */
-void server_query_encode(const struct server_query *query, struct proto_writer *writer);
+/* The same for a located set, which stays the caller's. */
+void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
+                                   double max_distance);
 
-/* A request of its own: the handler of an operation that is a query of that kind. */
-void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
+/* The same for a field resource: that of the request's path, or of an id, whose problems are at the
+ * parameter `field`. False: not_found or field_evicted. */
+bool server_field_query_of_resource(struct server_query *query, struct proto_problem *problem);
+bool server_field_query_of_id(struct server_query *query, const char *id,
+                              struct proto_problem *problem);
+
+/* The steps, for kinds that replace one of them. */
+enum server_query_turn server_field_query_glance(struct server_query *query,
+                                                 struct proto_problem *problem);
+bool server_field_query_join(struct server_query *query);
+enum server_query_turn server_field_query_solve(struct server_query *query,
+                                                struct proto_problem *problem);
+void server_field_query_release(struct server_query *query);
+
+/* The resource that the path names on the record's mesh, retained; NULL: not_found or
+ * field_evicted. */
+struct server_resource *server_find_resource(const struct server_exchange *exchange,
+                                             struct server_record *record,
+                                             struct proto_problem *problem);
+
+/* Locates a set by a worker, since its curves take searches. The query holds its bytes; the caller
+ * frees it by free(). False with the problem. */
+bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
+                             const struct proto_set *set, struct proto_located_set **out,
+                             struct proto_problem *problem);
+
+/* Bytes that building a field takes on most meshes. */
+size_t server_field_build_grant(const struct gd_mesh *mesh);
+
+/* Builds the field of query->field.request and publishes it as query->field.build, which ends in
+ * any case. If the cache has a nearer field of these seeds, it is resumed. `*out` is pinned.
+ * Errors: those of gd_field_build; GD_BUDGET: all memory that could be had was too little. */
+GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
+                                                    struct server_monitor part,
+                                                    const struct server_cached **out);
 
 #endif

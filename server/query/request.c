@@ -1,4 +1,3 @@
-/* See request.h. */
 #include "server/query/request.h"
 
 #include <malloc.h>
@@ -12,16 +11,22 @@
 #include "server/query/api.h"
 
 #define KIND_SEGMENT     1                    /* of the path */
-#define PARSED_UNCOUNTED SERVER_REQUEST_SMALL /* bytes of a text whose document is not counted */
-/* bytes of a document after which freed memory is given back to the system */
+#define PARSED_UNCOUNTED SERVER_REQUEST_SMALL /* bytes: a shorter text's document is not counted   \
+                                               */
+/* bytes: after a larger document, freed memory goes back to the system */
 #define PARSED_TRIMMED ((size_t)16 << 20)
+
+/* The kind that the route's path "/v1/<plural>…" names, or NULL. */
+static const struct server_kind *request_find_kind(const struct proto_route *route)
+{
+    const char *plural =
+        route && route->segment_count > KIND_SEGMENT ? route->segments[KIND_SEGMENT] : NULL;
+    return plural ? server_kind_by_plural(plural) : NULL;
+}
 
 const struct server_kind *server_request_kind(const struct server_exchange *exchange)
 {
-    const struct proto_route *route = exchange->match.route;
-    const char *plural =
-        route && route->segment_count > KIND_SEGMENT ? route->segments[KIND_SEGMENT] : NULL;
-    const struct server_kind *kind = plural ? server_kind_by_plural(plural) : NULL;
+    const struct server_kind *kind = request_find_kind(exchange->match.route);
     return kind ? kind : &server_kind_mesh;
 }
 
@@ -58,7 +63,7 @@ bool server_request_page(struct server_exchange *exchange, struct proto_page *pa
     return false;
 }
 
-static void reply_out_of_reach(struct server_exchange *exchange, const char *what)
+static void reply_store_unavailable(struct server_exchange *exchange, const char *what)
 {
     struct proto_problem problem;
     (void)proto_problem_set(&problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
@@ -67,19 +72,13 @@ static void reply_out_of_reach(struct server_exchange *exchange, const char *wha
     server_reply_problem(exchange, &problem);
 }
 
-/* Is it not known for now what other daemons have? */
-static bool is_cut_off(const struct server_exchange *exchange)
-{
-    struct server_registry *registry = exchange->host->api->registry;
-    return server_registry_is_shared(registry) && server_registry_health(registry);
-}
-
-/* The same for every name, so that it tells nothing of names that exist for others. */
+/* The same for every name, so that it does not show which names other tenants have. */
 static void reply_absent(struct server_exchange *exchange)
 {
     const struct server_kind *kind = server_request_kind(exchange);
-    if (is_cut_off(exchange)) {
-        reply_out_of_reach(exchange, "and this daemon does not know the name");
+    struct server_registry *registry = exchange->host->api->registry;
+    if (server_registry_is_shared(registry) && server_registry_health(registry)) {
+        reply_store_unavailable(exchange, "and this daemon does not know the name");
         return;
     }
     server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
@@ -100,15 +99,14 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
 /* --- what other daemons have changed ---------------------------------------------------------- */
 
 /* By a worker. */
-static bool follow(struct server_exchange *exchange)
+static bool registry_follow(struct server_exchange *exchange)
 {
     struct server_registry *registry = exchange->host->api->registry;
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     struct server_listed listed;
-    bool names_one = exchange->match.capture_count > 0;
     enum server_store_outcome outcome = server_registry_follow(registry, exchange->started_ns);
-    if (outcome && names_one) {
+    if (outcome && exchange->match.capture_count > 0) {
         if (!server_request_key(exchange, name, &key)) return true;
         if (!server_registry_find(registry, &key, &listed)) {
             server_request_fail(exchange, outcome);
@@ -122,44 +120,41 @@ static bool follow(struct server_exchange *exchange)
 
 bool server_request_follows_first(struct server_exchange *exchange)
 {
-    const struct proto_route *route = exchange->match.route;
+    struct server_registry *registry = exchange->host->api->registry;
+    const struct server_kind *kind = request_find_kind(exchange->match.route);
     const struct proto_capture *capture = &exchange->match.captures[0];
-    char name[PROTO_MESH_NAME + 1];
-    if (!server_registry_is_shared(exchange->host->api->registry) ||
-        route->segment_count <= KIND_SEGMENT)
-        return false;
-    if (!route->segments[KIND_SEGMENT] || !server_kind_by_plural(route->segments[KIND_SEGMENT]))
-        return false;
     bool names_one = exchange->match.capture_count > 0;
+    char name[PROTO_MESH_NAME + 1];
+    if (!server_registry_is_shared(registry) || !kind) return false;
     /* no name: the handler says so */
     if (names_one && capture->length > PROTO_MESH_NAME) return false;
     if (names_one) snprintf(name, sizeof name, "%.*s", (int)capture->length, capture->text);
-    const struct server_key key = {exchange->tenant, server_request_kind(exchange), name};
-    if (server_registry_is_fresh(exchange->host->api->registry, names_one ? &key : NULL))
-        return false;
-    server_exchange_defer(exchange, follow, NULL);
+    const struct server_key key = {exchange->tenant, kind, name};
+    if (server_registry_is_fresh(registry, names_one ? &key : NULL)) return false;
+    server_exchange_defer(exchange, registry_follow, NULL);
     return true;
 }
 
 /* --- a surface that is not in memory ---------------------------------------------------------- */
 
-static void rerun(struct server_exchange *exchange, struct server_surface *surface)
+/* The exchange takes the reference over. */
+static void handler_rerun(struct server_exchange *exchange, struct server_surface *surface)
 {
     exchange->surface = surface;
     exchange->release_surface = server_surface_release;
     exchange->match.route->handle(exchange);
 }
 
-/* Loads the record and replies; there is no reply if the name is another mesh by now: then the
- * dispatcher looks it up again. False: parked. */
-static bool load_record(struct server_exchange *exchange, struct server_record *record)
+/* Loads the record and runs the handler. If the name has another record by now, there is no reply:
+ * the worker looks it up again. False: parked. */
+static bool surface_load(struct server_exchange *exchange, struct server_record *record)
 {
     struct server_surface *surface;
     struct proto_problem problem;
     switch (server_loader_load(exchange->host->api->loader, record, &exchange->job, &surface,
                                &problem)) {
     case SERVER_LOADER_LOADED:
-        rerun(exchange, surface);
+        handler_rerun(exchange, surface);
         return true;
     case SERVER_LOADER_WAITING:
         return false;
@@ -171,21 +166,21 @@ static bool load_record(struct server_exchange *exchange, struct server_record *
     }
 }
 
-/* False: parked, then this is called again. */
-static bool bring(struct server_exchange *exchange)
+/* False: parked; runs again when the load has ended. */
+static bool surface_bring(struct server_exchange *exchange)
 {
     struct server_listed listed;
     bool is_done = true;
     if (!server_request_record(exchange, &listed)) return true;
     if (listed.surface)
-        rerun(exchange, server_surface_retain(listed.surface));
+        handler_rerun(exchange, server_surface_retain(listed.surface));
     else
-        is_done = load_record(exchange, listed.record);
+        is_done = surface_load(exchange, listed.record);
     server_listed_release(&listed);
     return is_done;
 }
 
-static bool join(struct server_exchange *exchange)
+static bool surface_join(struct server_exchange *exchange)
 {
     struct server_listed listed;
     char name[PROTO_MESH_NAME + 1];
@@ -200,7 +195,7 @@ static bool join(struct server_exchange *exchange)
 }
 
 /* The surface in memory, or NULL with the exchange deferred or a problem replied. */
-static struct server_surface *find_surface(struct server_exchange *exchange)
+static struct server_surface *surface_find(struct server_exchange *exchange)
 {
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
@@ -211,13 +206,13 @@ static struct server_surface *find_surface(struct server_exchange *exchange)
         reply_absent(exchange);
         return NULL;
     }
-    if (!surface) server_exchange_defer(exchange, bring, join);
+    if (!surface) server_exchange_defer(exchange, surface_bring, surface_join);
     return surface;
 }
 
 struct server_surface *server_request_surface(struct server_exchange *exchange)
 {
-    struct server_surface *surface = find_surface(exchange);
+    struct server_surface *surface = surface_find(exchange);
     if (!surface || !server_exchange_is(exchange, "POST")) return surface;
     const struct server_precondition precondition = server_precondition_read(exchange);
     if (server_precondition_holds(&precondition, surface->record->etag)) return surface;
@@ -234,7 +229,7 @@ bool server_request_write(struct server_exchange *exchange,
     return false;
 }
 
-static bool submit_list(struct server_exchange *exchange)
+static bool list_submit(struct server_exchange *exchange)
 {
     server_registry_submit_list(exchange->host->api->registry, &exchange->job);
     return true;
@@ -243,7 +238,7 @@ static bool submit_list(struct server_exchange *exchange)
 void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange))
 {
-    server_exchange_defer(exchange, work, submit_list);
+    server_exchange_defer(exchange, work, list_submit);
 }
 
 /* --- bodies and failures ---------------------------------------------------------------------- */
@@ -270,7 +265,7 @@ bool server_request_begin_parsing(struct server_exchange *exchange, const char *
     return true;
 }
 
-/* Of many small blocks the allocator keeps what lies before the last one that is still in use. */
+/* The allocator keeps freed memory below the last block in use, so a large document is trimmed. */
 void server_request_end_parsing(struct server_exchange *exchange)
 {
     size_t parsed = exchange->parsed;
@@ -280,24 +275,21 @@ void server_request_end_parsing(struct server_exchange *exchange)
     if (parsed > PARSED_TRIMMED) malloc_trim(0);
 }
 
-static json_t *parse_body(struct server_exchange *exchange, struct proto_problem *problem)
+json_t *server_request_document(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct server_body *body = &exchange->body;
     struct server_monitor monitor = {.exchange = exchange};
     const struct gd_control control = server_exchange_control(&monitor);
+    if (!is_json(server_exchange_header(exchange, "Content-Type"))) {
+        proto_problem_set(
+            problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+            "a query is JSON: send it with the header Content-Type: application/json");
+        return NULL;
+    }
     if (!server_request_begin_parsing(exchange, body->bytes, body->size, problem)) return NULL;
     json_t *document = proto_decode_document_within(body->bytes, body->size, &control, problem);
     if (!document) server_request_end_parsing(exchange);
     return document;
-}
-
-json_t *server_request_document(struct server_exchange *exchange, struct proto_problem *problem)
-{
-    if (is_json(server_exchange_header(exchange, "Content-Type")))
-        return parse_body(exchange, problem);
-    proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
-                      "a query is JSON: send it with the header Content-Type: application/json");
-    return NULL;
 }
 
 void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome)
@@ -320,8 +312,7 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
     case SERVER_STORE_FULL:
         server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
                              "the server's disk is full; nothing was changed: delete surfaces, or "
-                             "try again when there is "
-                             "room");
+                             "try again when there is room");
         break;
     case SERVER_STORE_REFUSED:
         server_reply_refusal(
@@ -332,12 +323,11 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
     case SERVER_STORE_DAMAGED:
         server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
                              "the server's store takes no changes since a write failed; queries go "
-                             "on: tell its operator, "
-                             "/readyz says more");
+                             "on: tell its operator, /readyz says more");
         break;
     case SERVER_STORE_STALE:
     case SERVER_STORE_UNAVAILABLE:
-        reply_out_of_reach(
+        reply_store_unavailable(
             exchange, "and it is not known whether the change was made: to repeat it does no harm");
         break;
     case SERVER_STORE_DONE:

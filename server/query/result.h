@@ -1,4 +1,5 @@
-/* Result: an answer as a file of gd/result_file.h, within the byte budget. */
+/* Result: an answer as a file of gd/result_file.h, within the memory budget. All functions return
+ * false with the problem. */
 #ifndef SERVER_QUERY_RESULT_H
 #define SERVER_QUERY_RESULT_H
 
@@ -6,13 +7,12 @@
 #include "gd/result_file.h"
 #include "server/query/query.h"
 
-/* Writes the result, with the query's mesh if so asked. The bytes are counted as the exchange's
- * `held`. False with the problem. */
+/* Writes the result, with the mesh if the query says so. The exchange's `held` counts the bytes. */
 bool server_result_write(const struct server_query *query, const struct gd_result *result,
-                         bool with_mesh, enum gd_result_format format, char **bytes, size_t *size,
+                         enum gd_result_format format, struct server_answer_file *out,
                          struct proto_problem *problem);
 
-/* The formats of lines: the first of an answer's other forms (form.h). */
+/* The formats of lines, the first of an answer's forms. */
 #define SERVER_RESULT_LINE_FORMS                                                                   \
     {"obj", "model/obj", true}, {"glb", "model/gltf-binary", true},                                \
     {                                                                                              \
@@ -27,17 +27,16 @@ struct server_result_lines {
     uint32_t count;
 };
 
-/* The same of paths, as a line each, in the query's form, which is one of those. */
+/* The same for paths, a line each, in the query's form, which is one of those. */
 bool server_result_write_lines(const struct server_query *query,
-                               const struct server_result_lines *lines, char **bytes, size_t *size,
-                               struct proto_problem *problem);
+                               const struct server_result_lines *lines,
+                               struct server_answer_file *out, struct proto_problem *problem);
 
-/* The same of a path and the faces that it runs through, laid flat and drawn (proto/flat_strip.h).
- */
+/* The same for a path and the faces that it crosses, laid flat and drawn (proto/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
-                               char **bytes, size_t *size, struct proto_problem *problem);
+                               struct server_answer_file *out, struct proto_problem *problem);
 
-/* Refuses a file of what there is not; `why` begins a sentence. False. */
+/* Refuses to write a file about nothing; `why` begins a sentence. */
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why);
 
 #endif

@@ -130,12 +130,16 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
 bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
                           struct proto_problem *problem)
 {
+    size_t available = server_budget_available(budget);
     if (bytes)
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "%s needs about %zu bytes, more than the memory budget has free; " REMEDY,
-                          what, bytes);
+                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget "
+                          "can be had; " REMEDY,
+                          what, bytes, available, budget->limit);
     else
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "%s needs more than the memory budget has free; " REMEDY, what);
+                          "%s needs more than the %zu of the %zu bytes of the memory budget that "
+                          "can be had; " REMEDY,
+                          what, available, budget->limit);
     return proto_problem_limit(problem, budget->limit);
 }

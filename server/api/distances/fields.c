@@ -1,216 +1,173 @@
-/* Fields: the distances from a set as a resource. Made, listed, described, removed. */
+/* Fields: the distances from a set as a resource, which is created, listed, described and deleted;
+ * its values at all vertices, and its wedges on an edge. */
 #include "server/query/handlers.h"
 
+#include <endian.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "proto/page.h"
 #include "server/fields/cache.h"
-#include "server/query/field_query.h"
-#include "server/query/request.h"
 #include "server/http/reply.h"
 #include "server/query/api.h"
+#include "server/query/request.h"
+#include "server/query/result.h"
 
-#define WHAT "the field"
+#define QUICK_VERTICES 10000 /* whose values an HTTP thread may write */
 
-/* --- make ------------------------------------------------------------------------------------- */
+/* --- create ----------------------------------------------------------------------------------- */
 
-struct making {
-    struct server_field_query field; /* first; its set passes to the resource */
+struct field_creation {
+    struct server_query query; /* first; its set passes to the resource */
     char id[PROTO_FIELD_ID + 1];
     bool is_new;
 };
 
-/* True when it is a resource already, which is then the query's. */
-static bool is_listed(struct making *making)
+static bool creation_decode(struct server_query *query, const json_t *document,
+                            struct proto_problem *problem)
 {
-    struct server_field_query *field = &making->field;
-    struct server_catalogue *catalogue = server_record_catalogue(field->query.surface->record);
-    if (field->resource) return true;
-    return catalogue &&
-           server_catalogue_find(catalogue, making->id, &field->resource) == SERVER_CATALOGUE_FOUND;
+    struct proto_field_request wanted;
+    return proto_field_decode(document, &wanted, problem) &&
+           server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem);
 }
 
-static bool name(struct server_field_query *query, struct proto_problem *problem)
+/* True: the resource exists, and the query has it. */
+static bool creation_is_listed(struct server_query *query)
 {
-    struct making *making = (struct making *)query;
-    const char *etag = query->query.surface->record->etag;
-    if (!server_resource_name(etag, query->set, query->request.radius, making->id))
+    struct server_catalogue *catalogue = server_record_catalogue(query->surface->record);
+    return query->field.resource ||
+           (catalogue && server_catalogue_find(catalogue, ((struct field_creation *)query)->id,
+                                               &query->field.resource) == SERVER_CATALOGUE_FOUND);
+}
+
+static bool creation_name(struct server_query *query, struct proto_problem *problem)
+{
+    if (!server_resource_name(query->surface->record->etag, query->field.set,
+                              query->field.request.radius, ((struct field_creation *)query)->id))
         return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    query->is_quick = is_listed(making);
+    query->field.is_quick = creation_is_listed(query);
     return true;
 }
 
-/* Where the distance is largest, of a field that goes so far. */
-static enum gd_status find_farthest(const struct gd_field *field, struct server_monitor *part,
-                                    struct proto_field_description *description)
+/* Lists the field, unless another request has listed it meanwhile. */
+static enum gd_status creation_list(struct field_creation *creation,
+                                    const struct proto_field_description *description)
 {
-    const struct gd_control control = server_exchange_control(part);
-    enum gd_status status =
-        gd_field_farthest(field, &control, &description->farthest, &description->max);
-    if (status != GD_BEYOND_REACH) return status;
-    description->max = NAN;
-    return GD_OK;
-}
-
-static enum gd_status describe(const struct making *making, const struct gd_field *field,
-                               struct server_monitor *part, struct proto_field_description *out)
-{
-    const struct gd_field_statistics *statistics = gd_field_statistics(field);
-    *out = (struct proto_field_description){.wedges = statistics->wedges,
-                                            .bytes = gd_field_memsize(field),
-                                            .build_ms = (double)statistics->build_ns / 1e6,
-                                            .max_distance = making->field.request.radius,
-                                            .members = making->field.set->count};
-    return find_farthest(field, part, out);
-}
-
-/* Lists the field as a resource, unless another request has done so by now. */
-static enum gd_status list(struct making *making, const struct proto_field_description *description)
-{
-    struct server_field_query *field = &making->field;
-    struct server_catalogue *catalogue = server_record_catalogue(field->query.surface->record);
-    struct server_budget *budget = field->query.exchange->host->budget;
+    struct server_query *query = &creation->query;
+    struct server_field_query *field = &query->field;
+    struct server_catalogue *catalogue = server_record_catalogue(query->surface->record);
+    const char *key = server_grant_name(&query->exchange->grant);
     if (!catalogue) return GD_NO_MEMORY;
-    field->resource = server_resource_create(making->id, field->own_set, description, budget);
+    field->resource = server_resource_create(creation->id, field->own_set, description,
+                                             query->exchange->host->budget);
     if (!field->resource) return GD_BUDGET;
     field->own_set = NULL;
-    const char *key = server_grant_name(&field->query.exchange->grant);
-    making->is_new = server_catalogue_add(catalogue, key ? key : "", &field->resource);
+    creation->is_new = server_catalogue_add(catalogue, key ? key : "", &field->resource);
     field->set = field->resource->set;
     field->request = server_resource_request(field->resource);
     return GD_OK;
 }
 
-static enum server_query_turn answer(struct server_field_query *query, const struct gd_field *field,
-                                     struct server_monitor *part, struct proto_problem *problem)
+static enum server_query_turn creation_answer(struct server_query *query,
+                                              const struct gd_field *field,
+                                              struct server_monitor *part,
+                                              struct proto_problem *problem)
 {
-    struct making *making = (struct making *)query;
-    struct proto_field_description description;
-    if (is_listed(making)) return SERVER_QUERY_DONE;
-    enum gd_status status = describe(making, field, part, &description);
-    if (!status) status = list(making, &description);
-    return status ? server_query_fail(&query->query, status, WHAT, problem) : SERVER_QUERY_DONE;
+    const struct gd_field_statistics *statistics = gd_field_statistics(field);
+    const struct gd_control control = server_exchange_control(part);
+    struct proto_field_description description = {.wedges = statistics->wedges,
+                                                  .bytes = gd_field_memsize(field),
+                                                  .build_ms = (double)statistics->build_ns / 1e6,
+                                                  .max_distance = query->field.request.radius,
+                                                  .members = query->field.set->count};
+    if (creation_is_listed(query)) return SERVER_QUERY_DONE;
+    enum gd_status status =
+        gd_field_farthest(field, &control, &description.farthest, &description.max);
+    if (status == GD_BEYOND_REACH) {
+        description.max = NAN;
+        status = GD_OK;
+    }
+    if (!status) status = creation_list((struct field_creation *)query, &description);
+    return server_query_end_draft(query, status, "the field", problem);
 }
 
-static bool decode(struct server_query *query, const json_t *document,
-                   struct proto_problem *problem)
+static void resource_encode(const struct server_query *query, struct proto_writer *writer)
 {
-    struct making *making = (struct making *)query;
-    struct proto_field_request wanted;
-    if (!proto_field_decode(document, &wanted, problem)) return false;
-    making->field.answer = answer;
-    making->field.located = name;
-    bool ok = server_field_query_of_set(&making->field, &wanted.set, wanted.max_distance, problem);
-    proto_set_free(&wanted.set);
-    return ok;
-}
-
-static void encode_resource(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct server_field_query *field = (const struct server_field_query *)query;
-    proto_field_encode(writer, query->surface->mesh, &field->resource->description,
+    proto_field_encode(writer, query->surface->mesh, &query->field.resource->description,
                        query->options.fields);
 }
 
-static unsigned status(struct server_query *query)
+static unsigned creation_status(struct server_query *query)
 {
-    const struct making *making = (const struct making *)query;
+    const struct field_creation *creation = (const struct field_creation *)query;
     server_reply_header(query->exchange, "Location", "/v1/meshes/%s/fields/%s",
-                        query->surface->record->name, making->id);
-    return making->is_new ? 201 : 200;
+                        query->surface->record->name, creation->id);
+    return creation->is_new ? 201 : 200;
 }
 
-static const struct server_query_kind make_field = {.name = "fields",
-                                                    .size = sizeof(struct making),
-                                                    .fields = proto_field_fields,
-                                                    .decode = decode,
-                                                    .glance = server_field_query_glance,
-                                                    .join = server_field_query_join,
-                                                    .solve = server_field_query_solve,
-                                                    .encode = encode_resource,
-                                                    .release = server_field_query_release,
-                                                    .status = status};
-
-void server_handle_create_field(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &make_field);
-}
+const struct server_query_kind server_query_create_field = {.name = "fields",
+                                                            .size = sizeof(struct field_creation),
+                                                            .fields = proto_field_fields,
+                                                            .decode = creation_decode,
+                                                            .located = creation_name,
+                                                            .answer = creation_answer,
+                                                            .encode = resource_encode,
+                                                            .status = creation_status};
 
 /* --- describe --------------------------------------------------------------------------------- */
 
-static bool parse_id(struct server_query *query, const struct proto_parameters *parameters,
-                     struct proto_problem *problem)
+static bool resource_parse(struct server_query *query, const struct proto_parameters *parameters,
+                           struct proto_problem *problem)
 {
     (void)parameters;
-    return server_field_query_of_resource((struct server_field_query *)query, problem);
+    return server_field_query_of_resource(query, problem);
 }
 
-/* What is told needs no wedges. */
-static enum server_query_turn tell(struct server_query *query, struct proto_problem *problem)
-{
-    (void)query, (void)problem;
-    return SERVER_QUERY_DONE;
-}
-
-static const struct server_query_kind describe_field = {.name = "field",
-                                                        .size = sizeof(struct server_field_query),
-                                                        .fields = proto_field_fields,
-                                                        .parse = parse_id,
-                                                        .glance = tell,
-                                                        .solve = tell,
-                                                        .encode = encode_resource,
-                                                        .release = server_field_query_release};
-
-void server_handle_get_field(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &describe_field);
-}
+const struct server_query_kind server_query_get_field = {.name = "field",
+                                                         .size = sizeof(struct server_query),
+                                                         .fields = proto_field_fields,
+                                                         .parse = resource_parse,
+                                                         .encode = resource_encode};
 
 /* --- list ------------------------------------------------------------------------------------- */
 
-static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh,
-                       struct server_resource **resources, uint32_t count, uint32_t limit)
+/* Replies with a page. False: the page has more than `most` items, and nothing is replied. */
+static bool page_reply(struct server_exchange *exchange, struct server_surface *surface,
+                       const struct proto_page *page, uint32_t most)
 {
-    uint32_t written = count < limit ? count : limit;
-    proto_page_begin(writer, "fields");
-    for (uint32_t i = 0; i < written; i++)
-        proto_field_encode(writer, mesh, &resources[i]->description, PROTO_FIELD_FIELD_ALL);
-    proto_page_end(writer, count > limit ? resources[limit - 1]->id : NULL);
-}
-
-/* The fields on a page, and one more if there is a next page; at most `most`. */
-static uint32_t find_listed(struct server_surface *surface, const struct proto_page *page,
-                            uint32_t most, struct server_resource **resources)
-{
+    struct server_resource *resources[PROTO_PAGE_MOST + 1];
     struct server_catalogue *catalogue = server_record_catalogue(surface->record);
-    uint32_t wanted = page->limit < most ? page->limit + 1 : most;
-    return catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0;
-}
-
-static void reply_page(struct server_exchange *exchange, struct server_surface *surface,
-                       const struct proto_page *page, struct server_resource **resources,
-                       uint32_t count)
-{
+    /* one more than the page has shows whether there is a next page */
+    uint32_t wanted = page->limit < most ? page->limit + 1 : most + 1,
+             count =
+                 catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0,
+             written = count < page->limit ? count : page->limit;
+    bool fits = written <= most;
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
-    write_page(&writer, surface->mesh, resources, count, page->limit);
+    proto_page_begin(&writer, "fields");
+    for (uint32_t i = 0; i < written && fits; i++)
+        proto_field_encode(&writer, surface->mesh, &resources[i]->description,
+                           PROTO_FIELD_FIELD_ALL);
+    proto_page_end(&writer, count > page->limit ? resources[page->limit - 1]->id : NULL);
     for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
-    server_reply_json(exchange, 200, &writer);
+    if (fits)
+        server_reply_json(exchange, 200, &writer);
+    else
+        proto_writer_free(&writer);
+    return fits;
 }
 
-/* Of the mesh that the exchange keeps. */
-static bool list_fields(struct server_exchange *exchange)
+static bool page_list(struct server_exchange *exchange)
 {
     struct proto_page page;
-    struct server_resource *resources[PROTO_PAGE_MOST + 1];
-    if (!server_request_page(exchange, &page)) return true;
-    uint32_t count = find_listed(exchange->state, &page, PROTO_PAGE_MOST + 1, resources);
-    reply_page(exchange, exchange->state, &page, resources, count);
+    if (server_request_page(exchange, &page))
+        page_reply(exchange, exchange->state, &page, PROTO_PAGE_MOST);
     return true;
 }
 
-static void release_surface(void *surface)
+static void surface_free(void *surface)
 {
     server_surface_release(surface);
 }
@@ -218,44 +175,171 @@ static void release_surface(void *surface)
 void server_handle_list_fields(struct server_exchange *exchange)
 {
     struct proto_page page;
-    struct server_resource *resources[SERVER_REQUEST_SHORT_LIST + 1];
     if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
-    server_exchange_keep(exchange, surface, release_surface);
-    uint32_t count = find_listed(surface, &page, SERVER_REQUEST_SHORT_LIST + 1, resources);
-    if (page.limit <= SERVER_REQUEST_SHORT_LIST || count <= SERVER_REQUEST_SHORT_LIST) {
-        reply_page(exchange, surface, &page, resources, count);
-        return;
-    }
-    for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
-    server_request_list(exchange, list_fields);
+    server_exchange_keep(exchange, surface, surface_free);
+    if (!page_reply(exchange, surface, &page, SERVER_REQUEST_SHORT_LIST))
+        server_request_list(exchange, page_list);
 }
 
-/* --- remove ----------------------------------------------------------------------------------- */
-
-/* Takes the field from the list and its wedges from the cache; false with the problem. */
-static bool remove_field(struct server_exchange *exchange, const struct server_listed *mesh,
-                         struct proto_problem *problem)
-{
-    struct server_resource *resource = server_find_resource(exchange, mesh->record, problem);
-    if (!resource) return false;
-    struct gd_field_request request = server_resource_request(resource);
-    server_resource_release(
-        server_catalogue_remove(server_record_catalogue(mesh->record), resource->id));
-    if (mesh->surface) server_cache_drop(mesh->surface->fields, &request);
-    server_resource_release(resource);
-    return true;
-}
+/* --- delete ----------------------------------------------------------------------------------- */
 
 void server_handle_delete_field(struct server_exchange *exchange)
 {
     struct server_listed mesh;
     struct proto_problem problem;
     if (!server_request_is_plain(exchange) || !server_request_record(exchange, &mesh)) return;
-    if (remove_field(exchange, &mesh, &problem))
+    struct server_resource *resource = server_find_resource(exchange, mesh.record, &problem);
+    if (resource) {
+        const struct gd_field_request request = server_resource_request(resource);
+        server_resource_release(
+            server_catalogue_remove(server_record_catalogue(mesh.record), resource->id));
+        if (mesh.surface) server_cache_drop(mesh.surface->fields, &request);
+        server_resource_release(resource);
         server_reply_empty(exchange, 204);
-    else
+    } else {
         server_reply_problem(exchange, &problem);
+    }
     server_listed_release(&mesh);
 }
+
+/* --- values at all vertices ------------------------------------------------------------------- */
+
+struct values_query {
+    struct server_query query; /* first */
+    double *values;            /* by vertex index; not finite: null */
+};
+
+static uint32_t values_count(const struct server_query *query)
+{
+    return gd_mesh_summary(query->surface->mesh)->index_count;
+}
+
+static bool values_parse(struct server_query *query, const struct proto_parameters *parameters,
+                         struct proto_problem *problem)
+{
+    (void)parameters;
+    query->with_mesh = query->form >= SERVER_FORM_FIRST; /* whatever ?mesh= says */
+    query->field.is_quick = values_count(query) <= QUICK_VERTICES;
+    return server_field_query_of_resource(query, problem);
+}
+
+static enum server_query_turn values_answer(struct server_query *query,
+                                            const struct gd_field *field,
+                                            struct server_monitor *part,
+                                            struct proto_problem *problem)
+{
+    struct values_query *own = (struct values_query *)query;
+    uint32_t count = values_count(query);
+    double most = query->field.request.radius;
+    (void)part;
+    own->values = server_query_allocate(query, count, sizeof *own->values);
+    if (!own->values) return server_query_fail(query, GD_BUDGET, "the answer", problem);
+    gd_field_vertex_distances(field, own->values);
+    for (uint32_t i = 0; i < count && most > 0; i++)
+        if (own->values[i] > most) own->values[i] = INFINITY;
+    return SERVER_QUERY_DONE;
+}
+
+static void values_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    proto_values_encode(writer, ((const struct values_query *)query)->values, values_count(query));
+}
+
+/* Little-endian, NaN for null. */
+static size_t values_bytes(const struct server_query *query, void *out)
+{
+    const double *values = ((const struct values_query *)query)->values;
+    uint32_t count = values_count(query);
+    uint64_t *bytes = out;
+    for (uint32_t i = 0; i < count && bytes; i++) {
+        double value = isfinite(values[i]) ? values[i] : NAN;
+        memcpy(&bytes[i], &value, sizeof value);
+        bytes[i] = htole64(bytes[i]);
+    }
+    return count * sizeof *bytes;
+}
+
+static const struct server_form values_forms[] = {{"ply", "application/x-ply", false},
+                                                  {"glb", "model/gltf-binary", false},
+                                                  {"csv", "text/csv", false},
+                                                  {NULL, NULL, false}};
+
+static bool values_write(const struct server_query *query, struct server_answer_file *out,
+                         struct proto_problem *problem)
+{
+    static const enum gd_result_format formats[] = {GD_RESULT_PLY, GD_RESULT_GLB, GD_RESULT_CSV};
+    const struct gd_result result = {.distances = ((const struct values_query *)query)->values};
+    return server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out,
+                               problem);
+}
+
+const struct server_query_kind server_query_get_field_values = {.name = "values",
+                                                                .size = sizeof(struct values_query),
+                                                                .fields = proto_values_fields,
+                                                                .forms = values_forms,
+                                                                .parse = values_parse,
+                                                                .answer = values_answer,
+                                                                .encode = values_encode,
+                                                                .bytes = values_bytes,
+                                                                .write = values_write};
+
+/* --- wedges on an edge ------------------------------------------------------------------------ */
+
+struct wedges_query {
+    struct server_query query; /* first */
+    struct gd_vertex ends[2];
+    struct gd_wedge *wedges; /* owned */
+    uint32_t count;
+};
+
+static bool wedges_parse(struct server_query *query, const struct proto_parameters *parameters,
+                         struct proto_problem *problem)
+{
+    query->field.is_quick = true;
+    return server_field_query_of_resource(query, problem) &&
+           proto_wedges_parse(parameters, ((struct wedges_query *)query)->ends, problem);
+}
+
+static enum server_query_turn wedges_answer(struct server_query *query,
+                                            const struct gd_field *field,
+                                            struct server_monitor *part,
+                                            struct proto_problem *problem)
+{
+    struct wedges_query *own = (struct wedges_query *)query;
+    (void)part;
+    enum gd_status status =
+        gd_field_wedges(field, own->ends[0], own->ends[1], &own->wedges, &own->count);
+    if (status) {
+        server_query_fail(query, status, "the answer", problem);
+        if (status == GD_NO_SUCH_EDGE) proto_problem_at(problem, "edge");
+        return SERVER_QUERY_FAILED;
+    }
+    /* a curve has a seed for each of its points and segments */
+    for (uint32_t i = 0; i < own->count; i++)
+        if (!own->wedges[i].at_vertex)
+            own->wedges[i].source = query->field.set->members[own->wedges[i].source];
+    return SERVER_QUERY_DONE;
+}
+
+static void wedges_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct wedges_query *own = (const struct wedges_query *)query;
+    proto_wedges_encode(writer, own->ends, own->wedges, own->count, query->options.fields);
+}
+
+static void wedges_release(struct server_query *query)
+{
+    free(((struct wedges_query *)query)->wedges);
+}
+
+const struct server_query_kind server_query_get_field_wedges = {.name = "wedges",
+                                                                .size = sizeof(struct wedges_query),
+                                                                .fields = proto_wedges_fields,
+                                                                .parameters =
+                                                                    proto_wedges_parameters,
+                                                                .parse = wedges_parse,
+                                                                .answer = wedges_answer,
+                                                                .encode = wedges_encode,
+                                                                .release = wedges_release};

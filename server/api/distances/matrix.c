@@ -1,113 +1,397 @@
-/* Matrix: the distances from each source to each target, as rows of a field each
- * (server/query/matrix_rows.h). Always in the second lane. */
+/* Matrix: the distances from each source to each target, by workers.
+ *
+ * DESIGN. The metric is symmetric: of sources and targets, the fewer become the rows. Each
+ * different point is one row or column. A row is a field of its point, evaluated at all columns: a
+ * cached field, or one that is built and dropped. If all columns are vertices, the field keeps no
+ * wedges. Rows of few columns are searched pair by pair. Between components nothing is computed.
+ *
+ * Each row is a task of an executor (executor.h) with a workspace and a grant from the memory
+ * budget of its own. A row that finds too little memory while others run is retried when it is
+ * alone. The first failure ends all rows: those by fields within a millisecond or so, those by
+ * searches at the end of a search. */
 #include "server/query/handlers.h"
 
+#include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "proto/matrix.h"
+#include "server/fields/cache.h"
+#include "server/query/pair_search.h"
 #include "server/query/query.h"
-#include "server/query/matrix_rows.h"
+#include "server/work/budgeted_call.h"
+#include "server/work/executor.h"
 
-#define WHAT "the matrix"
+#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* to search them takes half as long as a field */
+#define BYTES_A_COLUMN 16                          /* of an evaluation, see gd_field_distances */
+#define BYTES_AN_EDGE  96                          /* without wedges, see gd_field_distances_only */
+#define BYTES_A_ROW    ((size_t)1 << 20)           /* on a mesh of any size */
 
-struct matrix {
-    struct server_query query; /* first */
-    struct proto_located_points sources, targets;
-    double max_distance;
-    double *distances; /* a source a row; NULL: not there yet */
+/* The different points of a list. */
+struct point_index {
+    struct gd_point *points;
+    uint32_t count;
+    uint32_t *number; /* by position in the list: the index in `points`, whose memory it shares */
 };
 
-static void release(struct server_query *query)
+struct matrix_query {
+    struct server_query query;           /* first */
+    struct proto_located_points targets; /* the sources are the query's points */
+    double max_distance;                 /* INFINITY: no limit */
+    double *distances; /* a source a row. INFINITY: no path; NAN: beyond max_distance */
+
+    bool is_turned; /* the rows are the targets */
+    struct point_index rows, columns;
+    uint32_t *vertices;    /* by column: its vertex index; NULL: not all columns are vertices */
+    double *row_distances; /* rows x columns */
+    bool *is_left;         /* by row: it found too little memory while others ran */
+    bool is_alone;         /* one row runs at a time */
+    atomic_size_t grant;   /* bytes that were enough for the rows so far */
+    atomic_int status;     /* the first failure */
+};
+
+struct matrix_row {
+    struct matrix_query *matrix;
+    const struct gd_point *point;
+    double *distances; /* by column */
+    struct server_monitor monitor;
+};
+
+static void matrix_release(struct server_query *query)
 {
-    struct matrix *matrix = (struct matrix *)query;
-    proto_located_points_free(&matrix->sources);
-    proto_located_points_free(&matrix->targets);
-    free(matrix->distances);
+    proto_located_points_free(&((struct matrix_query *)query)->targets);
 }
 
-static bool decode(struct server_query *query, const json_t *document,
-                   struct proto_problem *problem)
+static bool matrix_decode(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
 {
-    struct matrix *matrix = (struct matrix *)query;
-    const struct gd_mesh *mesh = query->surface->mesh;
+    struct matrix_query *matrix = (struct matrix_query *)query;
     struct proto_matrix wanted;
     if (!proto_matrix_decode(document, &wanted, problem)) return false;
-    bool ok = proto_points_locate(mesh, &wanted.sources, &matrix->sources, problem) &&
-              proto_points_locate(mesh, &wanted.targets, &matrix->targets, problem);
+    bool ok = server_query_locate(query, &wanted.sources, problem) &&
+              proto_points_locate(query->surface->mesh, &wanted.targets, &matrix->targets, problem);
     matrix->max_distance = wanted.max_distance;
     proto_matrix_free(&wanted);
     return ok;
 }
 
-static struct server_matrix_request request_of(const struct matrix *matrix)
+/* --- different points ------------------------------------------------------------------------- */
+
+/* Zero for points that gd_point_equal calls equal. */
+static int point_compare(const void *a, const void *b)
 {
-    return (struct server_matrix_request){.surface = matrix->query.surface,
-                                          .sources = matrix->sources.points,
-                                          .source_count = matrix->sources.count,
-                                          .targets = matrix->targets.points,
-                                          .target_count = matrix->targets.count,
-                                          .max_distance = matrix->max_distance};
+    const struct gd_point *x = *(const struct gd_point *const *)a,
+                          *y = *(const struct gd_point *const *)b;
+    if (x->kind != y->kind) return x->kind < y->kind ? -1 : 1;
+    if (x->element != y->element) return x->element < y->element ? -1 : 1;
+    return memcmp(x->weight, y->weight, sizeof x->weight);
 }
 
-static enum gd_status reserve(struct matrix *matrix)
+/* False without memory. O(n log n). */
+static bool points_index(const struct proto_located_points *list, struct point_index *out)
 {
-    size_t bytes = (size_t)matrix->sources.count * matrix->targets.count * sizeof(double);
-    enum gd_status status = server_query_take(&matrix->query, bytes);
-    if (status) return status;
-    matrix->distances = malloc(bytes);
-    return matrix->distances ? GD_OK : GD_NO_MEMORY;
+    const struct gd_point **sorted = malloc(list->count * sizeof *sorted);
+    out->points = malloc(list->count * (sizeof *out->points + sizeof *out->number));
+    if (sorted && out->points) {
+        out->number = (uint32_t *)(out->points + list->count);
+        for (uint32_t i = 0; i < list->count; i++) sorted[i] = &list->points[i];
+        qsort(sorted, list->count, sizeof *sorted, point_compare);
+        for (uint32_t i = 0; i < list->count; i++) {
+            if (!i || point_compare(&sorted[i - 1], &sorted[i]) != 0)
+                out->points[out->count++] = *sorted[i];
+            out->number[sorted[i] - list->points] = out->count - 1;
+        }
+    }
+    free(sorted);
+    return out->count;
 }
 
-/* With bytes of the budget for solving. */
-static enum gd_status fill(struct matrix *matrix)
+/* The columns' vertex indices; NULL when one is no vertex, or without memory. */
+static uint32_t *columns_as_vertices(const struct gd_mesh *mesh, const struct point_index *columns)
 {
-    struct server_matrix_request request = request_of(matrix);
-    struct server_monitor part = server_query_monitor(&matrix->query, 0, 1);
-    size_t cost = server_matrix_cost(&request);
-    enum gd_status status = server_query_take(&matrix->query, cost);
-    if (status) return status;
-    status = server_matrix_solve(&part, &request, matrix->distances);
-    server_query_give(&matrix->query, cost);
+    uint32_t *vertices = malloc(columns->count * sizeof *vertices), i = 0;
+    for (; vertices && i < columns->count && columns->points[i].kind == GD_POINT_VERTEX; i++) {
+        struct gd_point_description description;
+        gd_point_describe(mesh, &columns->points[i], &description);
+        vertices[i] = description.vertex.index;
+    }
+    if (i == columns->count) return vertices;
+    free(vertices);
+    return NULL;
+}
+
+/* --- a row from a field ----------------------------------------------------------------------- */
+
+/* Ends a row when another one has failed. */
+static bool row_on_progress(void *user, double fraction)
+{
+    struct matrix_row *row = user;
+    if (atomic_load_explicit(&row->matrix->status, memory_order_relaxed) != GD_OK) return false;
+    struct gd_control control = server_exchange_control(&row->monitor);
+    return control.progress(control.user, fraction);
+}
+
+static struct gd_control row_control(struct matrix_row *row)
+{
+    struct gd_control control = server_exchange_control(&row->monitor);
+    control.progress = row_on_progress;
+    control.user = row;
+    return control;
+}
+
+static bool column_is_apart(const struct matrix_row *row, uint32_t column)
+{
+    const struct gd_mesh *mesh = row->matrix->query.surface->mesh;
+    return gd_point_component(mesh, row->point) !=
+           gd_point_component(mesh, &row->matrix->columns.points[column]);
+}
+
+/* Replaces distances to other components and beyond the limit by INFINITY and NAN. */
+static void row_limit(const struct matrix_row *row)
+{
+    for (uint32_t i = 0; i < row->matrix->columns.count; i++) {
+        if (column_is_apart(row, i))
+            row->distances[i] = INFINITY;
+        else if (!(row->distances[i] <= row->matrix->max_distance))
+            row->distances[i] = NAN;
+    }
+}
+
+static enum gd_status row_evaluate(const struct matrix_row *row, const struct gd_field *field,
+                                   const struct gd_control *control)
+{
+    const struct point_index *columns = &row->matrix->columns;
+    enum gd_status status =
+        gd_field_distances(field, columns->points, columns->count, control, row->distances);
+    if (!status) row_limit(row);
     return status;
 }
 
-static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
+/* The radius is just above the limit, so that distances at the limit are final. */
+static struct gd_field_request row_request(const struct matrix_row *row, struct gd_seed *seed)
 {
-    struct matrix *matrix = (struct matrix *)query;
-    enum gd_status status = reserve(matrix);
-    if (!status) status = fill(matrix);
-    return status ? server_query_fail(query, status, WHAT, problem) : SERVER_QUERY_DONE;
+    double limit = row->matrix->max_distance;
+    *seed = (struct gd_seed){.point = *row->point};
+    return (struct gd_field_request){
+        .seeds = seed, .seed_count = 1, .radius = isfinite(limit) ? nextafter(limit, INFINITY) : 0};
 }
 
-static struct proto_matrix_answer answer_of(const struct server_query *query)
+/* From a field that is dropped. Rows are alike, so the next row begins with this one's grant. */
+static enum gd_status row_from_field(void *user, const struct gd_control *control, size_t *kept)
 {
-    const struct matrix *matrix = (const struct matrix *)query;
-    return (struct proto_matrix_answer){matrix->distances, matrix->sources.count,
+    const struct matrix_row *row = user;
+    struct gd_seed seed;
+    const struct gd_field_request request = row_request(row, &seed);
+    struct gd_field *field;
+    *kept = 0;
+    enum gd_status status =
+        gd_field_build(row->matrix->query.surface->mesh, &request, control, NULL, &field, NULL);
+    if (status) return status;
+    atomic_store(&row->matrix->grant, control->budget_bytes);
+    status = row_evaluate(row, field, control);
+    gd_field_release(field);
+    return status;
+}
+
+/* Without the wedges, which are most of a field's memory. */
+static enum gd_status row_from_vertices(void *user, const struct gd_control *control, size_t *kept)
+{
+    const struct matrix_row *row = user;
+    const struct gd_mesh *mesh = row->matrix->query.surface->mesh;
+    struct gd_seed seed;
+    const struct gd_field_request request = row_request(row, &seed);
+    double *distances = malloc(gd_mesh_summary(mesh)->index_count * sizeof *distances);
+    *kept = 0;
+    enum gd_status status = distances
+                                ? gd_field_distances_only(mesh, &request, control, distances, NULL)
+                                : GD_NO_MEMORY;
+    if (!status) {
+        atomic_store(&row->matrix->grant, control->budget_bytes);
+        for (uint32_t i = 0; i < row->matrix->columns.count; i++)
+            row->distances[i] = distances[row->matrix->vertices[i]];
+        row_limit(row);
+    }
+    free(distances);
+    return status;
+}
+
+static enum gd_status row_propagate(struct matrix_row *row)
+{
+    struct matrix_query *matrix = row->matrix;
+    size_t indices = gd_mesh_summary(matrix->query.surface->mesh)->index_count;
+    const struct server_budgeted_call call = {
+        .make = matrix->vertices ? row_from_vertices : row_from_field,
+        .user = row,
+        .control = row_control(row),
+        .grant = atomic_load(&matrix->grant),
+        .aside = matrix->vertices ? indices * sizeof(double)
+                                  : (size_t)matrix->columns.count * BYTES_A_COLUMN};
+    return server_budgeted_call_run(row->monitor.exchange->host->workspaces, &call);
+}
+
+/* --- a row by searches ------------------------------------------------------------------------ */
+
+static enum gd_status row_search(const struct matrix_row *row)
+{
+    const struct matrix_query *matrix = row->matrix;
+    uint32_t count = matrix->columns.count;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        const struct gd_point *column = &matrix->columns.points[i];
+        const struct server_cached *cached =
+            server_cache_find(matrix->query.surface->fields, column);
+        if (!cached || gd_field_distance(cached->field, row->point, &row->distances[i])) {
+            const struct server_pair pair = {row->point, column, GD_PAIR_DISTANCE};
+            struct server_monitor part =
+                server_monitor_portion(&row->monitor, (double)i / count, 1.0 / count);
+            struct gd_pair_answer answer;
+            status = server_pair_search(&part, matrix->query.surface, &pair, &answer);
+            if (!status) row->distances[i] = answer.distance;
+        }
+        server_cache_unpin(cached);
+    }
+    return status;
+}
+
+/* --- rows ------------------------------------------------------------------------------------- */
+
+static enum gd_status row_solve(struct matrix_row *row)
+{
+    const struct matrix_query *matrix = row->matrix;
+    struct gd_seed seed;
+    const struct gd_field_request request = row_request(row, &seed);
+    uint32_t column = 0;
+    while (column < matrix->columns.count && column_is_apart(row, column)) column++;
+    if (column == matrix->columns.count) {
+        row_limit(row);
+        return GD_OK;
+    }
+    const struct server_cached *cached =
+        server_cache_find_field(matrix->query.surface->fields, &request);
+    if (cached) {
+        const struct gd_control control = row_control(row);
+        enum gd_status status = row_evaluate(row, cached->field, &control);
+        server_cache_unpin(cached);
+        return status;
+    }
+    bool is_short = matrix->columns.count < FEW_COLUMNS && !isfinite(matrix->max_distance);
+    return is_short ? row_search(row) : row_propagate(row);
+}
+
+static void row_run(void *user, uint32_t number)
+{
+    struct matrix_query *matrix = user;
+    double share = 1.0 / matrix->rows.count;
+    struct matrix_row row = {
+        .matrix = matrix,
+        .point = &matrix->rows.points[number],
+        .distances = matrix->row_distances + (size_t)number * matrix->columns.count,
+        .monitor = server_query_monitor(&matrix->query, number * share, share)};
+    int none = GD_OK;
+    if (atomic_load(&matrix->status) != GD_OK) return;
+    enum gd_status status = row_solve(&row);
+    matrix->is_left[number] = status == GD_BUDGET && !matrix->is_alone;
+    if (status && !matrix->is_left[number])
+        atomic_compare_exchange_strong(&matrix->status, &none, (int)status);
+}
+
+static enum gd_status rows_run(struct matrix_query *matrix)
+{
+    const struct server_exchange *exchange = matrix->query.exchange;
+    const struct gd_executor *executor = server_executor_start(
+        exchange->host->workers, matrix->rows.count, exchange->job.deadline_ns);
+    gd_executor_run(executor, row_run, matrix, matrix->rows.count);
+    server_executor_stop(executor);
+    matrix->is_alone = true;
+    for (uint32_t i = 0; i < matrix->rows.count; i++)
+        if (matrix->is_left[i]) row_run(matrix, i);
+    return (enum gd_status)atomic_load(&matrix->status);
+}
+
+/* --- the matrix ------------------------------------------------------------------------------- */
+
+/* Copies from different points to all of them. */
+static void matrix_spread(struct matrix_query *matrix)
+{
+    const uint32_t *row = matrix->rows.number, *column = matrix->columns.number;
+    size_t columns = matrix->columns.count;
+    double *out = matrix->distances;
+    for (size_t i = 0; i < matrix->query.points.count; i++)
+        for (size_t j = 0; j < matrix->targets.count; j++)
+            *out++ = matrix->row_distances[matrix->is_turned ? row[j] * columns + column[i]
+                                                             : row[i] * columns + column[j]];
+}
+
+/* The memory for the work is freed when the distances are there. */
+static enum gd_status matrix_work(struct matrix_query *matrix)
+{
+    const struct gd_mesh *mesh = matrix->query.surface->mesh;
+    struct point_index sources = {0}, targets = {0};
+    bool ok =
+        points_index(&matrix->query.points, &sources) && points_index(&matrix->targets, &targets);
+    matrix->is_turned = targets.count < sources.count;
+    matrix->rows = matrix->is_turned ? targets : sources;
+    matrix->columns = matrix->is_turned ? sources : targets;
+    matrix->vertices = ok ? columns_as_vertices(mesh, &matrix->columns) : NULL;
+    matrix->grant = matrix->vertices
+                        ? BYTES_A_ROW + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE
+                        : server_field_build_grant(mesh);
+    matrix->row_distances =
+        malloc((size_t)matrix->rows.count * matrix->columns.count * sizeof *matrix->row_distances);
+    matrix->is_left = calloc(matrix->rows.count, sizeof *matrix->is_left);
+    enum gd_status status =
+        ok && matrix->row_distances && matrix->is_left ? rows_run(matrix) : GD_NO_MEMORY;
+    if (!status) matrix_spread(matrix);
+    free(sources.points);
+    free(targets.points);
+    free(matrix->vertices);
+    free(matrix->row_distances);
+    free(matrix->is_left);
+    return status;
+}
+
+static enum server_query_turn matrix_solve(struct server_query *query,
+                                           struct proto_problem *problem)
+{
+    struct matrix_query *matrix = (struct matrix_query *)query;
+    size_t points = (size_t)query->points.count + matrix->targets.count,
+           entries = (size_t)query->points.count * matrix->targets.count,
+           cost = entries * sizeof(double) +
+                  points * (sizeof(struct gd_point) + 2 * sizeof(uint32_t) + sizeof(bool));
+    matrix->distances = server_query_allocate(query, entries, sizeof *matrix->distances);
+    enum gd_status status = matrix->distances ? server_query_take(query, cost) : GD_BUDGET;
+    if (!status) {
+        status = matrix_work(matrix);
+        server_query_give(query, cost);
+    }
+    return server_query_end_draft(query, status, "the matrix", problem);
+}
+
+static struct proto_matrix_answer matrix_answer(const struct server_query *query)
+{
+    const struct matrix_query *matrix = (const struct matrix_query *)query;
+    return (struct proto_matrix_answer){matrix->distances, query->points.count,
                                         matrix->targets.count};
 }
 
-static void encode(const struct server_query *query, struct proto_writer *writer)
+static void matrix_encode(const struct server_query *query, struct proto_writer *writer)
 {
-    struct proto_matrix_answer answer = answer_of(query);
+    struct proto_matrix_answer answer = matrix_answer(query);
     proto_matrix_encode(writer, &answer, &query->options);
 }
 
-static size_t bytes(const struct server_query *query, void *out)
+static size_t matrix_bytes(const struct server_query *query, void *out)
 {
-    struct proto_matrix_answer answer = answer_of(query);
+    struct proto_matrix_answer answer = matrix_answer(query);
     return proto_matrix_bytes(&answer, out);
 }
 
 const struct server_query_kind server_query_matrix = {.name = "matrix",
-                                                      .size = sizeof(struct matrix),
+                                                      .size = sizeof(struct matrix_query),
                                                       .fields = proto_matrix_fields,
-                                                      .decode = decode,
-                                                      .solve = solve,
-                                                      .encode = encode,
-                                                      .bytes = bytes,
-                                                      .release = release};
-
-void server_handle_matrix(struct server_exchange *exchange)
-{
-    server_query_handle(exchange, &server_query_matrix);
-}
+                                                      .decode = matrix_decode,
+                                                      .solve = matrix_solve,
+                                                      .encode = matrix_encode,
+                                                      .bytes = matrix_bytes,
+                                                      .release = matrix_release};

@@ -286,7 +286,7 @@ static bool batch_work(struct server_exchange *exchange)
     while (!batch->relay || !server_relay_is_over(batch->relay)) {
         if (stream_pass(batch, &is_done)) return is_done;
         if (batch->query) {
-            if (!line_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem))
+            if (!line_turn(batch, server_query_solve(batch->query, &problem), &problem))
                 return false;
         } else if (!line_begin(batch)) {
             break;

@@ -7,9 +7,8 @@
 #include "proto/accept.h"
 #include "proto/picture.h"
 #include "server/http/reply.h"
-#include "server/query/field_query.h"
 #include "server/query/pair_search.h"
-#include "server/query/shortest.h"
+#include "server/query/query.h"
 
 /* bytes that most pictures need */
 #define PICTURE_BYTES   ((size_t)8 << 20)
@@ -28,9 +27,8 @@ struct format {
 };
 
 struct picture {
-    struct server_field_query field; /* first */
+    struct server_query query; /* first */
     struct proto_picture wanted;
-    struct proto_located_points stops;
     struct gd_pair_answer route;
     void *file; /* NULL: not rendered yet, or replied */
     size_t size;
@@ -41,22 +39,10 @@ static void picture_release(struct server_query *query)
     struct picture *picture = (struct picture *)query;
     free(picture->file);
     gd_pair_answer_free(&picture->route);
-    proto_located_points_free(&picture->stops);
     proto_picture_free(&picture->wanted);
-    server_field_query_release(query);
 }
 
 /* --- the question ----------------------------------------------------------------------------- */
-
-static bool has_field(const struct picture *picture)
-{
-    return picture->wanted.field || picture->wanted.has_source;
-}
-
-static enum server_query_turn picture_draw(struct server_field_query *query,
-                                           const struct gd_field *field,
-                                           struct server_monitor *part,
-                                           struct proto_problem *problem);
 
 static bool picture_parse(struct server_query *query, const struct proto_parameters *parameters,
                           struct proto_problem *problem)
@@ -64,14 +50,11 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
     struct picture *picture = (struct picture *)query;
     struct proto_picture *wanted = &picture->wanted;
     struct proto_set set;
-    picture->field.answer = picture_draw;
     if (!proto_picture_parse(parameters, wanted, problem)) return false;
-    if (wanted->stops.count &&
-        !proto_points_locate(query->surface->mesh, &wanted->stops, &picture->stops, problem))
-        return false;
-    if (wanted->field) return server_field_query_of_id(&picture->field, wanted->field, problem);
+    if (wanted->stops.count && !server_query_locate(query, &wanted->stops, problem)) return false;
+    if (wanted->field) return server_field_query_of_id(query, wanted->field, problem);
     return !wanted->has_source || (proto_set_of_point(&wanted->source, &set, problem) &&
-                                   server_field_query_of_set(&picture->field, &set, 0, problem));
+                                   server_field_query_of_set(query, &set, 0, problem));
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */
@@ -80,16 +63,17 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
 static bool picture_find_route(struct picture *picture, const struct server_monitor *whole,
                                struct proto_problem *problem)
 {
-    uint32_t legs = picture->stops.count ? picture->stops.count - 1 : 0;
+    struct server_query *query = &picture->query;
+    uint32_t legs = query->points.count ? query->points.count - 1 : 0;
     for (uint32_t i = 0; i < legs; i++) {
         struct server_monitor part = server_monitor_portion(whole, (double)i / legs, 1.0 / legs);
+        const struct server_pair pair = {&query->points.points[i], &query->points.points[i + 1],
+                                         GD_PAIR_PATH};
         struct gd_pair_answer leg;
-        enum gd_status status =
-            server_shortest_path(&picture->field.query, &part, &picture->stops.points[i],
-                                 &picture->stops.points[i + 1], GD_PAIR_PATH, &leg);
+        enum gd_status status = server_pair_solve(&part, query->surface, &pair, &leg);
         if (!status) status = server_pair_append(&picture->route, &leg);
         if (status) {
-            server_query_fail(&picture->field.query, status, "the search", problem);
+            server_query_fail(query, status, "the search", problem);
             return false;
         }
     }
@@ -103,20 +87,18 @@ static bool picture_find_route(struct picture *picture, const struct server_moni
 static enum gd_status picture_render(void *user, const struct gd_control *control, size_t *kept)
 {
     struct picture *picture = user;
-    const struct format *format = (const struct format *)picture->field.query.kind;
+    const struct format *format = (const struct format *)picture->query.kind;
     enum gd_status status =
         format->render(&picture->wanted.picture, control, &picture->file, &picture->size);
     if (!status) *kept = picture->size;
     return status;
 }
 
-static enum server_query_turn picture_draw(struct server_field_query *field_query,
-                                           const struct gd_field *field,
+static enum server_query_turn picture_draw(struct server_query *query, const struct gd_field *field,
                                            struct server_monitor *part,
                                            struct proto_problem *problem)
 {
-    struct picture *picture = (struct picture *)field_query;
-    struct server_query *query = &field_query->query;
+    struct picture *picture = (struct picture *)query;
     struct server_monitor first = server_monitor_portion(part, 0, PATH_SHARE),
                           second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
@@ -135,25 +117,14 @@ static enum server_query_turn picture_draw(struct server_field_query *field_quer
     return SERVER_QUERY_DONE;
 }
 
-static enum server_query_turn picture_glance(struct server_query *query,
-                                             struct proto_problem *problem)
-{
-    return has_field((struct picture *)query) ? server_field_query_glance(query, problem)
-                                              : SERVER_QUERY_AGAIN;
-}
-
-static bool picture_join(struct server_query *query)
-{
-    return has_field((struct picture *)query) && server_field_query_join(query);
-}
-
 static enum server_query_turn picture_solve(struct server_query *query,
                                             struct proto_problem *problem)
 {
     struct picture *picture = (struct picture *)query;
     struct server_monitor whole = server_query_monitor(query, 0, 1);
-    if (has_field(picture)) return server_field_query_solve(query, problem);
-    return picture_draw(&picture->field, NULL, &whole, problem);
+    if (picture->wanted.field || picture->wanted.has_source)
+        return server_field_query_solve(query, problem);
+    return picture_draw(query, NULL, &whole, problem);
 }
 
 static void picture_reply(struct server_query *query)
@@ -170,8 +141,8 @@ static void picture_reply(struct server_query *query)
 
 #define PICTURE_STEPS                                                                              \
     .size = sizeof(struct picture), .parameters = proto_picture_parameters,                        \
-    .parse = picture_parse, .glance = picture_glance, .join = picture_join,                        \
-    .solve = picture_solve, .reply = picture_reply, .release = picture_release
+    .parse = picture_parse, .solve = picture_solve, .answer = picture_draw,                        \
+    .reply = picture_reply, .release = picture_release
 
 static void picture_handle(struct server_exchange *exchange, const struct format *format)
 {

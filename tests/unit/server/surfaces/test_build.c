@@ -114,7 +114,7 @@ static void a_soup_that_is_welded_and_cut(void **state)
     free(soup);
 }
 
-static void a_mesh_whose_copies_find_no_room_is_refused_with_the_limit(void **state)
+static void a_mesh_whose_copies_find_no_room_is_refused_with_the_numbers(void **state)
 {
     (void)state;
     char *book = new_book(4096);
@@ -122,6 +122,7 @@ static void a_mesh_whose_copies_find_no_room_is_refused_with_the_limit(void **st
     assert_null(build(book, split));
     assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
     assert_int_equal(problem.limit, budget.limit);
+    assert_non_null(strstr(problem.detail, "3670016"));
     budget.limit = (size_t)1 << 23;
     assert_mended(book, split, 4096, 4096);
     free(book);
@@ -180,7 +181,7 @@ int main(void)
         TEST(smallest_ones_that_are_cut),
         TEST(books_of_any_number_of_pages),
         TEST(a_soup_that_is_welded_and_cut),
-        TEST(a_mesh_whose_copies_find_no_room_is_refused_with_the_limit),
+        TEST(a_mesh_whose_copies_find_no_room_is_refused_with_the_numbers),
         TEST(progress_is_of_reading_and_building_together),
         TEST(either_can_be_ended),
     };

@@ -1,0 +1,583 @@
+/* Curves: operations on a curve, cuts along a curve, splines, and the distance between two curves;
+ * by a worker. */
+#include "server/query/handlers.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "proto/curve_distance.h"
+#include "proto/curve_operation.h"
+#include "proto/cut.h"
+#include "proto/spline.h"
+#include "server/http/reply.h"
+#include "server/query/api.h"
+#include "server/query/derived_mesh.h"
+#include "server/query/query.h"
+#include "server/query/request.h"
+
+/* --- queries about one curve ------------------------------------------------------------------ */
+
+#define RESOLVE_SHARE 0.5 /* of the work; the rest is to use the curve */
+
+/* Begins a kind's own struct. The kind has uses_landmarks. */
+struct curve_query {
+    struct server_query query; /* first */
+    struct proto_located_curve curve;
+    /* May take the points of the curve. On success the query holds `*kept` bytes. */
+    enum gd_status (*use)(struct curve_query *own, struct gd_curve *curve,
+                          const struct gd_control *control, size_t *kept);
+    struct gd_detail detail; /* of a failure */
+    bool is_resolved;
+};
+
+static enum gd_status curve_make(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct curve_query *own = user;
+    struct server_query *query = &own->query;
+    struct gd_curve curve;
+    own->detail = (struct gd_detail){0};
+    *query->part = server_query_monitor(query, 0, RESOLVE_SHARE);
+    enum gd_status status = proto_curve_resolve(query->surface->mesh, &own->curve, query->landmarks,
+                                                control, &curve, &own->detail);
+    own->is_resolved = !status;
+    if (status) return status;
+    *query->part = server_query_monitor(query, RESOLVE_SHARE, 1 - RESOLVE_SHARE);
+    status = own->use(own, &curve, control, kept);
+    gd_curve_free(&curve);
+    return status;
+}
+
+/* Resolves the curve and uses it in one long call. A curve that can't be resolved is refused at its
+ * place. */
+static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
+                        struct proto_problem *problem)
+{
+    struct server_query *query = &own->query;
+    enum gd_status status = server_query_call(query, NULL, curve_make, own, grant);
+    if (!status) return true;
+    if (status == GD_BUDGET || !own->detail.text[0]) {
+        server_query_fail(query, status, what, problem);
+        return false;
+    }
+    server_query_count(query, status);
+    return own->is_resolved ? proto_problem_from_status(problem, status, &own->detail)
+                            : proto_curve_fail(&own->curve, status, &own->detail, problem);
+}
+
+/* --- operations ------------------------------------------------------------------------------- */
+
+struct operation_query {
+    struct curve_query own; /* first */
+    struct proto_curve_operation wanted;
+    struct proto_curve_result result;
+};
+
+static bool operation_decode(struct server_query *query, const json_t *document,
+                             struct proto_problem *problem)
+{
+    struct operation_query *operation = (struct operation_query *)query;
+    return proto_curve_operation_decode(document, &operation->wanted, problem) &&
+           proto_curve_locate(query->surface->mesh, &operation->wanted.curve, &operation->own.curve,
+                              problem);
+}
+
+static enum gd_status curve_resample(struct operation_query *operation,
+                                     const struct gd_curve *curve, const struct gd_control *control)
+{
+    struct proto_curve_result *result = &operation->result;
+    struct gd_resampling resampling;
+    enum gd_status status =
+        gd_curve_resample(operation->own.query.surface->mesh, curve, operation->wanted.count,
+                          control, &resampling, &operation->own.detail);
+    if (status) return status;
+    result->curve = resampling.curve;
+    result->points = resampling.points;
+    result->point_count = resampling.count;
+    return GD_OK;
+}
+
+static enum gd_status curve_shorten(struct operation_query *operation, const struct gd_curve *curve,
+                                    const struct gd_control *control)
+{
+    const struct proto_curve_operation *wanted = &operation->wanted;
+    struct proto_curve_result *result = &operation->result;
+    struct gd_detail *detail = &operation->own.detail;
+    struct gd_shortening shortening;
+    if (wanted->operation == PROTO_OPERATION_CLOSED_GEODESIC && !curve->closed)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a closed geodesic comes from a closed curve; say \"closed\": true, or "
+                       "\"shorten\" this one");
+    enum gd_status status =
+        gd_curve_shorten(operation->own.query.surface->mesh, curve, wanted->rounds, wanted->pieces,
+                         control, &shortening, detail);
+    if (status) return status;
+    result->curve = shortening.curve;
+    result->turn = shortening.turn;
+    result->rounds = shortening.rounds;
+    result->is_geodesic = shortening.is_geodesic;
+    return GD_OK;
+}
+
+static enum gd_status curve_offset(struct operation_query *operation, const struct gd_curve *curve,
+                                   const struct gd_control *control)
+{
+    const struct gd_mesh *mesh = operation->own.query.surface->mesh;
+    struct proto_curve_result *result = &operation->result;
+    struct gd_isoline isoline;
+    enum gd_status status = gd_curve_offset(mesh, curve, operation->wanted.distance, control,
+                                            &isoline, &operation->own.detail);
+    if (status) return status;
+    result->paths = calloc(isoline.line_count + (size_t)1, sizeof *result->paths);
+    result->is_closed = calloc(isoline.line_count + (size_t)1, sizeof *result->is_closed);
+    if (!result->paths || !result->is_closed) status = GD_NO_MEMORY;
+    for (uint32_t i = 0; i < isoline.line_count && !status; i++) {
+        status = gd_isoline_flatten(mesh, &isoline.lines[i], operation->wanted.tolerance, control,
+                                    &result->paths[i]);
+        if (status) break;
+        result->is_closed[i] = isoline.lines[i].closed;
+        result->path_count++;
+    }
+    gd_isoline_free(&isoline);
+    return status;
+}
+
+static size_t result_bytes(const struct proto_curve_result *result)
+{
+    size_t points = (size_t)result->curve.count + result->point_count;
+    for (uint32_t i = 0; i < result->path_count; i++) points += result->paths[i].count;
+    return points * sizeof(struct gd_point) +
+           result->path_count * (sizeof *result->paths + sizeof *result->is_closed);
+}
+
+static enum gd_status operation_use(struct curve_query *query, struct gd_curve *curve,
+                                    const struct gd_control *control, size_t *kept)
+{
+    struct operation_query *operation = (struct operation_query *)query;
+    struct proto_curve_result *result = &operation->result;
+    enum gd_status status = GD_OK;
+    *result = (struct proto_curve_result){.operation = operation->wanted.operation};
+    switch (result->operation) {
+    case PROTO_OPERATION_RESAMPLE:
+        status = curve_resample(operation, curve, control);
+        break;
+    case PROTO_OPERATION_SHORTEN:
+    case PROTO_OPERATION_CLOSED_GEODESIC:
+        status = curve_shorten(operation, curve, control);
+        break;
+    case PROTO_OPERATION_OFFSET:
+        status = curve_offset(operation, curve, control);
+        break;
+    case PROTO_OPERATION_LENGTH:
+        result->curve = *curve;
+        *curve = (struct gd_curve){0};
+        break;
+    }
+    if (status)
+        proto_curve_result_free(result);
+    else
+        *kept = result_bytes(result);
+    return status;
+}
+
+static enum server_query_turn operation_solve(struct server_query *query,
+                                              struct proto_problem *problem)
+{
+    struct curve_query *own = (struct curve_query *)query;
+    own->use = operation_use;
+    return curve_solve(own, server_field_build_grant(query->surface->mesh), "the curve", problem)
+               ? SERVER_QUERY_DONE
+               : SERVER_QUERY_FAILED;
+}
+
+static void operation_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    proto_curve_result_encode(writer, query->surface->mesh,
+                              &((const struct operation_query *)query)->result, &query->options);
+}
+
+static void operation_release(struct server_query *query)
+{
+    struct operation_query *operation = (struct operation_query *)query;
+    proto_curve_result_free(&operation->result);
+    proto_located_curve_free(&operation->own.curve);
+    proto_curve_operation_free(&operation->wanted);
+}
+
+const struct server_query_kind server_query_curve = {.name = "curve",
+                                                     .size = sizeof(struct operation_query),
+                                                     .fields = proto_curve_operation_fields,
+                                                     .uses_landmarks = true,
+                                                     .decode = operation_decode,
+                                                     .solve = operation_solve,
+                                                     .encode = operation_encode,
+                                                     .release = operation_release};
+
+/* --- cuts ------------------------------------------------------------------------------------- */
+
+/* A worker cuts the mesh and builds the pieces, the registry's writer stores them, a worker writes
+ * the answer. */
+
+#define CUT_BYTES_AN_EDGE 320 /* a search for the curve, or the cut and its pieces */
+#define CUT_BYTES         ((size_t)1 << 20)
+
+struct cut_query {
+    struct curve_query own; /* first */
+    bool has_inside, select_only;
+    struct gd_point inside;
+    char (*names)[PROTO_MESH_NAME + 1]; /* NULL: none were given */
+    uint32_t name_count;
+
+    struct gd_cut cut;
+    struct server_derived_meshes meshes;
+    bool is_stored;
+    bool (*work)(struct server_exchange *exchange); /* of the query, for when they are stored */
+};
+
+static bool cut_decode(struct server_query *query, const json_t *document,
+                       struct proto_problem *problem)
+{
+    struct cut_query *cut = (struct cut_query *)query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    struct proto_cut wanted;
+    double snap;
+    if (!proto_cut_decode(document, &wanted, problem)) return false;
+    bool ok = proto_curve_locate(mesh, &wanted.curve, &cut->own.curve, problem) &&
+              (!wanted.has_inside ||
+               proto_point_locate(mesh, &wanted.inside, &cut->inside, &snap, problem));
+    cut->has_inside = wanted.has_inside;
+    cut->select_only = wanted.select_only;
+    cut->names = wanted.names;
+    cut->name_count = wanted.name_count;
+    wanted.names = NULL;
+    proto_cut_free(&wanted);
+    return ok;
+}
+
+static enum gd_status cut_use(struct curve_query *query, struct gd_curve *curve,
+                              const struct gd_control *control, size_t *kept)
+{
+    struct cut_query *cut = (struct cut_query *)query;
+    const struct gd_cut_request request = {.curve = curve,
+                                           .inside = cut->has_inside ? &cut->inside : NULL,
+                                           .select_only = cut->select_only};
+    enum gd_status status =
+        gd_cut_along(query->query.surface->mesh, &request, control, &cut->cut, &query->detail);
+    if (!status) *kept = cut->cut.bytes;
+    return status;
+}
+
+static bool pieces_check(const struct cut_query *cut, struct proto_problem *problem)
+{
+    uint32_t count = cut->cut.piece_count;
+    if (cut->names && count != cut->name_count)
+        return proto_problem_refuse(problem, "/names",
+                                    "the cut gives %u pieces, and there are %u names", count,
+                                    cut->name_count);
+    if (count <= SERVER_DERIVED_MESHES_MOST) return true;
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
+                      "by \"inside\", or ask with \"select_only\"",
+                      count, SERVER_DERIVED_MESHES_MOST);
+    return proto_problem_limit(problem, SERVER_DERIVED_MESHES_MOST);
+}
+
+/* A piece has the name that was given, or the parent's with a number. */
+static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
+{
+    const struct server_query *query = &cut->own.query;
+    if (!pieces_check(cut, problem)) return false;
+    server_derived_meshes_begin(&cut->meshes, query->exchange);
+    for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
+        char name[PROTO_MESH_NAME + 1];
+        int length =
+            cut->names ? snprintf(name, sizeof name, "%s", cut->names[i])
+                       : snprintf(name, sizeof name, "%s-%u", query->surface->record->name, i + 1);
+        if (length > PROTO_MESH_NAME)
+            return proto_problem_refuse(
+                problem, "/names", "the mesh's name is too long to be numbered; name the pieces");
+        if (!server_derived_meshes_add(&cut->meshes, name, &cut->cut.pieces[i].polygons, NULL,
+                                       problem))
+            return false;
+    }
+    return true;
+}
+
+/* A name of our making must not replace another mesh. Returns such a name, or NULL. */
+static const char *pieces_find_taken(const struct cut_query *cut)
+{
+    struct server_registry *registry = cut->own.query.exchange->host->api->registry;
+    for (uint32_t i = 0; i < cut->meshes.count && !cut->names; i++) {
+        const struct server_record *record = cut->meshes.list[i].surface->record;
+        const struct server_key key = server_record_key(record);
+        struct server_listed listed;
+        if (!server_registry_find(registry, &key, &listed)) continue;
+        bool is_same = server_record_equal(listed.record, record);
+        server_listed_release(&listed);
+        if (!is_same) return record->name;
+    }
+    return NULL;
+}
+
+/* By the registry's writer, so that no other mesh is put meanwhile. */
+static bool pieces_store(struct server_exchange *exchange)
+{
+    struct cut_query *cut = exchange->state;
+    const char *taken = pieces_find_taken(cut);
+    if (taken) {
+        server_reply_refusal(exchange, PROTO_PROBLEM_CONFLICT,
+                             "there is another mesh of the name '%s' already; give the pieces "
+                             "\"names\" of their own",
+                             taken);
+        return true;
+    }
+    enum server_store_outcome outcome = server_derived_meshes_store(&cut->meshes);
+    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
+        server_request_fail(exchange, outcome);
+        return true;
+    }
+    cut->is_stored = true;
+    server_exchange_defer(exchange, cut->work, NULL);
+    server_workers_resume(exchange->host->workers, &exchange->job);
+    return false;
+}
+
+static enum server_query_turn cut_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct cut_query *cut = (struct cut_query *)query;
+    size_t edges = gd_mesh_summary(query->surface->mesh)->edges;
+    if (cut->is_stored) return SERVER_QUERY_DONE;
+    cut->own.use = cut_use;
+    if (!curve_solve(&cut->own, CUT_BYTES + edges * CUT_BYTES_AN_EDGE, "the cut", problem))
+        return SERVER_QUERY_FAILED;
+    if (cut->select_only) return SERVER_QUERY_DONE;
+    if (!pieces_build(cut, problem)) return SERVER_QUERY_FAILED;
+    cut->work = query->exchange->work;
+    (void)server_request_write(query->exchange, pieces_store);
+    return SERVER_QUERY_PARKED;
+}
+
+static void cut_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct cut_query *cut = (const struct cut_query *)query;
+    uint32_t fields = query->options.fields;
+    proto_cut_begin(writer, &cut->cut, fields);
+    for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
+        const char *name = cut->select_only ? NULL : cut->meshes.list[i].surface->record->name;
+        proto_cut_piece_encode(writer, &cut->cut.pieces[i], name, fields);
+    }
+    proto_cut_end(writer, &cut->cut, fields);
+}
+
+static void cut_release(struct server_query *query)
+{
+    struct cut_query *cut = (struct cut_query *)query;
+    if (cut->meshes.exchange) cut->meshes.exchange = query->exchange; /* a stream's, perhaps */
+    server_derived_meshes_free(&cut->meshes);
+    gd_cut_free(&cut->cut);
+    proto_located_curve_free(&cut->own.curve);
+    free(cut->names);
+}
+
+const struct server_query_kind server_query_cut = {.name = "cut",
+                                                   .size = sizeof(struct cut_query),
+                                                   .fields = proto_cut_fields,
+                                                   .uses_landmarks = true,
+                                                   .decode = cut_decode,
+                                                   .solve = cut_solve,
+                                                   .encode = cut_encode,
+                                                   .release = cut_release};
+
+/* --- splines ---------------------------------------------------------------------------------- */
+
+#define SPLINE_BUILD_SHARE 0.7 /* of the work; the rest is to sample */
+
+struct spline_query {
+    struct server_query query; /* first */
+    struct proto_spline wanted;
+    struct proto_located_spline located;
+    struct gd_spline spline;
+    struct gd_spline_line line;
+    struct gd_detail detail;
+};
+
+static bool spline_decode(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
+{
+    struct spline_query *own = (struct spline_query *)query;
+    return proto_spline_decode(document, "", false, &own->wanted, problem) &&
+           proto_spline_locate(query->surface->mesh, &own->wanted, &own->located, problem);
+}
+
+static size_t spline_bytes(const struct gd_spline *spline, const struct gd_spline_line *line)
+{
+    size_t points = line->path.count;
+    for (uint32_t i = 0; i < spline->count; i++)
+        for (int k = 0; k < 3; k++) points += spline->segments[i].legs[k].count;
+    return points * sizeof(struct gd_point) + line->count * sizeof *line->places +
+           spline->count * (sizeof *spline->segments + sizeof *spline->knots);
+}
+
+static enum gd_status spline_make(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct spline_query *own = user;
+    struct server_query *query = &own->query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    own->detail = (struct gd_detail){0};
+    own->located.request.landmarks = query->landmarks;
+    own->located.request.executor = query->executor;
+    *query->part = server_query_monitor(query, 0, SPLINE_BUILD_SHARE);
+    enum gd_status status =
+        gd_spline_build(mesh, &own->located.request, control, &own->spline, &own->detail);
+    if (status) return status;
+    *query->part = server_query_monitor(query, SPLINE_BUILD_SHARE, 1 - SPLINE_BUILD_SHARE);
+    status = gd_spline_sample(mesh, &own->spline, &own->located.sampling, control, &own->line,
+                              &own->detail);
+    if (status)
+        gd_spline_free(&own->spline);
+    else
+        *kept = spline_bytes(&own->spline, &own->line);
+    return status;
+}
+
+static enum server_query_turn spline_solve(struct server_query *query,
+                                           struct proto_problem *problem)
+{
+    struct spline_query *own = (struct spline_query *)query;
+    enum gd_status status = server_query_call(query, NULL, spline_make, query,
+                                              server_field_build_grant(query->surface->mesh));
+    if (!status || status == GD_BUDGET || !own->detail.text[0])
+        return server_query_end_draft(query, status, "the spline", problem);
+    server_query_count(query, status);
+    proto_spline_fail("", status, &own->detail, problem);
+    return SERVER_QUERY_FAILED;
+}
+
+static void spline_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct spline_query *own = (const struct spline_query *)query;
+    proto_spline_encode(writer, query->surface->mesh, &own->spline, &own->line, own->wanted.frames,
+                        &query->options);
+}
+
+static void spline_release(struct server_query *query)
+{
+    struct spline_query *own = (struct spline_query *)query;
+    gd_spline_free(&own->spline);
+    gd_spline_line_free(&own->line);
+    proto_located_spline_free(&own->located);
+    proto_spline_free(&own->wanted);
+}
+
+const struct server_query_kind server_query_spline = {.name = "spline",
+                                                      .size = sizeof(struct spline_query),
+                                                      .fields = proto_spline_fields,
+                                                      .uses_landmarks = true,
+                                                      .uses_executor = true,
+                                                      .decode = spline_decode,
+                                                      .solve = spline_solve,
+                                                      .encode = spline_encode,
+                                                      .release = spline_release};
+
+/* --- distance between two curves -------------------------------------------------------------- */
+
+#define SETS_SHARE 0.2 /* of the work, to locate the curves */
+
+enum { A, B };
+
+struct curves_query {
+    struct server_query query; /* first */
+    struct proto_curve_distance wanted;
+    struct proto_located_set *set[2];
+    struct gd_curve curve[2];
+    int source;                        /* the curve whose field is in work */
+    struct gd_curve_distance found[2]; /* by the field's curve */
+};
+
+static bool curves_decode(struct server_query *query, const json_t *document,
+                          struct proto_problem *problem)
+{
+    return proto_curve_distance_decode(document, &((struct curves_query *)query)->wanted, problem);
+}
+
+/* Makes a curve from its seeds: its points, each followed by its segment. The last point of an open
+ * curve has none. */
+static bool curve_of_set(const struct proto_located_set *set, struct gd_curve *out)
+{
+    struct gd_curve curve = {.count = (set->seed_count + 1) / 2,
+                             .closed = set->seed_count % 2 == 0};
+    curve.points = malloc(curve.count * sizeof *curve.points);
+    for (uint32_t i = 0; i < curve.count && curve.points; i++)
+        curve.points[i] = set->seeds[2 * i].point;
+    *out = curve;
+    return curve.points;
+}
+
+static bool curves_prepare(struct server_query *query, struct proto_problem *problem)
+{
+    struct curves_query *curves = (struct curves_query *)query;
+    const struct proto_set *wanted[] = {&curves->wanted.a, &curves->wanted.b};
+    for (int i = A; i <= B; i++) {
+        struct server_monitor part =
+            server_query_monitor(query, i * SETS_SHARE / 2, SETS_SHARE / 2);
+        if (!server_query_locate_set(query, &part, wanted[i], &curves->set[i], problem))
+            return false;
+        if (!curve_of_set(curves->set[i], &curves->curve[i]))
+            return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    }
+    proto_curve_distance_free(&curves->wanted);
+    server_field_query_of_located(query, curves->set[A], 0);
+    return true;
+}
+
+/* The least distance is symmetric. The Hausdorff distance needs the field of the other curve too.
+ */
+static enum server_query_turn curves_answer(struct server_query *query,
+                                            const struct gd_field *field,
+                                            struct server_monitor *part,
+                                            struct proto_problem *problem)
+{
+    struct curves_query *curves = (struct curves_query *)query;
+    const struct gd_control control = server_exchange_control(part);
+    int source = curves->source;
+    const struct gd_curve *of = &curves->curve[source], *other = &curves->curve[!source];
+    enum gd_status status =
+        curves->wanted.hausdorff
+            ? gd_curve_farthest(field, of, other, &control, &curves->found[source])
+            : gd_curve_distance(field, of, other, &control, &curves->found[source]);
+    if (status || !curves->wanted.hausdorff || source == B)
+        return server_query_end_draft(query, status, "the curves", problem);
+    curves->source = B;
+    server_field_query_of_located(query, curves->set[B], 0);
+    return SERVER_QUERY_AGAIN;
+}
+
+static void curves_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct curves_query *curves = (const struct curves_query *)query;
+    if (curves->wanted.hausdorff)
+        proto_hausdorff_encode(writer, query->surface->mesh, &curves->found[B], &curves->found[A],
+                               &query->options);
+    else
+        proto_curve_distance_encode(writer, query->surface->mesh, &curves->found[A],
+                                    &query->options);
+}
+
+static void curves_release(struct server_query *query)
+{
+    struct curves_query *curves = (struct curves_query *)query;
+    for (int i = A; i <= B; i++) {
+        gd_curve_distance_free(&curves->found[i]);
+        gd_curve_free(&curves->curve[i]);
+        free(curves->set[i]);
+    }
+    proto_curve_distance_free(&curves->wanted);
+}
+
+const struct server_query_kind server_query_curve_distance = {.name = "curve-distance",
+                                                              .size = sizeof(struct curves_query),
+                                                              .fields = proto_curve_distance_fields,
+                                                              .decode = curves_decode,
+                                                              .prepare = curves_prepare,
+                                                              .answer = curves_answer,
+                                                              .encode = curves_encode,
+                                                              .release = curves_release};

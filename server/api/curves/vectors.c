@@ -1,0 +1,521 @@
+/* Tangent vectors and straightest geodesics: traces from a point, exp, log and transport. */
+#include "server/query/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "proto/evaluation.h"
+#include "proto/member.h"
+#include "proto/trace.h"
+#include "proto/vector.h"
+#include "server/query/pair_search.h"
+#include "server/query/query.h"
+
+/* --- vectors of a request --------------------------------------------------------------------- */
+
+/* True: log found no path, so the vector has no segments. */
+static bool vector_is_absent(const struct proto_vectors *vectors, uint32_t i)
+{
+    return !vectors->factors && vectors->first[i] == vectors->first[i + 1];
+}
+
+/* Replaces located vectors by their sum with the request's factors, if it has some. */
+static void vectors_combine(const struct gd_mesh *mesh, const struct gd_point *point,
+                            struct proto_vectors *vectors, struct gd_vector *located)
+{
+    if (!vectors->factors) return;
+    located[0] = gd_vector_combine(mesh, point, located, vectors->factors, vectors->count);
+    vectors->count = 1;
+}
+
+static void vector_encode(struct proto_writer *writer, const struct proto_vectors *vectors,
+                          uint32_t i, const struct gd_vector *located, double length)
+{
+    bool is_absent = vector_is_absent(vectors, i),
+         has_direction =
+             !is_absent && (vectors->factors || vectors->segments[vectors->first[i]].has_direction);
+    proto_vector_encode(writer, has_direction ? &located->direction : NULL,
+                        is_absent ? INFINITY : length);
+}
+
+/* --- trace and exp: the question -------------------------------------------------------------- */
+
+/* Straightest geodesics from a point: of trace in directions, of exp along vectors. */
+struct trace_query {
+    struct server_query query; /* first */
+    struct proto_trace wanted; /* of exp only the options */
+    struct proto_vectors vectors;
+    struct gd_point start;
+    double snap;                     /* how far it was moved; NAN: not at all */
+    struct gd_direction *directions; /* of trace */
+    struct gd_vector
+        *segments;  /* of exp, by vectors.first; after a vector's first one only angles */
+    bool has_paths; /* in the answer */
+    uint32_t count, trace_count; /* wanted, and finished */
+    struct gd_trace *traces;     /* without paths, each has its last point only */
+};
+
+static bool directions_locate(struct trace_query *own, struct proto_problem *problem)
+{
+    const struct gd_mesh *mesh = own->query.surface->mesh;
+    const struct proto_direction *wanted = own->wanted.directions;
+    own->count = own->wanted.count;
+    own->directions = server_query_allocate(&own->query, own->count, sizeof *own->directions);
+    if (!own->directions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < own->count; i++) {
+        if (!wanted)
+            own->directions[i] = gd_trace_fan(mesh, &own->start, own->count, i);
+        else if (!proto_direction_locate(mesh, &own->start, &wanted[i], &own->directions[i],
+                                         problem))
+            return false;
+    }
+    return true;
+}
+
+static bool trace_decode(struct server_query *query, const json_t *document,
+                         struct proto_problem *problem)
+{
+    struct trace_query *own = (struct trace_query *)query;
+    own->has_paths = query->options.fields & PROTO_TRACE_FIELD_PATHS;
+    return proto_trace_decode(document, &own->wanted, problem) &&
+           proto_point_locate(query->surface->mesh, &own->wanted.start, &own->start, &own->snap,
+                              problem) &&
+           directions_locate(own, problem);
+}
+
+static bool segments_locate(struct trace_query *own, uint32_t i, struct proto_problem *problem)
+{
+    const struct proto_vectors *vectors = &own->vectors;
+    uint32_t first = vectors->first[i], end = vectors->first[i + 1];
+    if (first == end) return true;
+    if (!proto_segment_locate(own->query.surface->mesh, &own->start, &vectors->segments[first],
+                              &own->segments[first], problem))
+        return false;
+    for (uint32_t k = first + 1; k < end; k++) {
+        const struct proto_segment *segment = &vectors->segments[k];
+        if (!segment->direction.has_angle)
+            return proto_problem_refuse(problem, segment->direction.place,
+                                        "after the first one a segment takes an angle: where it "
+                                        "begins is known only on the way");
+        own->segments[k] = (struct gd_vector){{.angle = segment->direction.angle}, segment->length};
+    }
+    return true;
+}
+
+static bool exp_decode(struct server_query *query, const json_t *document,
+                       struct proto_problem *problem)
+{
+    struct trace_query *own = (struct trace_query *)query;
+    struct proto_vectors *vectors = &own->vectors;
+    struct proto_exp wanted = {0};
+    bool ok = proto_exp_decode(document, &wanted, problem);
+    *vectors = wanted.vectors;
+    if (!ok ||
+        !proto_point_locate(query->surface->mesh, &wanted.start, &own->start, &own->snap, problem))
+        return false;
+    own->has_paths = query->options.fields & PROTO_EXP_FIELD_PATHS;
+    own->wanted.options.step_limit = PROTO_TRACE_STEPS;
+    own->segments = server_query_allocate(query, vectors->first[vectors->count] + (size_t)1,
+                                          sizeof *own->segments);
+    if (!own->segments) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < vectors->count; i++)
+        if (!segments_locate(own, i, problem)) return false;
+    vectors_combine(query->surface->mesh, &own->start, vectors, own->segments);
+    own->count = vectors->count;
+    return true;
+}
+
+/* --- trace and exp: the answer ---------------------------------------------------------------- */
+
+static enum gd_status trace_follow(struct trace_query *own, uint32_t i,
+                                   const struct gd_control *control, struct gd_detail *detail)
+{
+    struct server_query *query = &own->query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    const uint32_t *first = own->segments ? &own->vectors.first[i] : NULL;
+    struct gd_trace *trace = &own->traces[i];
+    if (first && vector_is_absent(&own->vectors, i)) return GD_OK;
+    enum gd_status status =
+        first ? gd_vector_exp(mesh, &own->start, &own->segments[first[0]], first[1] - first[0],
+                              &own->wanted.options, control, trace, detail)
+              : gd_trace_follow(mesh, &own->start, &own->directions[i], own->wanted.length,
+                                &own->wanted.options, control, trace, NULL);
+    if (status) return status;
+    own->trace_count = i + 1;
+    if (!own->has_paths) {
+        trace->path.points[0] = trace->path.points[trace->path.count - 1];
+        trace->path.count = 1;
+        struct gd_point *end = realloc(trace->path.points, sizeof *end);
+        if (end) trace->path.points = end;
+    }
+    return server_query_take(query, trace->path.count * sizeof *trace->path.points);
+}
+
+static enum server_query_turn trace_fail(const struct server_query *query, enum gd_status status,
+                                         const struct gd_detail *detail,
+                                         struct proto_problem *problem)
+{
+    if (!((const struct trace_query *)query)->segments ||
+        (status != GD_NOT_ON_SURFACE && status != GD_INVALID_ARGUMENT))
+        return server_query_fail(query, status, "the trace", problem);
+    proto_problem_from_status(problem, status, detail);
+    proto_problem_at(problem, "/vectors");
+    return SERVER_QUERY_FAILED;
+}
+
+/* While a path grows it is there twice. */
+static enum server_query_turn trace_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct trace_query *own = (struct trace_query *)query;
+    size_t growing = 2 * (size_t)own->wanted.options.step_limit * sizeof(struct gd_point);
+    struct gd_detail detail = {0};
+    if (own->directions && !own->has_paths) return SERVER_QUERY_DONE;
+    own->traces = server_query_allocate(query, own->count, sizeof *own->traces);
+    enum gd_status status = own->traces ? server_query_take(query, growing) : GD_BUDGET;
+    if (status) return server_query_fail(query, status, "the trace", problem);
+    for (uint32_t i = 0; i < own->count && !status; i++) {
+        struct server_monitor part =
+            server_query_monitor(query, (double)i / own->count, 1.0 / own->count);
+        const struct gd_control control = server_exchange_control(&part);
+        status = trace_follow(own, i, &control, &detail);
+        if (!status) status = gd_control_check(&control, 1);
+    }
+    server_query_give(query, growing);
+    return status ? trace_fail(query, status, &detail, problem) : SERVER_QUERY_DONE;
+}
+
+static void paths_encode(const struct trace_query *own, struct proto_writer *writer)
+{
+    proto_write_key(writer, "paths");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < own->count; i++) {
+        if (own->traces[i].path.count)
+            proto_trace_encode(writer, own->query.surface->mesh, &own->traces[i],
+                               own->query.options.geometry);
+        else
+            proto_write_null(writer);
+    }
+    proto_write_array_end(writer);
+}
+
+static void trace_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct trace_query *own = (const struct trace_query *)query;
+    proto_write_object_begin(writer);
+    if (query->options.fields & PROTO_TRACE_FIELD_START)
+        proto_member_point(writer, "start", query->surface->mesh, &own->start, own->snap);
+    if (own->has_paths) paths_encode(own, writer);
+    proto_write_object_end(writer);
+}
+
+static void exp_encode_vectors(const struct trace_query *own, struct proto_writer *writer)
+{
+    const uint32_t *first = own->vectors.first;
+    proto_write_key(writer, "vectors");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < own->count; i++) {
+        double length = 0;
+        for (uint32_t k = first[i]; k < first[i + 1]; k++) length += own->segments[k].length;
+        vector_encode(writer, &own->vectors, i, &own->segments[first[i]], length);
+    }
+    proto_write_array_end(writer);
+}
+
+static void exp_encode_points(const struct trace_query *own, struct proto_writer *writer)
+{
+    proto_write_key(writer, "points");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < own->count; i++) {
+        const struct gd_path *path = &own->traces[i].path;
+        if (path->count)
+            proto_point_encode(writer, own->query.surface->mesh, &path->points[path->count - 1],
+                               NAN);
+        else
+            proto_write_null(writer);
+    }
+    proto_write_array_end(writer);
+}
+
+static void exp_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct trace_query *own = (const struct trace_query *)query;
+    uint32_t fields = query->options.fields;
+    proto_write_object_begin(writer);
+    if (fields & PROTO_EXP_FIELD_START)
+        proto_member_point(writer, "start", query->surface->mesh, &own->start, own->snap);
+    if (fields & PROTO_EXP_FIELD_VECTORS) exp_encode_vectors(own, writer);
+    if (own->has_paths) paths_encode(own, writer);
+    if (fields & PROTO_EXP_FIELD_POINTS) exp_encode_points(own, writer);
+    proto_write_object_end(writer);
+}
+
+static void trace_release(struct server_query *query)
+{
+    struct trace_query *own = (struct trace_query *)query;
+    for (uint32_t i = 0; i < own->trace_count; i++) gd_trace_free(&own->traces[i]);
+    proto_trace_free(&own->wanted);
+    proto_vectors_free(&own->vectors);
+}
+
+const struct server_query_kind server_query_trace = {.name = "trace",
+                                                     .size = sizeof(struct trace_query),
+                                                     .fields = proto_trace_fields,
+                                                     .decode = trace_decode,
+                                                     .solve = trace_solve,
+                                                     .encode = trace_encode,
+                                                     .release = trace_release};
+
+const struct server_query_kind server_query_exp = {.name = "exp",
+                                                   .size = sizeof(struct trace_query),
+                                                   .fields = proto_exp_fields,
+                                                   .decode = exp_decode,
+                                                   .solve = trace_solve,
+                                                   .encode = exp_encode,
+                                                   .release = trace_release};
+
+/* --- log -------------------------------------------------------------------------------------- */
+
+/* The vectors of the shortest paths from a point to others. A few targets are searched one by one,
+ * unless the field of the point is cached. Many targets, or all vertices, take the field. */
+
+#define FEW     8    /* targets whose searches take less time than a field */
+#define PORTION 1024 /* vectors that are written between two checks of the control */
+
+struct log_query {
+    struct server_query query; /* first */
+    struct gd_seed from;
+    struct proto_located_set set; /* `from` alone */
+    double snap;                  /* how far it was moved; NAN: not at all */
+    bool has_targets;             /* the query's points; else all vertices */
+    bool first_vector_only;
+};
+
+static bool log_decode(struct server_query *query, const json_t *document,
+                       struct proto_problem *problem)
+{
+    struct log_query *own = (struct log_query *)query;
+    struct proto_log wanted;
+    if (!proto_log_decode(document, &wanted, problem)) return false;
+    own->has_targets = wanted.to.count;
+    if (own->has_targets && !server_query_locate(query, &wanted.to, problem)) return false;
+    own->first_vector_only = wanted.first_vector_only;
+    own->set = (struct proto_located_set){.count = 1, .seed_count = 1, .seeds = &own->from};
+    server_field_query_of_located(query, &own->set, 0);
+    return proto_point_locate(query->surface->mesh, &wanted.from, &own->from.point, &own->snap,
+                              problem);
+}
+
+/* Frees the answer. */
+static enum gd_status log_write(struct log_query *own, struct gd_pair_answer *answer)
+{
+    struct proto_writer *writer = &own->query.draft;
+    struct gd_log log = {0};
+    if (isinf(answer->distance)) {
+        proto_vector_encode(writer, NULL, answer->distance);
+        return GD_OK;
+    }
+    enum gd_status status = gd_vector_log(own->query.surface->mesh, &answer->path, &log, NULL);
+    gd_pair_answer_free(answer);
+    if (status) return status;
+    if (own->first_vector_only && log.count) {
+        log.vector = log.segments[0];
+        log.count = 1;
+    }
+    proto_log_encode(writer, &log, answer->is_cut);
+    gd_log_free(&log);
+    return GD_OK;
+}
+
+/* From the field, or with NULL by searches. */
+static enum gd_status log_write_targets(struct log_query *own, const struct gd_field *field,
+                                        const struct server_monitor *whole)
+{
+    struct server_query *query = &own->query;
+    uint32_t count = query->points.count;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        struct server_monitor part = server_monitor_portion(whole, (double)i / count, 1.0 / count);
+        const struct gd_control control = server_exchange_control(&part);
+        const struct server_pair pair = {&own->from.point, &query->points.points[i],
+                                         GD_PAIR_PATH_AND_CUT};
+        struct gd_pair_answer answer;
+        status = field ? gd_pair_from_field(field, pair.from, pair.to, pair.wish, &answer)
+                       : server_pair_solve(&part, query->surface, &pair, &answer);
+        if (!status) status = log_write(own, &answer);
+        if (!status) status = server_query_pause(query, &control, 1);
+    }
+    return status;
+}
+
+static enum gd_status log_write_vertices(struct log_query *own, const struct gd_field *field,
+                                         const struct server_monitor *whole)
+{
+    struct server_query *query = &own->query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    uint32_t count = gd_mesh_summary(mesh)->index_count;
+    struct server_monitor first = server_monitor_portion(whole, 0, 0.5),
+                          second = server_monitor_portion(whole, 0.5, 0.5);
+    const struct gd_control mapping = server_exchange_control(&first),
+                            writing = server_exchange_control(&second);
+    double *angles = server_query_allocate(query, 4 * (size_t)count, sizeof *angles),
+           *lengths = angles + count; /* the second half is what the engine takes */
+    if (!angles) return GD_BUDGET;
+    enum gd_status status = gd_vector_log_all(field, &mapping, angles, lengths, NULL);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        struct gd_direction direction;
+        bool has_direction =
+            !isnan(angles[i]) &&
+            !gd_direction_at_angle(mesh, &own->from.point, angles[i], &direction, NULL);
+        if (isnan(lengths[i])) /* no face has the vertex */
+            proto_write_null(&query->draft);
+        else
+            proto_vector_encode(&query->draft, has_direction ? &direction : NULL, lengths[i]);
+        if (i % PORTION == 0) status = server_query_pause(query, &writing, (double)i / count);
+    }
+    return status;
+}
+
+/* `field` may be NULL if there are few targets. */
+static enum server_query_turn log_answer(struct server_query *query, const struct gd_field *field,
+                                         struct server_monitor *part, struct proto_problem *problem)
+{
+    struct log_query *own = (struct log_query *)query;
+    struct proto_writer *writer = &query->draft;
+    enum gd_status status = GD_OK;
+    proto_write_object_begin(writer);
+    if (query->options.fields & PROTO_LOG_FIELD_FROM)
+        proto_member_point(writer, "from", query->surface->mesh, &own->from.point, own->snap);
+    if (query->options.fields & PROTO_LOG_FIELD_VECTORS) {
+        proto_write_key(writer, "vectors");
+        proto_write_array_begin(writer);
+        status = own->has_targets ? log_write_targets(own, field, part)
+                                  : log_write_vertices(own, field, part);
+        proto_write_array_end(writer);
+    }
+    proto_write_object_end(writer);
+    return server_query_end_draft(query, status, "the answer", problem);
+}
+
+static bool log_needs_field(const struct server_query *query)
+{
+    const struct log_query *own = (const struct log_query *)query;
+    bool is_short = !query->field.pin && own->has_targets && query->points.count <= FEW;
+    return query->options.fields & PROTO_LOG_FIELD_VECTORS && !is_short;
+}
+
+static bool log_join(struct server_query *query)
+{
+    return log_needs_field(query) && server_field_query_join(query);
+}
+
+static enum server_query_turn log_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct server_monitor whole = server_query_monitor(query, 0, 1);
+    return log_needs_field(query) ? server_field_query_solve(query, problem)
+                                  : log_answer(query, NULL, &whole, problem);
+}
+
+const struct server_query_kind server_query_log = {.name = "log",
+                                                   .size = sizeof(struct log_query),
+                                                   .fields = proto_log_fields,
+                                                   .decode = log_decode,
+                                                   .join = log_join,
+                                                   .solve = log_solve,
+                                                   .answer = log_answer};
+
+/* --- transport -------------------------------------------------------------------------------- */
+
+/* Vectors at a point are moved to another one along the shortest path. */
+struct transport_query {
+    struct server_query query; /* first */
+    struct proto_vectors wanted;
+    struct gd_vector *vectors; /* at the first end, then at the second */
+    double distance;           /* INFINITY: no path */
+};
+
+static bool transport_locate(struct transport_query *own, struct proto_problem *problem)
+{
+    const struct gd_mesh *mesh = own->query.surface->mesh;
+    const struct gd_point *from = own->query.points.points;
+    struct proto_vectors *wanted = &own->wanted;
+    own->vectors = server_query_allocate(&own->query, wanted->count, sizeof *own->vectors);
+    if (!own->vectors) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < wanted->count; i++) {
+        uint32_t first = wanted->first[i], count = wanted->first[i + 1] - first;
+        if (count > 1)
+            return proto_problem_refuse(problem, "/vectors",
+                                        "segments alone can't be moved; send the vector's "
+                                        "direction and length as well");
+        if (count &&
+            !proto_segment_locate(mesh, from, &wanted->segments[first], &own->vectors[i], problem))
+            return false;
+    }
+    vectors_combine(mesh, from, wanted, own->vectors);
+    return true;
+}
+
+static bool transport_decode(struct server_query *query, const json_t *document,
+                             struct proto_problem *problem)
+{
+    struct transport_query *own = (struct transport_query *)query;
+    struct proto_transport wanted;
+    if (!proto_transport_decode(document, &wanted, problem)) return false;
+    own->wanted = wanted.vectors;
+    return server_query_locate(query, &wanted.ends, problem) && transport_locate(own, problem);
+}
+
+static enum server_query_turn transport_solve(struct server_query *query,
+                                              struct proto_problem *problem)
+{
+    struct transport_query *own = (struct transport_query *)query;
+    struct server_monitor whole = server_query_monitor(query, 0, 1);
+    const struct server_pair pair = {&query->points.points[0], &query->points.points[1],
+                                     GD_PAIR_PATH};
+    struct gd_pair_answer answer;
+    enum gd_status status = server_pair_solve(&whole, query->surface, &pair, &answer);
+    if (status) return server_query_fail(query, status, "the search", problem);
+    own->distance = answer.distance;
+    if (isfinite(answer.distance))
+        status = gd_vector_transport(query->surface->mesh, &answer.path, own->vectors,
+                                     own->wanted.count, own->vectors, NULL);
+    gd_pair_answer_free(&answer);
+    return server_query_end_draft(query, status, "the search", problem);
+}
+
+static void transport_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct transport_query *own = (const struct transport_query *)query;
+    const struct proto_located_points *ends = &query->points;
+    uint32_t fields = query->options.fields;
+    proto_write_object_begin(writer);
+    if (fields & PROTO_TRANSPORT_FIELD_FROM)
+        proto_member_point(writer, "from", ends->mesh, &ends->points[0], ends->snaps[0]);
+    if (fields & PROTO_TRANSPORT_FIELD_TO)
+        proto_member_point(writer, "to", ends->mesh, &ends->points[1], ends->snaps[1]);
+    if (fields & PROTO_TRANSPORT_FIELD_DISTANCE)
+        proto_member_number(writer, "distance", own->distance);
+    if (fields) proto_reason_encode(writer, own->distance);
+    if (fields & PROTO_TRANSPORT_FIELD_VECTORS && !isfinite(own->distance))
+        proto_member_null(writer, "vectors");
+    if (fields & PROTO_TRANSPORT_FIELD_VECTORS && isfinite(own->distance)) {
+        proto_write_key(writer, "vectors");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < own->wanted.count; i++)
+            vector_encode(writer, &own->wanted, i, &own->vectors[i], own->vectors[i].length);
+        proto_write_array_end(writer);
+    }
+    proto_write_object_end(writer);
+}
+
+static void transport_release(struct server_query *query)
+{
+    proto_vectors_free(&((struct transport_query *)query)->wanted);
+}
+
+const struct server_query_kind server_query_transport = {.name = "transport",
+                                                         .size = sizeof(struct transport_query),
+                                                         .fields = proto_transport_fields,
+                                                         .decode = transport_decode,
+                                                         .solve = transport_solve,
+                                                         .encode = transport_encode,
+                                                         .release = transport_release};

@@ -1,0 +1,200 @@
+/* Evaluation: distances, nearest members, paths and gradients of points, from a field or to a set.
+ */
+#include "server/query/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "proto/evaluation.h"
+#include "server/query/query.h"
+
+/* What an HTTP thread may evaluate: so many points, or so many paths on meshes of so many faces. */
+#define QUICK_POINTS     64
+#define QUICK_PATHS      4
+#define QUICK_PATH_FACES 200000
+#define DISTANCE_SHARE   0.2 /* of the work, if the results have more than the distance */
+
+struct evaluation {
+    struct server_query query; /* first */
+    uint32_t wanted;           /* fields of each result */
+    double *distances;
+};
+
+/* --- the question ----------------------------------------------------------------------------- */
+
+static bool evaluation_is_quick(const struct evaluation *evaluation)
+{
+    const struct proto_located_set *set = evaluation->query.field.set;
+    uint32_t count = evaluation->query.points.count;
+    if (set && !set->has_segments && !(evaluation->wanted & PROTO_RESULT_FIELD_PATH))
+        return count <= QUICK_POINTS;
+    return count <= QUICK_PATHS &&
+           gd_mesh_summary(evaluation->query.surface->mesh)->faces <= QUICK_PATH_FACES;
+}
+
+/* Frees what was decoded. */
+static bool evaluation_locate(struct server_query *query, struct proto_evaluation *wanted,
+                              struct proto_problem *problem)
+{
+    struct evaluation *evaluation = (struct evaluation *)query;
+    bool ok = server_query_locate(query, &wanted->points, problem);
+    evaluation->wanted = proto_evaluation_wanted(wanted, &query->options);
+    query->field.is_quick = ok && evaluation_is_quick(evaluation);
+    proto_evaluation_free(wanted);
+    return ok;
+}
+
+static bool field_evaluation_decode(struct server_query *query, const json_t *document,
+                                    struct proto_problem *problem)
+{
+    struct proto_evaluation wanted;
+    return server_field_query_of_resource(query, problem) &&
+           proto_evaluation_decode(document, &wanted, problem) &&
+           evaluation_locate(query, &wanted, problem);
+}
+
+static bool set_evaluation_decode(struct server_query *query, const json_t *document,
+                                  struct proto_problem *problem)
+{
+    struct proto_set set;
+    struct proto_evaluation wanted;
+    if (!proto_evaluation_decode_with_set(document, &set, &wanted, problem)) return false;
+    if (server_field_query_of_set(query, &set, 0, problem))
+        return evaluation_locate(query, &wanted, problem);
+    proto_evaluation_free(&wanted);
+    return false;
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+/* Beyond the field's radius a distance becomes NAN, or INFINITY on components without a seed. */
+static enum gd_status distances_limit(struct evaluation *evaluation)
+{
+    const struct gd_mesh *mesh = evaluation->query.surface->mesh;
+    const struct proto_located_points *points = &evaluation->query.points;
+    const struct gd_field_request *request = &evaluation->query.field.request;
+    if (!(request->radius > 0)) return GD_OK;
+    bool *has_seed = calloc(gd_mesh_summary(mesh)->components, sizeof *has_seed);
+    if (!has_seed) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < request->seed_count; i++)
+        has_seed[gd_point_component(mesh, &request->seeds[i].point)] = true;
+    for (uint32_t i = 0; i < points->count; i++) {
+        uint32_t component = gd_point_component(mesh, &points->points[i]);
+        if (!(evaluation->distances[i] <= request->radius))
+            evaluation->distances[i] = has_seed[component] ? NAN : INFINITY;
+    }
+    free(has_seed);
+    return GD_OK;
+}
+
+/* The gradient continues the shortest path's last direction. At a member there is none, since the
+ * distance grows in all directions. */
+static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const struct gd_field *field,
+                                           const struct gd_point *point,
+                                           struct proto_result *result)
+{
+    struct gd_vec3 gradient;
+    struct gd_direction back;
+    enum gd_status status = gd_field_gradient(field, point, &gradient);
+    if (status == GD_INVALID_ARGUMENT) return GD_OK;
+    if (!status) status = gd_direction_along(mesh, point, gd_vec3_scale(gradient, -1), &back, NULL);
+    if (status) return status;
+    result->has_gradient = true;
+    result->gradient = gd_direction_opposite(mesh, point, &back);
+    return GD_OK;
+}
+
+/* The nearest member and its nearest point: a point member is that point; on a segment it is the
+ * end of the path. Of equally near members the path may end in another than gd_field_nearest
+ * returns. */
+static enum gd_status result_find_nearest(const struct evaluation *evaluation,
+                                          const struct gd_field *field,
+                                          const struct gd_point *point, struct proto_result *result,
+                                          struct gd_path *path)
+{
+    const struct proto_located_set *set = evaluation->query.field.set;
+    enum gd_status status = GD_OK;
+    uint32_t seed = 0;
+    double distance;
+    bool traces = evaluation->wanted & PROTO_RESULT_FIELD_PATH;
+    if (!traces && set->seed_count > 1) status = gd_field_nearest(field, point, &distance, &seed);
+    if (status) return status;
+    traces |= set->seeds[seed].is_segment;
+    if (traces) status = gd_field_path_to_seed(field, point, path, &seed);
+    if (status) return status;
+    result->member = set->members[seed];
+    result->nearest = traces ? path->points[path->count - 1] : set->seeds[seed].point;
+    if (evaluation->wanted & PROTO_RESULT_FIELD_PATH) result->path = path;
+    return GD_OK;
+}
+
+static enum gd_status result_write(struct evaluation *evaluation, const struct gd_field *field,
+                                   uint32_t i)
+{
+    struct server_query *query = &evaluation->query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    const struct gd_point *point = &query->points.points[i];
+    struct gd_path path = {0};
+    struct proto_result result = {.distance = evaluation->distances[i]};
+    enum gd_status status = GD_OK;
+    uint32_t wanted = isfinite(result.distance) ? evaluation->wanted : 0;
+    if (wanted & (PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH))
+        status = result_find_nearest(evaluation, field, point, &result, &path);
+    if (!status && wanted & PROTO_RESULT_FIELD_GRADIENT)
+        status = result_find_gradient(mesh, field, point, &result);
+    if (!status)
+        proto_result_encode(&query->draft, mesh, query->field.set, &result, evaluation->wanted,
+                            query->options.geometry);
+    gd_path_free(&path);
+    return status;
+}
+
+static enum gd_status evaluation_write(struct evaluation *evaluation, const struct gd_field *field,
+                                       struct server_monitor *part)
+{
+    const uint32_t each =
+        PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT;
+    struct server_query *query = &evaluation->query;
+    uint32_t count = query->points.count;
+    double share = evaluation->wanted & each ? DISTANCE_SHARE : 1 - DISTANCE_SHARE;
+    struct server_monitor first = server_monitor_portion(part, 0, share),
+                          second = server_monitor_portion(part, share, 1 - share);
+    const struct gd_control measuring = server_exchange_control(&first),
+                            writing = server_exchange_control(&second);
+    enum gd_status status =
+        gd_field_distances(field, query->points.points, count, &measuring, evaluation->distances);
+    if (!status) status = distances_limit(evaluation);
+    proto_results_begin(&query->draft);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        status = result_write(evaluation, field, i);
+        if (!status) status = server_query_pause(query, &writing, (i + 1.0) / count);
+    }
+    proto_results_end(&query->draft);
+    return status;
+}
+
+static enum server_query_turn evaluation_answer(struct server_query *query,
+                                                const struct gd_field *field,
+                                                struct server_monitor *part,
+                                                struct proto_problem *problem)
+{
+    struct evaluation *evaluation = (struct evaluation *)query;
+    evaluation->distances = malloc(query->points.count * sizeof *evaluation->distances);
+    enum gd_status status =
+        evaluation->distances ? evaluation_write(evaluation, field, part) : GD_NO_MEMORY;
+    free(evaluation->distances);
+    return server_query_end_draft(query, status, "the answer", problem);
+}
+
+const struct server_query_kind server_query_evaluate_field = {.name = "evaluate",
+                                                              .size = sizeof(struct evaluation),
+                                                              .fields = proto_evaluation_fields,
+                                                              .decode = field_evaluation_decode,
+                                                              .answer = evaluation_answer};
+
+const struct server_query_kind server_query_distance_to_set = {.name = "distance-to-set",
+                                                               .size = sizeof(struct evaluation),
+                                                               .fields =
+                                                                   proto_distance_to_set_fields,
+                                                               .decode = set_evaluation_decode,
+                                                               .answer = evaluation_answer};

@@ -1,0 +1,378 @@
+/* Lines of a field: its isolines at some levels, and the Voronoi diagram of its set. A worker
+ * traces them and writes them one by one. */
+#include "server/query/handlers.h"
+
+#include <stdlib.h>
+
+#include "proto/isoline.h"
+#include "proto/path.h"
+#include "proto/voronoi.h"
+#include "server/query/query.h"
+#include "server/query/result.h"
+
+#define BYTES_A_TRACE ((size_t)1 << 20)
+#define ISOLINE_EDGE  32  /* bytes an edge of the mesh, while an isoline is traced, */
+#define BISECTOR_EDGE 48  /* and while bisectors are */
+#define ISOLINE_SHARE 0.5 /* of the work, to trace; the rest is to write */
+#define PORTION       512 /* elements that are written between two checks of the control */
+#define WHAT          "the answer"
+
+static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
+{
+    return BYTES_A_TRACE + gd_mesh_summary(query->surface->mesh)->edges * bytes_an_edge;
+}
+
+/* Writes `count` points of a line. A closed line has stored all but the last one. */
+static enum gd_status points_write(struct server_query *query, const struct gd_point *points,
+                                   uint32_t stored, uint32_t count,
+                                   const struct gd_control *control)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        proto_path_point_encode(&query->draft, query->surface->mesh, &points[i % stored],
+                                query->options.geometry);
+        if ((i + 1) % PORTION == 0) status = server_query_pause(query, control, (double)i / count);
+    }
+    return status;
+}
+
+/* --- isolines: the question ------------------------------------------------------------------- */
+
+struct isolines_query {
+    struct server_query query; /* first */
+    struct proto_isolines wanted;
+    double tolerance;
+    bool is_file, has_flat_points;
+    uint64_t points, arcs; /* written so far */
+    const struct gd_field *field;
+    double level; /* in work, and its lines */
+    struct gd_isoline isoline;
+    struct gd_path *lines; /* of a file; else they are in the draft */
+    double *levels;        /* of each line */
+    uint32_t line_count;
+};
+
+/* A file has polylines only, and always. The points of a line are the ends of its arcs, unless arcs
+ * are left out or a tolerance is given. */
+static bool isolines_settle(struct isolines_query *own, struct proto_problem *problem)
+{
+    struct server_query *query = &own->query;
+    own->is_file = query->form >= SERVER_FORM_FIRST;
+    if (own->is_file) {
+        query->options.geometry = PROTO_GEOMETRY_XYZ;
+        own->wanted.wants_arcs = false;
+    }
+    own->has_flat_points = !own->wanted.wants_arcs || own->wanted.tolerance > 0;
+    own->tolerance = proto_isolines_tolerance(&own->wanted, query->surface->mesh);
+    return proto_isolines_settle(&own->wanted, &query->field.resource->description, problem);
+}
+
+static bool isolines_decode(struct server_query *query, const json_t *document,
+                            struct proto_problem *problem)
+{
+    struct isolines_query *own = (struct isolines_query *)query;
+    return server_field_query_of_resource(query, problem) &&
+           proto_isolines_decode(document, &own->wanted, problem) && isolines_settle(own, problem);
+}
+
+static bool isolines_parse(struct server_query *query, const struct proto_parameters *parameters,
+                           struct proto_problem *problem)
+{
+    struct isolines_query *own = (struct isolines_query *)query;
+    return server_field_query_of_resource(query, problem) &&
+           proto_isolines_parse(parameters, &own->wanted, problem) && isolines_settle(own, problem);
+}
+
+static void isolines_release(struct server_query *query)
+{
+    struct isolines_query *own = (struct isolines_query *)query;
+    for (uint32_t i = 0; i < own->line_count; i++) gd_path_free(&own->lines[i]);
+    free(own->lines);
+    free(own->levels);
+    proto_isolines_free(&own->wanted);
+}
+
+/* --- isolines: the answer --------------------------------------------------------------------- */
+
+/* Counts what the line adds to the answer. */
+static bool line_admit(struct isolines_query *own, const struct gd_isoline_line *line,
+                       struct proto_problem *problem)
+{
+    if (own->query.options.geometry != PROTO_GEOMETRY_NONE)
+        own->points += own->has_flat_points ? gd_isoline_flat_points(line, own->tolerance)
+                                            : line->arc_count + UINT64_C(1);
+    if (own->wanted.wants_arcs) own->arcs += line->arc_count;
+    if (own->points <= PROTO_ISOLINES_POINTS && own->arcs <= PROTO_ISOLINES_POINTS) return true;
+    proto_problem_set(
+        problem, PROTO_PROBLEM_TOO_LARGE,
+        "the lines have more than %d points or arcs; ask for fewer levels or a larger tolerance",
+        PROTO_ISOLINES_POINTS);
+    return proto_problem_limit(problem, PROTO_ISOLINES_POINTS);
+}
+
+/* Keeps the line for a file, or writes it; then the query holds its bytes for so long only. */
+static enum gd_status line_flatten(struct isolines_query *own, const struct gd_isoline_line *line,
+                                   const struct gd_control *control)
+{
+    struct server_query *query = &own->query;
+    size_t bytes = gd_isoline_flat_points(line, own->tolerance) * sizeof(struct gd_point);
+    struct gd_path path;
+    enum gd_status status = server_query_take(query, bytes);
+    if (status) return status;
+    status = gd_isoline_flatten(query->surface->mesh, line, own->tolerance, control, &path);
+    if (!status && own->is_file) {
+        own->lines[own->line_count++] = path;
+        return GD_OK;
+    }
+    if (!status) {
+        status = points_write(query, path.points, path.count, path.count, control);
+        gd_path_free(&path);
+    }
+    server_query_give(query, bytes);
+    return status;
+}
+
+static enum gd_status line_write(struct isolines_query *own, const struct gd_isoline_line *line,
+                                 const struct gd_control *control)
+{
+    struct server_query *query = &own->query;
+    enum gd_status status = GD_OK;
+    proto_line_begin(&query->draft, line);
+    if (query->options.geometry != PROTO_GEOMETRY_NONE) {
+        proto_line_list_begin(&query->draft, "points");
+        status = own->has_flat_points ? line_flatten(own, line, control)
+                                      : points_write(query, line->points, line->point_count,
+                                                     line->arc_count + 1, control);
+        proto_line_list_end(&query->draft);
+    }
+    if (own->wanted.wants_arcs) {
+        proto_line_list_begin(&query->draft, "arcs");
+        for (uint32_t i = 0; i < line->arc_count && !status; i++) {
+            proto_arc_encode(&query->draft, query->surface->mesh, &line->arcs[i]);
+            if ((i + 1) % PORTION == 0) status = server_query_pause(query, control, 1);
+        }
+        proto_line_list_end(&query->draft);
+    }
+    proto_line_end(&query->draft);
+    return status ? status : server_query_pause(query, control, 1);
+}
+
+/* Makes room for the level's lines in a file. */
+static enum gd_status lines_reserve(struct isolines_query *own)
+{
+    size_t more = own->isoline.line_count, count = own->line_count + more;
+    if (!own->is_file || more == 0) return GD_OK;
+    enum gd_status status =
+        server_query_take(&own->query, more * (sizeof *own->lines + sizeof *own->levels));
+    if (status) return status;
+    struct gd_path *lines = realloc(own->lines, count * sizeof *lines);
+    if (lines) own->lines = lines;
+    double *levels = realloc(own->levels, count * sizeof *levels);
+    if (levels) own->levels = levels;
+    for (size_t i = own->line_count; i < count && levels; i++) levels[i] = own->level;
+    return lines && levels ? GD_OK : GD_NO_MEMORY;
+}
+
+static bool lines_write(struct isolines_query *own, const struct server_monitor *part,
+                        struct proto_problem *problem)
+{
+    uint32_t count = own->isoline.line_count;
+    enum gd_status status = lines_reserve(own);
+    proto_isoline_begin(&own->query.draft, own->level);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
+        const struct gd_control control = server_exchange_control(&one);
+        if (!line_admit(own, &own->isoline.lines[i], problem)) return false;
+        status = line_write(own, &own->isoline.lines[i], &control);
+    }
+    proto_isoline_end(&own->query.draft);
+    if (status) server_query_fail(&own->query, status, WHAT, problem);
+    return !status;
+}
+
+static enum gd_status isoline_trace(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct isolines_query *own = user;
+    enum gd_status status = gd_isoline_trace(own->field, own->level, control, &own->isoline);
+    if (!status) *kept = own->isoline.bytes;
+    return status;
+}
+
+static bool level_write(struct isolines_query *own, const struct server_monitor *part,
+                        struct proto_problem *problem)
+{
+    struct server_query *query = &own->query;
+    struct server_monitor first = server_monitor_portion(part, 0, ISOLINE_SHARE),
+                          second = server_monitor_portion(part, ISOLINE_SHARE, 1 - ISOLINE_SHARE);
+    enum gd_status status =
+        server_query_call(query, &first, isoline_trace, own, trace_grant(query, ISOLINE_EDGE));
+    if (status) {
+        server_query_fail(query, status, "the isoline", problem);
+        return false;
+    }
+    bool ok = lines_write(own, &second, problem);
+    server_query_give(query, own->isoline.bytes);
+    gd_isoline_free(&own->isoline);
+    return ok;
+}
+
+static enum server_query_turn isolines_answer(struct server_query *query,
+                                              const struct gd_field *field,
+                                              struct server_monitor *part,
+                                              struct proto_problem *problem)
+{
+    struct isolines_query *own = (struct isolines_query *)query;
+    uint32_t count = own->wanted.level_count;
+    own->field = field;
+    proto_isolines_begin(&query->draft);
+    for (uint32_t i = 0; i < count; i++) {
+        struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
+        own->level = own->wanted.levels[i];
+        if (!level_write(own, &one, problem)) return SERVER_QUERY_FAILED;
+    }
+    proto_isolines_end(&query->draft);
+    return server_query_end_draft(query, GD_OK, WHAT, problem);
+}
+
+static bool isolines_write(const struct server_query *query, struct server_answer_file *out,
+                           struct proto_problem *problem)
+{
+    const struct isolines_query *own = (const struct isolines_query *)query;
+    const struct server_result_lines lines = {own->lines, own->levels, own->line_count};
+    if (!own->line_count)
+        return server_result_refuse_nothing(problem, "there are no lines at these distances");
+    return server_result_write_lines(query, &lines, out, problem);
+}
+
+static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
+
+const struct server_query_kind server_query_isolines = {.name = "isolines",
+                                                        .size = sizeof(struct isolines_query),
+                                                        .fields = proto_isolines_fields,
+                                                        .parameters = proto_isolines_parameters,
+                                                        .forms = isolines_forms,
+                                                        .decode = isolines_decode,
+                                                        .parse = isolines_parse,
+                                                        .answer = isolines_answer,
+                                                        .write = isolines_write,
+                                                        .release = isolines_release};
+
+/* --- Voronoi diagrams ------------------------------------------------------------------------- */
+
+struct voronoi_query {
+    struct server_query query; /* first */
+    double tolerance;
+    const struct gd_field *field;
+    uint32_t *labels; /* by vertex index; NULL: not wanted */
+    struct gd_voronoi found;
+};
+
+static bool voronoi_decode(struct server_query *query, const json_t *document,
+                           struct proto_problem *problem)
+{
+    struct proto_voronoi wanted;
+    if (!proto_voronoi_decode(document, &wanted, problem)) return false;
+    const struct proto_isolines lines = {.tolerance = wanted.tolerance};
+    ((struct voronoi_query *)query)->tolerance =
+        proto_isolines_tolerance(&lines, query->surface->mesh);
+    return server_field_query_of_set(query, &wanted.set, 0, problem);
+}
+
+/* The engine takes as many bytes as the labels. */
+static enum gd_status labels_find(struct voronoi_query *own)
+{
+    struct server_query *query = &own->query;
+    size_t count = gd_mesh_summary(query->surface->mesh)->index_count,
+           bytes = count * sizeof *own->labels;
+    own->labels = server_query_allocate(query, count, sizeof *own->labels);
+    enum gd_status status = own->labels ? server_query_take(query, bytes) : GD_BUDGET;
+    if (status) return status;
+    status = gd_voronoi_labels(own->field, query->field.set->members, own->labels);
+    server_query_give(query, bytes);
+    return status;
+}
+
+static enum gd_status bisectors_trace(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct voronoi_query *own = user;
+    enum gd_status status = gd_voronoi_trace(own->field, own->query.field.set->members,
+                                             own->tolerance, control, &own->found);
+    if (!status) *kept = own->found.bytes;
+    return status;
+}
+
+static bool bisectors_admit(const struct voronoi_query *own, struct proto_problem *problem)
+{
+    uint64_t points = 0;
+    for (uint32_t i = 0; i < own->found.bisector_count; i++)
+        points += own->found.bisectors[i].point_count;
+    if (own->query.options.geometry == PROTO_GEOMETRY_NONE || points <= PROTO_VORONOI_POINTS)
+        return true;
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
+                      "fewer members, or geometry=none",
+                      (unsigned long long)points, PROTO_VORONOI_POINTS);
+    return proto_problem_limit(problem, PROTO_VORONOI_POINTS);
+}
+
+static enum server_query_turn voronoi_answer(struct server_query *query,
+                                             const struct gd_field *field,
+                                             struct server_monitor *part,
+                                             struct proto_problem *problem)
+{
+    struct voronoi_query *own = (struct voronoi_query *)query;
+    uint32_t fields = query->options.fields;
+    own->field = field;
+    enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_find(own) : GD_OK;
+    if (!status && fields & PROTO_VORONOI_FIELD_BISECTORS)
+        status =
+            server_query_call(query, part, bisectors_trace, own, trace_grant(query, BISECTOR_EDGE));
+    if (!status && !bisectors_admit(own, problem)) return SERVER_QUERY_FAILED;
+    return server_query_end_draft(query, status, "the diagram", problem);
+}
+
+static void bisector_encode(const struct server_query *query, struct proto_writer *writer,
+                            const struct gd_bisector *bisector)
+{
+    enum proto_geometry geometry = query->options.geometry;
+    proto_bisector_begin(writer, bisector);
+    if (geometry != PROTO_GEOMETRY_NONE) {
+        proto_bisector_points_begin(writer);
+        for (uint32_t i = 0; i < bisector->point_count; i++)
+            proto_path_point_encode(writer, query->surface->mesh, &bisector->points[i], geometry);
+        proto_voronoi_list_end(writer);
+    }
+    proto_bisector_end(writer);
+}
+
+static void voronoi_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct voronoi_query *own = (const struct voronoi_query *)query;
+    uint32_t count = gd_mesh_summary(query->surface->mesh)->index_count;
+    proto_voronoi_begin(writer);
+    if (own->labels) {
+        proto_voronoi_labels_begin(writer);
+        for (uint32_t i = 0; i < count; i++) proto_voronoi_label(writer, own->labels[i]);
+        proto_voronoi_list_end(writer);
+    }
+    if (query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) {
+        proto_voronoi_bisectors_begin(writer);
+        for (uint32_t i = 0; i < own->found.bisector_count; i++)
+            bisector_encode(query, writer, &own->found.bisectors[i]);
+        proto_voronoi_list_end(writer);
+    }
+    proto_voronoi_end(writer);
+}
+
+static void voronoi_release(struct server_query *query)
+{
+    gd_voronoi_free(&((struct voronoi_query *)query)->found);
+}
+
+const struct server_query_kind server_query_voronoi = {.name = "voronoi",
+                                                       .size = sizeof(struct voronoi_query),
+                                                       .fields = proto_voronoi_fields,
+                                                       .decode = voronoi_decode,
+                                                       .answer = voronoi_answer,
+                                                       .encode = voronoi_encode,
+                                                       .release = voronoi_release};

@@ -1,0 +1,239 @@
+/* Pairs: distance and shortest path between two points, or leg by leg by way of others.
+ *
+ * DESIGN. The metric is symmetric, so a field of either end answers a leg. The glance answers from
+ * cached fields. A worker searches from one end to the other; or it builds the field of an end that
+ * enough queries have named. While another query builds the field of an end, this one is parked and
+ * looks into the cache again when the build has ended. */
+#include "server/query/handlers.h"
+
+#include <math.h>
+
+#include "proto/pair.h"
+#include "server/fields/cache.h"
+#include "server/query/pair_search.h"
+#include "server/query/result.h"
+
+/* A path across a larger mesh takes too long for an HTTP thread. */
+#define INLINE_PATH_FACES 200000
+/* Ten times what a field takes. With less time left, the pair is searched. */
+#define PATIENCE_NS_AN_EDGE 10000
+#define WHAT                "the search"
+
+struct pair_query {
+    struct server_query query; /* first */
+    enum gd_pair_wish wish;
+    uint32_t leg, leg_count;      /* in work: from point `leg` of the query to the next one */
+    bool is_noted;                /* the cache has counted the leg's ends */
+    struct gd_pair_answer answer; /* of the legs before it */
+    struct gd_seed source;        /* of the field that this query builds */
+};
+
+static void pair_release(struct server_query *query)
+{
+    gd_pair_answer_free(&((struct pair_query *)query)->answer);
+}
+
+static bool pair_locate(struct server_query *query, struct proto_points *stops,
+                        struct proto_problem *problem)
+{
+    struct pair_query *pair = (struct pair_query *)query;
+    if (!server_query_locate(query, stops, problem)) return false;
+    pair->leg_count = query->points.count - 1;
+    pair->wish = query->options.fields & PROTO_PAIR_FIELD_PATH || query->form >= SERVER_FORM_FIRST
+                     ? GD_PAIR_PATH
+                     : GD_PAIR_DISTANCE;
+    return true;
+}
+
+static bool pair_decode(struct server_query *query, const json_t *document,
+                        struct proto_problem *problem)
+{
+    struct proto_points stops;
+    return proto_pair_decode(document, &stops, problem) && pair_locate(query, &stops, problem);
+}
+
+static bool pair_parse(struct server_query *query, const struct proto_parameters *parameters,
+                       struct proto_problem *problem)
+{
+    struct proto_points stops;
+    return proto_pair_parse(parameters, &stops, problem) && pair_locate(query, &stops, problem);
+}
+
+/* --- one leg ---------------------------------------------------------------------------------- */
+
+static struct server_pair leg_of(const struct pair_query *pair)
+{
+    const struct gd_point *from = &pair->query.points.points[pair->leg];
+    return (struct server_pair){from, from + 1, pair->wish};
+}
+
+static struct server_monitor leg_monitor(const struct pair_query *pair)
+{
+    double share = 1.0 / pair->leg_count;
+    return server_query_monitor(&pair->query, pair->leg * share, share);
+}
+
+/* Appends the answer of a leg, which is freed. AGAIN: there are legs left. */
+static enum server_query_turn leg_end(struct pair_query *pair, enum gd_status status,
+                                      struct gd_pair_answer *leg, struct proto_problem *problem)
+{
+    if (!status) status = server_pair_append(&pair->answer, leg);
+    if (status) return server_query_fail(&pair->query, status, WHAT, problem);
+    pair->leg = isinf(pair->answer.distance) ? pair->leg_count : pair->leg + 1;
+    pair->is_noted = false;
+    return pair->leg == pair->leg_count ? SERVER_QUERY_DONE : SERVER_QUERY_AGAIN;
+}
+
+/* Unpins the field. */
+static enum server_query_turn leg_answer(struct pair_query *pair,
+                                         const struct server_cached *cached,
+                                         struct proto_problem *problem)
+{
+    const struct server_pair ends = leg_of(pair);
+    struct gd_pair_answer leg;
+    enum gd_status status = gd_pair_from_field(cached->field, ends.from, ends.to, ends.wish, &leg);
+    server_cache_unpin(cached);
+    return leg_end(pair, status, &leg, problem);
+}
+
+/* Answers legs from cached fields. AGAIN: a leg is left. */
+static enum server_query_turn leg_find(struct pair_query *pair, struct proto_problem *problem)
+{
+    enum server_query_turn turn = SERVER_QUERY_AGAIN;
+    while (turn == SERVER_QUERY_AGAIN) {
+        const struct server_pair ends = leg_of(pair);
+        const struct server_cached *cached = server_pair_find_field(pair->query.surface, &ends);
+        if (!cached) break;
+        turn = leg_answer(pair, cached, problem);
+    }
+    return turn;
+}
+
+static enum server_query_turn leg_search(struct pair_query *pair, struct proto_problem *problem)
+{
+    const struct server_pair ends = leg_of(pair);
+    struct server_monitor monitor = leg_monitor(pair);
+    struct gd_pair_answer leg;
+    enum gd_status status = server_pair_search(&monitor, pair->query.surface, &ends, &leg);
+    return leg_end(pair, status, &leg, problem);
+}
+
+/* --- building a field ------------------------------------------------------------------------- */
+
+/* The cache counts, once a leg, that the ends are asked about and have no field. */
+static void leg_note(struct pair_query *pair)
+{
+    struct server_mesh_cache *fields = pair->query.surface->fields;
+    const struct server_pair ends = leg_of(pair);
+    if (pair->is_noted) return;
+    server_cache_note(fields, ends.from);
+    if (!gd_point_equal(ends.from, ends.to)) server_cache_note(fields, ends.to);
+    pair->is_noted = true;
+}
+
+static enum server_cache_turn field_enter(struct pair_query *pair, const struct gd_point *source)
+{
+    struct server_query *query = &pair->query;
+    pair->source.point = *source;
+    return server_cache_enter(query->surface->fields, source, &query->exchange->job,
+                              &query->field.build);
+}
+
+/* BUILD: this query has a pending build. WAIT: it is parked, and not the caller's any more. */
+static enum server_cache_turn leg_enter(struct pair_query *pair)
+{
+    const struct server_pair ends = leg_of(pair);
+    uint64_t patience =
+        PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->query.surface->mesh)->edges;
+    if (pair->query.exchange->job.deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
+    enum server_cache_turn turn = field_enter(pair, ends.from);
+    return turn == SERVER_CACHE_SEARCH ? field_enter(pair, ends.to) : turn;
+}
+
+/* If the build fails, the leg is searched, unless it was this query that ended. */
+static enum server_query_turn leg_build(struct pair_query *pair, struct proto_problem *problem)
+{
+    struct server_query *query = &pair->query;
+    const struct server_cached *cached;
+    query->field.request = (struct gd_field_request){.seeds = &pair->source, .seed_count = 1};
+    enum gd_status status = server_query_build_field(query, leg_monitor(pair), &cached);
+    if (!status) return leg_answer(pair, cached, problem);
+    if (status == GD_DEADLINE || status == GD_CANCELLED)
+        return server_query_fail(query, status, WHAT, problem);
+    server_query_count(query, status);
+    return leg_search(pair, problem);
+}
+
+/* --- the steps -------------------------------------------------------------------------------- */
+
+static enum server_query_turn pair_glance(struct server_query *query, struct proto_problem *problem)
+{
+    struct pair_query *pair = (struct pair_query *)query;
+    uint64_t faces = gd_mesh_summary(pair->query.surface->mesh)->faces;
+    bool is_quick = !pair->wish || faces * pair->leg_count <= INLINE_PATH_FACES;
+    enum server_query_turn turn = is_quick ? leg_find(pair, problem) : SERVER_QUERY_AGAIN;
+    if (turn == SERVER_QUERY_AGAIN) leg_note(pair);
+    return turn;
+}
+
+/* A pending build begins here, before its builder is queued, so that later queries for the same
+ * field take no place in the queue. */
+static bool pair_join(struct server_query *query)
+{
+    return leg_enter((struct pair_query *)query) == SERVER_CACHE_WAIT;
+}
+
+/* Looks into the cache, then does at most one search or build. */
+static enum server_query_turn pair_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct pair_query *pair = (struct pair_query *)query;
+    if (query->field.build) return leg_build(pair, problem);
+    enum server_query_turn turn = leg_find(pair, problem);
+    if (turn != SERVER_QUERY_AGAIN) return turn;
+    leg_note(pair);
+    switch (leg_enter(pair)) {
+    case SERVER_CACHE_WAIT:
+        return SERVER_QUERY_PARKED;
+    case SERVER_CACHE_BUILD:
+        return leg_build(pair, problem);
+    case SERVER_CACHE_AGAIN:
+        return SERVER_QUERY_AGAIN;
+    case SERVER_CACHE_SEARCH:
+        break;
+    }
+    return leg_search(pair, problem);
+}
+
+static void pair_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct pair_query *pair = (const struct pair_query *)query;
+    proto_pair_encode(writer, &query->points, &pair->answer, &query->options);
+}
+
+static bool path_write(const struct server_query *query, struct server_answer_file *out,
+                       struct proto_problem *problem)
+{
+    const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
+    if (isinf(answer->distance))
+        return server_result_refuse_nothing(problem, "there is no path between the points");
+    const struct server_result_lines line = {.paths = &answer->path, .count = 1};
+    if (query->form < SERVER_RESULT_LINE_FORMS_END)
+        return server_result_write_lines(query, &line, out, problem);
+    return server_result_write_strip(query, &answer->path, out, problem);
+}
+
+static const struct server_form path_forms[] = {
+    SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
+
+#define PAIR_STEPS                                                                                 \
+    .size = sizeof(struct pair_query), .parameters = proto_pair_parameters, .decode = pair_decode, \
+    .parse = pair_parse, .glance = pair_glance, .join = pair_join, .solve = pair_solve,            \
+    .encode = pair_encode, .release = pair_release
+
+const struct server_query_kind server_query_distance = {
+    .name = "distance", .fields = proto_distance_fields, PAIR_STEPS};
+const struct server_query_kind server_query_path = {.name = "path",
+                                                    .fields = proto_path_fields,
+                                                    .forms = path_forms,
+                                                    .write = path_write,
+                                                    PAIR_STEPS};

@@ -1,0 +1,193 @@
+/* Points: the point of the surface that is nearest to a given one, the weighted mean of points, and
+ * farthest points. */
+#include "server/query/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "gd/sampling.h"
+#include "proto/mean.h"
+#include "proto/nearest.h"
+#include "proto/sampling.h"
+#include "server/query/query.h"
+
+/* --- nearest ---------------------------------------------------------------------------------- */
+
+/* Locating takes O(log n): nothing is left to solve. */
+
+struct nearest_query {
+    struct server_query query; /* first */
+    struct gd_point point;
+    double snap_distance;
+};
+
+static bool nearest_locate(struct server_query *query, const struct proto_nearest *wanted,
+                           struct proto_problem *problem)
+{
+    struct nearest_query *nearest = (struct nearest_query *)query;
+    return proto_point_locate(query->surface->mesh, &wanted->point, &nearest->point,
+                              &nearest->snap_distance, problem);
+}
+
+static bool nearest_decode(struct server_query *query, const json_t *document,
+                           struct proto_problem *problem)
+{
+    struct proto_nearest wanted;
+    return proto_nearest_decode(document, &wanted, problem) &&
+           nearest_locate(query, &wanted, problem);
+}
+
+static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters,
+                          struct proto_problem *problem)
+{
+    struct proto_nearest wanted;
+    return proto_nearest_parse(parameters, &wanted, problem) &&
+           nearest_locate(query, &wanted, problem);
+}
+
+static void nearest_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct nearest_query *nearest = (const struct nearest_query *)query;
+    proto_nearest_encode(writer, query->surface->mesh, &nearest->point, nearest->snap_distance,
+                         &query->options);
+}
+
+const struct server_query_kind server_query_nearest = {.name = "nearest",
+                                                       .size = sizeof(struct nearest_query),
+                                                       .fields = proto_point_fields,
+                                                       .parameters = proto_nearest_parameters,
+                                                       .decode = nearest_decode,
+                                                       .parse = nearest_parse,
+                                                       .encode = nearest_encode};
+
+/* --- mean ------------------------------------------------------------------------------------- */
+
+struct mean_query {
+    struct server_query query; /* first */
+    double *weights;           /* NULL: equal ones */
+    bool one_step;
+    struct gd_mean mean;
+};
+
+static bool mean_decode(struct server_query *query, const json_t *document,
+                        struct proto_problem *problem)
+{
+    struct mean_query *mean = (struct mean_query *)query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    struct proto_mean wanted;
+    if (!proto_mean_decode(document, &wanted, problem)) return false;
+    mean->weights = wanted.weights;
+    mean->one_step = wanted.one_step;
+    if (!server_query_locate(query, &wanted.points, problem)) return false;
+    const struct gd_point *points = query->points.points;
+    for (uint32_t i = 1; i < query->points.count; i++)
+        if (gd_point_component(mesh, &points[i]) != gd_point_component(mesh, &points[0]))
+            return proto_problem_refuse(problem, "/points",
+                                        "point %u lies on another component than point 0: there "
+                                        "is no path between them",
+                                        i);
+    return true;
+}
+
+static enum gd_status mean_find(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct mean_query *mean = user;
+    const struct gd_mean_request request = {.points = mean->query.points.points,
+                                            .weights = mean->weights,
+                                            .count = mean->query.points.count,
+                                            .one_step = mean->one_step,
+                                            .landmarks = mean->query.landmarks};
+    *kept = 0;
+    return gd_mean_find(mean->query.surface->mesh, &request, control, &mean->mean, NULL);
+}
+
+static enum server_query_turn mean_solve(struct server_query *query, struct proto_problem *problem)
+{
+    enum gd_status status = server_query_call(query, NULL, mean_find, query,
+                                              server_field_build_grant(query->surface->mesh));
+    return server_query_end_draft(query, status, "the mean", problem);
+}
+
+static void mean_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    proto_mean_encode(writer, query->surface->mesh, &((const struct mean_query *)query)->mean,
+                      &query->options);
+}
+
+static void mean_release(struct server_query *query)
+{
+    free(((struct mean_query *)query)->weights);
+}
+
+const struct server_query_kind server_query_mean = {.name = "mean",
+                                                    .size = sizeof(struct mean_query),
+                                                    .fields = proto_mean_fields,
+                                                    .uses_landmarks = true,
+                                                    .decode = mean_decode,
+                                                    .solve = mean_solve,
+                                                    .encode = mean_encode,
+                                                    .release = mean_release};
+
+/* --- farthest points -------------------------------------------------------------------------- */
+
+struct sampling_query {
+    struct server_query query; /* first */
+    uint32_t count;
+    bool has_start;
+    struct gd_point start;
+    double snap; /* how far the start was moved; NAN: not at all */
+    struct gd_point *points;
+    double *radii;
+};
+
+static bool sampling_decode(struct server_query *query, const json_t *document,
+                            struct proto_problem *problem)
+{
+    struct sampling_query *sampling = (struct sampling_query *)query;
+    struct proto_sampling wanted;
+    if (!proto_sampling_decode(document, &wanted, problem)) return false;
+    sampling->count = wanted.count;
+    sampling->has_start = wanted.has_start;
+    sampling->snap = NAN;
+    return !wanted.has_start || proto_point_locate(query->surface->mesh, &wanted.start,
+                                                   &sampling->start, &sampling->snap, problem);
+}
+
+static enum gd_status sampling_choose(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct sampling_query *sampling = user;
+    *kept = 0;
+    return gd_sampling_farthest(sampling->query.surface->mesh,
+                                sampling->has_start ? &sampling->start : NULL, sampling->count,
+                                control, sampling->query.executor, sampling->points,
+                                sampling->radii, NULL);
+}
+
+static enum server_query_turn sampling_solve(struct server_query *query,
+                                             struct proto_problem *problem)
+{
+    struct sampling_query *sampling = (struct sampling_query *)query;
+    enum gd_status status = GD_BUDGET;
+    sampling->points = server_query_allocate(query, sampling->count, sizeof *sampling->points);
+    sampling->radii = server_query_allocate(query, sampling->count, sizeof *sampling->radii);
+    if (sampling->points && sampling->radii)
+        status = server_query_call(query, NULL, sampling_choose, query,
+                                   server_field_build_grant(query->surface->mesh));
+    return server_query_end_draft(query, status, "the sampling", problem);
+}
+
+static void sampling_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct sampling_query *sampling = (const struct sampling_query *)query;
+    proto_sampling_encode(writer, query->surface->mesh, sampling->points, sampling->radii,
+                          sampling->count, sampling->snap, &query->options);
+}
+
+const struct server_query_kind server_query_farthest_points = {.name = "farthest-points",
+                                                               .size =
+                                                                   sizeof(struct sampling_query),
+                                                               .fields = proto_sampling_fields,
+                                                               .uses_executor = true,
+                                                               .decode = sampling_decode,
+                                                               .solve = sampling_solve,
+                                                               .encode = sampling_encode};
