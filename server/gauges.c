@@ -4,8 +4,8 @@
 
 #include "server/access/access.h"
 #include "server/http/connections.h"
-#include "server/http/answer_stream.h"
-#include "server/http/events.h"
+#include "server/exchange/answer_stream.h"
+#include "server/exchange/events.h"
 #include "server/jobs/batch_runner.h"
 #include "server/jobs/job_table.h"
 #include "server/server.h"

@@ -8,8 +8,8 @@
 #include "server/access/guard.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
-#include "server/http/prefer.h"
-#include "server/http/reply.h"
+#include "server/exchange/prefer.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 
 /* bytes of the JSON of a query, and of a new batch */

@@ -2,7 +2,7 @@
 #ifndef SERVER_ROUTER_H
 #define SERVER_ROUTER_H
 
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 /* After the headers: sets the id, checks framing, Host and Origin, finds the route, checks the key
  * and decides about the body. If it replies (response.status is set), the body is not to be read

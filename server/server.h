@@ -21,7 +21,7 @@
 #include "server/work/deadlines.h"
 #include "server/config/config.h"
 #include "server/query/api.h"
-#include "server/http/metrics.h"
+#include "server/exchange/metrics.h"
 #include "server/surfaces/surfaces.h"
 #include "server/work/workers.h"
 #include "server/work/budgeted_call.h"

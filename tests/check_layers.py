@@ -33,7 +33,7 @@ PUBLIC = {
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}
 
-SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "http": 3, "store": 3, "store/local": 4, "store/postgres": 4, "fields": 3,
+SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "exchange": 3, "http": 4, "store": 3, "store/local": 4, "store/postgres": 4, "fields": 3,
           "surfaces": 5, "jobs": 6, "query": 7, "api/surfaces": 8, "api/distances": 8, "api/curves": 8, "api/smooth": 8, "api/service": 8, "": 9}
 
 RANK = {f"engine/{room}": rank for room, rank in ENGINE.items()} | {"proto": 10} | {f"server/{room}".rstrip("/"): 20 + rank for room, rank in SERVER.items()}

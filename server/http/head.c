@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 #define TARGET_MOST 8192  /* bytes */
 #define HEAD_MOST   12288 /* bytes of all parts: leaves the library room for the answer (http.c) */

@@ -5,7 +5,7 @@
 #include <netinet/in.h>
 #include <stddef.h>
 
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/base/log.h"
 
 #define PEER_TEXT 64

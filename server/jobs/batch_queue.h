@@ -14,7 +14,7 @@
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
 #define SERVER_JOBS_BATCH_QUEUE_H
 
-#include "server/http/etag.h"
+#include "server/exchange/etag.h"
 #include "server/store/key.h"
 #include "server/store/sql.h"
 

@@ -13,7 +13,7 @@
 #define SERVER_JOBS_BATCH_RUNNER_H
 
 #include "server/config/config.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/jobs/batch_queue.h"
 
 struct server_batch_runner;

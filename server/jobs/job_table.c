@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "server/base/log.h"
-#include "server/http/events.h"
-#include "server/http/reply.h"
+#include "server/exchange/events.h"
+#include "server/exchange/reply.h"
 #include "server/jobs/job_id.h"
 #include "server/jobs/job_usage.h"
 #include "server/store/key.h"

@@ -26,7 +26,7 @@
 #define SERVER_JOBS_JOB_TABLE_H
 
 #include "proto/job.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 struct server_deferred_job;
 struct server_job_table;

@@ -5,8 +5,8 @@
 
 #include "server/config/config.h"
 #include "server/fields/cache.h"
-#include "server/http/exchange.h"
-#include "server/http/metrics.h"
+#include "server/exchange/exchange.h"
+#include "server/exchange/metrics.h"
 #include "server/surfaces/discretizations.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/loader.h"

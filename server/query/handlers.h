@@ -5,7 +5,7 @@
 #define SERVER_QUERY_HANDLERS_H
 
 #include "generated/handlers.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 /* Any operation that is asked for with Prefer: respond-async. */
 void server_handle_async(struct server_exchange *exchange);

@@ -3,7 +3,7 @@
 #define SERVER_QUERY_PAIR_SEARCH_H
 
 #include "gd/query.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/surfaces/surface.h"
 
 struct server_pair {

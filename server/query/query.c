@@ -3,9 +3,9 @@
 #include <stdlib.h>
 
 #include "proto/accept.h"
-#include "server/http/answer_stream.h"
-#include "server/http/etag.h"
-#include "server/http/reply.h"
+#include "server/exchange/answer_stream.h"
+#include "server/exchange/etag.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"

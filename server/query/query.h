@@ -26,7 +26,7 @@
 #include "proto/points.h"
 #include "proto/set.h"
 #include "proto/writer.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/surfaces/catalogue.h"
 #include "server/surfaces/surface.h"
 

@@ -7,7 +7,7 @@
 
 #include "server/store/kind.h"
 #include "server/surfaces/loader.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 
 #define KIND_SEGMENT     1                    /* of the path */

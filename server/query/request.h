@@ -4,7 +4,7 @@
 
 #include "proto/decode.h"
 #include "proto/page.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 
 /* The kind of surface that the route is about, "/v1/<plural>…". Other routes: meshes. */

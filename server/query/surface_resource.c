@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
 #include "server/surfaces/surface.h"

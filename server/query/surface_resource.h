@@ -4,7 +4,7 @@
 #define SERVER_QUERY_SURFACE_RESOURCE_H
 
 #include "proto/writer.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 
 /* Builds the surface of a record from the bytes of its file and stores the description in the

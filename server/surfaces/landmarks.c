@@ -4,7 +4,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "server/http/metrics.h"
+#include "server/exchange/metrics.h"
 #include "server/surfaces/field_store.h"
 #include "server/work/budgeted_call.h"
 

@@ -20,7 +20,7 @@
 #ifndef SERVER_SURFACES_REGISTRY_H
 #define SERVER_SURFACES_REGISTRY_H
 
-#include "server/http/etag.h"
+#include "server/exchange/etag.h"
 #include "server/store/store.h"
 #include "server/surfaces/surface.h"
 #include "server/work/workers.h"

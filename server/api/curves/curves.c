@@ -9,7 +9,7 @@
 #include "proto/curve_operation.h"
 #include "proto/cut.h"
 #include "proto/spline.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/derived_mesh.h"
 #include "server/query/query.h"

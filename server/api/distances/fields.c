@@ -9,7 +9,7 @@
 
 #include "proto/page.h"
 #include "server/fields/cache.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
 #include "server/query/result.h"

@@ -18,8 +18,8 @@
 #include "proto/accept.h"
 #include "proto/batch.h"
 #include "proto/decode.h"
-#include "server/http/relay.h"
-#include "server/http/reply.h"
+#include "server/exchange/relay.h"
+#include "server/exchange/reply.h"
 #include "server/query/query.h"
 #include "server/query/request.h"
 

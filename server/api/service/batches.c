@@ -7,7 +7,7 @@
 
 #include "proto/many.h"
 #include "proto/page.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/jobs/batch_runner.h"
 #include "server/jobs/job_id.h"
 #include "server/query/api.h"

@@ -3,7 +3,7 @@
 
 #include "proto/service.h"
 #include "server/base/version.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/jobs/batch_runner.h"
 #include "server/query/api.h"
 #include "server/query/request.h"

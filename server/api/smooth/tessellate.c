@@ -10,7 +10,7 @@
 
 #include "proto/discretization.h"
 #include "proto/tessellation.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/derived_mesh.h"
 #include "server/query/handlers.h"

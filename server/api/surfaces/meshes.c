@@ -5,7 +5,7 @@
 
 #include "gd/io.h"
 #include "proto/page.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
 

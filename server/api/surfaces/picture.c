@@ -6,7 +6,7 @@
 
 #include "proto/accept.h"
 #include "proto/picture.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/query/pair_search.h"
 #include "server/query/query.h"
 

@@ -8,11 +8,11 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "server/http/events.h"
+#include "server/exchange/events.h"
 #include "server/http/head.h"
 #include "server/jobs/job_table.h"
 #include "server/surfaces/registry.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/router.h"
 #include "server/server.h"
 

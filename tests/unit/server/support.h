@@ -16,7 +16,7 @@
 
 #include "gd/field.h"
 #include "server/fields/cache.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/work/workers.h"
 #include "tests/samples/samples.h"
 

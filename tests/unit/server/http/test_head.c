@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 #include "server/http/head.h"
 
 #define TARGET "/v1/meshes/x"

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "server/http/events.h"
+#include "server/exchange/events.h"
 #include "server/jobs/job_id.h"
 #include "server/jobs/job_table.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 #include "server/server.h"
 
 #define SECOND UINT64_C(1000000000)

@@ -14,8 +14,8 @@
  * memory is counted as an answer's from the beginning. The stream's close
  * is how a client's leaving is told. Of locks, the events' ranks above the relay's, the workers'
  * below. */
-#ifndef SERVER_HTTP_RELAY_H
-#define SERVER_HTTP_RELAY_H
+#ifndef SERVER_EXCHANGE_RELAY_H
+#define SERVER_EXCHANGE_RELAY_H
 
 #include <stdbool.h>
 #include <stddef.h>

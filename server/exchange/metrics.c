@@ -1,5 +1,5 @@
 /* See metrics.h. */
-#include "server/http/metrics.h"
+#include "server/exchange/metrics.h"
 
 #include <stdalign.h>
 #include <stdatomic.h>

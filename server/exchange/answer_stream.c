@@ -1,13 +1,13 @@
 /* See answer_stream.h. */
-#include "server/http/answer_stream.h"
+#include "server/exchange/answer_stream.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "server/http/events.h"
-#include "server/http/relay.h"
-#include "server/http/reply.h"
+#include "server/exchange/events.h"
+#include "server/exchange/relay.h"
+#include "server/exchange/reply.h"
 
 #define STACK_BYTES ((size_t)256 << 10) /* encoders are flat */
 

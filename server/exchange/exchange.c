@@ -1,5 +1,5 @@
 /* See exchange.h. */
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 #include <ctype.h>
 #include <stdatomic.h>

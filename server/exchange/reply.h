@@ -1,10 +1,10 @@
 /* Reply: how a handler answers. Each server_reply_* ends the request; the first one counts. */
-#ifndef SERVER_HTTP_REPLY_H
-#define SERVER_HTTP_REPLY_H
+#ifndef SERVER_EXCHANGE_REPLY_H
+#define SERVER_EXCHANGE_REPLY_H
 
 #include "proto/asset.h"
 #include "proto/writer.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 /* Begins the text of an answer: of --max-answer bytes at most, in the memory budget from its first
  * byte on. */

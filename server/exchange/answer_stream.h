@@ -9,15 +9,15 @@
  * A pool of SERVER_ANSWER_STREAMS threads with small stacks serves the streams, one each. They are
  * started with the daemon, since the sandbox allows no new threads later (seccomp.h). When all are
  * taken, and for jobs, HEAD and HTTP/1.0, an answer is held as a text. */
-#ifndef SERVER_HTTP_ANSWER_STREAM_H
-#define SERVER_HTTP_ANSWER_STREAM_H
+#ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
+#define SERVER_EXCHANGE_ANSWER_STREAM_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "proto/writer.h"
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 #define SERVER_ANSWER_STREAMS     32
 #define SERVER_ANSWER_STREAM_FROM ((size_t)1 << 20) /* bytes of text */

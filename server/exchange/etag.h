@@ -3,8 +3,8 @@
  * A resource has one tag, "abc". An answer that goes out packed is another representation of it,
  * whose tag is "abc-gzip": so that a strong tag never names two sequences of bytes. A client may
  * name the resource by either. */
-#ifndef SERVER_HTTP_ETAG_H
-#define SERVER_HTTP_ETAG_H
+#ifndef SERVER_EXCHANGE_ETAG_H
+#define SERVER_EXCHANGE_ETAG_H
 
 #include <stdbool.h>
 #include <stddef.h>

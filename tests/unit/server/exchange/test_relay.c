@@ -1,7 +1,7 @@
 #include "tests/unit/server/support.h"
 
-#include "server/http/events.h"
-#include "server/http/relay.h"
+#include "server/exchange/events.h"
+#include "server/exchange/relay.h"
 #include "server/server.h"
 
 static struct server server;

@@ -1,5 +1,5 @@
 /* See body.h. */
-#include "server/http/body.h"
+#include "server/exchange/body.h"
 
 #include <stdlib.h>
 #include <string.h>

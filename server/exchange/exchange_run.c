@@ -1,11 +1,11 @@
 /* See exchange.h. How workers take up an exchange, and how it ends. */
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "server/http/events.h"
-#include "server/http/reply.h"
+#include "server/exchange/events.h"
+#include "server/exchange/reply.h"
 
 /* --- the end ---------------------------------------------------------------------------------- */
 

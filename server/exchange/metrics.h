@@ -2,8 +2,8 @@
  *
  * Counters are sharded: each thread counts in its own shard with relaxed atomics, so that HTTP
  * threads share no cache line; reading adds the shards up. Thread-safe. */
-#ifndef SERVER_HTTP_METRICS_H
-#define SERVER_HTTP_METRICS_H
+#ifndef SERVER_EXCHANGE_METRICS_H
+#define SERVER_EXCHANGE_METRICS_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 #include "tests/unit/server/support.h"
 
-#include "server/http/etag.h"
+#include "server/exchange/etag.h"
 
 static bool holds(const char *if_match, const char *if_none_match, const char *etag)
 {

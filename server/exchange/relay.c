@@ -1,5 +1,5 @@
 /* See relay.h. */
-#include "server/http/relay.h"
+#include "server/exchange/relay.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -8,9 +8,9 @@
 #include <time.h>
 
 #include "proto/writer.h"
-#include "server/http/events.h"
+#include "server/exchange/events.h"
 #include "server/base/gzip.h"
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 
 /* bytes that gzip makes of a block at most */
 #define PACKED_MOST (SERVER_RELAY_BLOCK + SERVER_RELAY_BLOCK / 4)

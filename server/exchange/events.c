@@ -1,5 +1,5 @@
 /* See events.h. */
-#include "server/http/events.h"
+#include "server/exchange/events.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

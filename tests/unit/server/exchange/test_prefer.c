@@ -1,6 +1,6 @@
 #include "tests/unit/server/support.h"
 
-#include "server/http/prefer.h"
+#include "server/exchange/prefer.h"
 
 static bool prefers(const char *first, const char *second)
 {

@@ -1,5 +1,5 @@
 /* See prefer.h. */
-#include "server/http/prefer.h"
+#include "server/exchange/prefer.h"
 
 #include <string.h>
 #include <strings.h>

@@ -13,8 +13,8 @@
  *
  * A handler is flat: each step succeeds, or replies and returns. It ends with a reply or with
  * server_exchange_defer. */
-#ifndef SERVER_HTTP_EXCHANGE_H
-#define SERVER_HTTP_EXCHANGE_H
+#ifndef SERVER_EXCHANGE_EXCHANGE_H
+#define SERVER_EXCHANGE_EXCHANGE_H
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -25,7 +25,7 @@
 #include "proto/options.h"
 #include "proto/route.h"
 #include "server/access/access.h"
-#include "server/http/body.h"
+#include "server/exchange/body.h"
 #include "server/work/workers.h"
 
 #define SERVER_EXCHANGE_HEADERS    64

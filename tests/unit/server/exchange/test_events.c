@@ -1,7 +1,7 @@
 #include "tests/unit/server/support.h"
 
 #include "gd/control.h"
-#include "server/http/events.h"
+#include "server/exchange/events.h"
 
 #define SECOND UINT64_C(1000000000)
 

@@ -1,10 +1,10 @@
 /* See etag.h. */
-#include "server/http/etag.h"
+#include "server/exchange/etag.h"
 
 #include <string.h>
 #include <strings.h>
 
-#include "server/http/exchange.h"
+#include "server/exchange/exchange.h"
 
 #define BLANKS " \t"
 

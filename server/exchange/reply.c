@@ -1,5 +1,5 @@
 /* See reply.h. */
-#include "server/http/reply.h"
+#include "server/exchange/reply.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -8,8 +8,8 @@
 #include <strings.h>
 
 #include "proto/accept.h"
-#include "server/http/etag.h"
-#include "server/http/events.h"
+#include "server/exchange/etag.h"
+#include "server/exchange/events.h"
 #include "server/base/gzip.h"
 
 #define GZIP_FROM    1025  /* bytes: smaller ones fit into a packet anyway */

@@ -14,8 +14,8 @@
  *
  * One mutex guards the list of streams and whether they are paused. Pause and resume are called
  * under it, so that they come in turn; so is a source, whose locks rank below. */
-#ifndef SERVER_HTTP_EVENTS_H
-#define SERVER_HTTP_EVENTS_H
+#ifndef SERVER_EXCHANGE_EVENTS_H
+#define SERVER_EXCHANGE_EVENTS_H
 
 #include <stdbool.h>
 #include <stddef.h>

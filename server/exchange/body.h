@@ -1,6 +1,6 @@
 /* Body: the bytes of a request, collected under a limit and the byte budget. */
-#ifndef SERVER_HTTP_BODY_H
-#define SERVER_HTTP_BODY_H
+#ifndef SERVER_EXCHANGE_BODY_H
+#define SERVER_EXCHANGE_BODY_H
 
 #include <stdbool.h>
 #include <stddef.h>

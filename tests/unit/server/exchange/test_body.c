@@ -2,7 +2,7 @@
 
 #include <zlib.h>
 
-#include "server/http/body.h"
+#include "server/exchange/body.h"
 #include "server/base/gzip.h"
 
 #define LIMIT 10000
