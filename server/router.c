@@ -58,7 +58,7 @@ static void set_request_id(struct server_exchange *exchange)
     *hex_write(next_serial(), at) = '\0';
 }
 
-static bool admit(struct server_exchange *exchange, struct proto_problem *problem)
+static bool request_admit(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct server_config *config = exchange->host->api->config;
     const struct server_guard_request request = {
@@ -102,7 +102,7 @@ static bool answer_asset(struct server_exchange *exchange, const struct proto_pr
 }
 
 /* Unauthenticated clients get 401, never 404. */
-static bool authorize(struct server_exchange *exchange, struct proto_problem *problem)
+static bool request_authorize(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct proto_route *route = exchange->match.route;
     const struct server_access_request request = {
@@ -148,20 +148,20 @@ static bool prepare_body(struct server_exchange *exchange, struct proto_problem 
            prepare_coding(exchange, problem);
 }
 
-static bool begin(struct server_exchange *exchange, struct proto_problem *problem)
+static bool request_begin(struct server_exchange *exchange, struct proto_problem *problem)
 {
     exchange->response.close = true; /* a fault leaves open where the request ends */
     if (exchange->fault)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
     /* until it is known that the body will be read */
     exchange->response.close = exchange->body.declared != 0;
-    if (!admit(exchange, problem)) return false;
+    if (!request_admit(exchange, problem)) return false;
     if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
                          &exchange->match, problem))
-        return authorize(exchange, problem) && prepare_body(exchange, problem);
+        return request_authorize(exchange, problem) && prepare_body(exchange, problem);
     if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
     struct proto_problem unauthorized;
-    if (!authorize(exchange, &unauthorized)) *problem = unauthorized;
+    if (!request_authorize(exchange, &unauthorized)) *problem = unauthorized;
     return false;
 }
 
@@ -169,7 +169,7 @@ void server_router_begin(struct server_exchange *exchange)
 {
     struct proto_problem problem;
     set_request_id(exchange);
-    if (!begin(exchange, &problem)) server_reply_problem(exchange, &problem);
+    if (!request_begin(exchange, &problem)) server_reply_problem(exchange, &problem);
     if (!exchange->response.status) exchange->response.close = false;
 }
 

@@ -32,7 +32,7 @@
 #define LAST_ANSWERS_NS UINT64_C(2000000000)
 
 /* Frees what there is of a server whose HTTP side does not run. */
-static void destroy(struct server *server)
+static void server_destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
     server_batch_runner_destroy(server->batches);
@@ -85,7 +85,7 @@ static void watch_deadlines(void *user)
     server_deadlines_wake(&server->deadlines);
 }
 
-static void tick(void *user, uint64_t now_ns)
+static void server_tick(void *user, uint64_t now_ns)
 {
     struct server *server = user;
     server_workers_expire(server->workers, now_ns);
@@ -114,8 +114,10 @@ bool server_start_jobs(struct server *server)
     };
     server->jobs = server_job_table_create(&server->host, &limits);
     server->api.jobs = server->jobs;
-    server->deadlines = (struct server_deadlines){
-        .deferred = &server->host.deferred, .tick = tick, .is_idle = is_idle, .user = server};
+    server->deadlines = (struct server_deadlines){.deferred = &server->host.deferred,
+                                                  .tick = server_tick,
+                                                  .is_idle = is_idle,
+                                                  .user = server};
     return server->jobs && server_deadlines_start(&server->deadlines);
 }
 
@@ -180,7 +182,7 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     return server->batches && server->connections;
 }
 
-static bool serve(struct server *server, int listening, char *error, size_t error_size)
+static bool server_serve(struct server *server, int listening, char *error, size_t error_size)
 {
     if (!server_address_listen(listening, &server->config.listen, error, error_size)) return false;
     const struct server_http_parts parts = {
@@ -204,10 +206,11 @@ struct server *server_start(const struct server_config *config, int listening, c
     if (!server) return NULL;
     server->config = *config;
     if (select_cpu(config, error, error_size) && open_access(server, error, error_size) &&
-        create_parts(server, error, error_size) && serve(server, listening, error, error_size))
+        create_parts(server, error, error_size) &&
+        server_serve(server, listening, error, error_size))
         return server;
     if (server->workers) server_workers_cancel(server->workers);
-    destroy(server);
+    server_destroy(server);
     return NULL;
 }
 
@@ -291,6 +294,6 @@ void server_stop(struct server *server)
     wait_for_streams(server); /* the library does not stop with a connection that is suspended */
     server_http_stop(server->http);
     server_surfaces_persist(&server->surfaces, server->config.persist_fields);
-    destroy(server);
+    server_destroy(server);
     server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
 }

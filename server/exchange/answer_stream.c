@@ -40,7 +40,7 @@ static bool hand_on(void *user, const char *text, size_t size)
     return server_relay_block(stream->relay);
 }
 
-static void destroy(struct answer_stream *stream)
+static void streams_destroy(struct answer_stream *stream)
 {
     struct server_answer_streams *streams = stream->exchange->host->streams;
     proto_writer_free(&stream->writer);
@@ -51,15 +51,15 @@ static void destroy(struct answer_stream *stream)
     atomic_fetch_sub(&streams->count, 1);
 }
 
-static void produce(struct answer_stream *stream)
+static void streams_produce(struct answer_stream *stream)
 {
     stream->encode(stream->exchange, &stream->writer);
     proto_writer_flush(&stream->writer);
     server_relay_end(stream->relay, !stream->writer.failure);
-    destroy(stream);
+    streams_destroy(stream);
 }
 
-static void *work(void *user)
+static void *streams_work(void *user)
 {
     struct server_answer_streams *streams = user;
     pthread_mutex_lock(&streams->lock);
@@ -71,7 +71,7 @@ static void *work(void *user)
         }
         streams->first = stream->next;
         pthread_mutex_unlock(&streams->lock);
-        produce(stream);
+        streams_produce(stream);
         pthread_mutex_lock(&streams->lock);
     }
     pthread_mutex_unlock(&streams->lock);
@@ -92,7 +92,7 @@ struct server_answer_streams *server_answer_streams_create(void)
     bool ok = true;
     while (ok && streams->thread_count < SERVER_ANSWER_STREAMS) {
         pthread_t *thread = &streams->threads[streams->thread_count];
-        ok = pthread_create(thread, &attributes, work, streams) == 0;
+        ok = pthread_create(thread, &attributes, streams_work, streams) == 0;
         streams->thread_count += ok;
     }
     pthread_attr_destroy(&attributes);
@@ -122,7 +122,7 @@ server_answer_streams_load(const struct server_answer_streams *streams)
                                                atomic_load(&streams->held)};
 }
 
-static void submit(struct server_answer_streams *streams, struct answer_stream *stream)
+static void streams_submit(struct server_answer_streams *streams, struct answer_stream *stream)
 {
     pthread_mutex_lock(&streams->lock);
     stream->next = streams->first;
@@ -142,9 +142,9 @@ static bool take_place(struct server_answer_streams *streams)
 }
 
 /* Takes a place. NULL without one, or without memory. */
-static struct answer_stream *create(struct server_host *host,
-                                    void (*encode)(struct server_exchange *, struct proto_writer *),
-                                    bool is_packed)
+static struct answer_stream *
+streams_create(struct server_host *host,
+               void (*encode)(struct server_exchange *, struct proto_writer *), bool is_packed)
 {
     static const struct server_transport none = {0};
     if (!take_place(host->streams)) return NULL;
@@ -162,7 +162,7 @@ static struct answer_stream *create(struct server_host *host,
     proto_writer_expect(&stream->writer, SERVER_RELAY_BLOCK);
     stream->relay = server_relay_create(host, is_packed);
     if (stream->relay && !stream->writer.failure) return stream;
-    destroy(stream);
+    streams_destroy(stream);
     return NULL;
 }
 
@@ -181,19 +181,19 @@ static bool take_state(struct answer_stream *stream, struct server_exchange *fro
 }
 
 /* False: the state is still the exchange's. */
-static bool start(struct server_exchange *exchange, unsigned status, size_t size,
-                  const struct server_answer_encoder *encoder)
+static bool streams_start(struct server_exchange *exchange, unsigned status, size_t size,
+                          const struct server_answer_encoder *encoder)
 {
     bool is_packed = server_reply_takes_gzip(exchange);
-    struct answer_stream *stream = create(exchange->host, encoder->encode, is_packed);
+    struct answer_stream *stream = streams_create(exchange->host, encoder->encode, is_packed);
     if (!stream) return false;
     struct server_stream *client = server_relay_open(stream->relay);
     if (!client || !take_state(stream, exchange, encoder->held)) {
         server_stream_close(client);
-        destroy(stream);
+        streams_destroy(stream);
         return false;
     }
-    submit(exchange->host->streams, stream);
+    streams_submit(exchange->host->streams, stream);
     server_reply_coding(exchange, is_packed);
     server_reply_stream(exchange, status, "application/json", client);
     if (!is_packed) exchange->response.size = size;
@@ -207,7 +207,7 @@ struct counting {
     enum gd_status status;
 };
 
-static bool count(void *user, const char *text, size_t size)
+static bool streams_count(void *user, const char *text, size_t size)
 {
     struct counting *counting = user;
     const struct gd_control control = server_exchange_control(&counting->monitor);
@@ -221,7 +221,7 @@ static bool encode_small(struct server_exchange *exchange, struct proto_writer *
                          const struct server_answer_encoder *encoder, size_t *size)
 {
     struct counting counting = {.monitor = {.exchange = exchange}};
-    const struct proto_writer_sink sink = {count, &counting, SERVER_ANSWER_STREAM_FROM};
+    const struct proto_writer_sink sink = {streams_count, &counting, SERVER_ANSWER_STREAM_FROM};
     struct proto_problem problem;
     writer->sink = &sink;
     encoder->encode(exchange, writer);
@@ -248,7 +248,7 @@ void server_answer_reply(struct server_exchange *exchange, unsigned status,
     size_t size = 0;
     bool is_text = !can_stream(exchange);
     if (!is_text && !encode_small(exchange, writer, encoder, &size)) {
-        if (start(exchange, status, size, encoder)) return;
+        if (streams_start(exchange, status, size, encoder)) return;
         is_text = true;
         proto_writer_expect(writer, size);
     }

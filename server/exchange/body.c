@@ -53,7 +53,7 @@ static size_t next_capacity(const struct server_body *body, size_t needed)
     return capacity;
 }
 
-static bool grow(struct server_body *body, struct server_budget *budget, size_t needed)
+static bool body_grow(struct server_body *body, struct server_budget *budget, size_t needed)
 {
     if (needed <= body->capacity) return true;
     size_t capacity = next_capacity(body, needed), more = capacity - body->capacity;
@@ -68,22 +68,22 @@ static bool grow(struct server_body *body, struct server_budget *budget, size_t 
     return true;
 }
 
-static void fail(struct server_body *body, struct server_budget *budget,
-                 enum proto_problem_code failure)
+static void body_fail(struct server_body *body, struct server_budget *budget,
+                      enum proto_problem_code failure)
 {
     server_body_drop(body, budget);
     body->failure = failure;
 }
 
 /* Appends what was sent, or unpacked. */
-static void append(struct server_body *body, struct server_budget *budget, const void *bytes,
-                   size_t size)
+static void body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
+                        size_t size)
 {
     if (size > body->limit - body->size) {
-        fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
-    } else if (!grow(body, budget, body->size + size)) {
+        body_fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
+    } else if (!body_grow(body, budget, body->size + size)) {
         body->refused = body->size + size;
-        fail(body, budget, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+        body_fail(body, budget, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
     } else {
         memcpy(body->bytes + body->size, bytes, size);
         body->size += size;
@@ -98,12 +98,12 @@ struct unpacking {
 static bool append_unpacked(void *user, const void *bytes, size_t size)
 {
     const struct unpacking *unpacking = user;
-    append(unpacking->body, unpacking->budget, bytes, size);
+    body_append(unpacking->body, unpacking->budget, bytes, size);
     return !unpacking->body->failure;
 }
 
-static void unpack(struct server_body *body, struct server_budget *budget, const void *bytes,
-                   size_t size)
+static void body_unpack(struct server_body *body, struct server_budget *budget, const void *bytes,
+                        size_t size)
 {
     struct unpacking unpacking = {body, budget};
     switch (server_inflate(body->inflater, bytes, size, append_unpacked, &unpacking)) {
@@ -111,11 +111,11 @@ static void unpack(struct server_body *body, struct server_budget *budget, const
     case SERVER_INFLATE_STOPPED:
         break;
     case SERVER_INFLATE_DAMAGED:
-        fail(body, budget, PROTO_PROBLEM_INVALID_REQUEST);
+        body_fail(body, budget, PROTO_PROBLEM_INVALID_REQUEST);
         body->fault = "the request body is not what Content-Encoding: gzip says, or is damaged";
         break;
     case SERVER_INFLATE_RATIO_PASSED:
-        fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
+        body_fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
         body->fault = "the request body unpacks to so many times its size that it is taken for an "
                       "attack; send it unpacked";
         break;
@@ -127,9 +127,9 @@ void server_body_append(struct server_body *body, struct server_budget *budget, 
 {
     if (body->failure) return;
     if (body->inflater)
-        unpack(body, budget, bytes, size);
+        body_unpack(body, budget, bytes, size);
     else
-        append(body, budget, bytes, size);
+        body_append(body, budget, bytes, size);
 }
 
 bool server_body_unpack(struct server_body *body, struct server_budget *budget,

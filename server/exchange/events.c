@@ -112,7 +112,7 @@ static bool is_due(const struct server_stream *stream, uint64_t now_ns)
 }
 
 /* The version is read first: what happens meanwhile is told twice rather than never. */
-static void compose(struct server_stream *stream, uint64_t now_ns)
+static void stream_compose(struct server_stream *stream, uint64_t now_ns)
 {
     uint64_t version = stream->source.version(stream->source.user);
     bool is_news = stream->is_woken || version != stream->told_version;
@@ -144,7 +144,7 @@ static void resume_reader(struct server_stream *stream)
     stream->reader.resume(stream->reader.user);
 }
 
-static size_t copy(struct server_stream *stream, char *bytes, size_t size)
+static size_t stream_copy(struct server_stream *stream, char *bytes, size_t size)
 {
     size_t left = stream->message.size - stream->read;
     if (size > left) size = left;
@@ -157,8 +157,8 @@ static ptrdiff_t read_some(struct server_stream *stream, char *bytes, size_t siz
 {
     uint64_t now = gd_now_ns();
     if (stream->read == stream->message.size && !stream->has_ended && is_due(stream, now))
-        compose(stream, now);
-    size_t read = copy(stream, bytes, size);
+        stream_compose(stream, now);
+    size_t read = stream_copy(stream, bytes, size);
     if (read) return (ptrdiff_t)read;
     if (stream->has_ended)
         return stream->source.is_content && !stream->is_whole ? SERVER_STREAM_CUT
@@ -178,7 +178,7 @@ ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t s
 /* --- waking ----------------------------------------------------------------------------------- */
 
 /* A stream whose client has hung up ends, so that its reader is resumed and finds out. */
-static void look(struct server_events *events)
+static void stream_look(struct server_events *events)
 {
     for (struct server_stream *stream = events->first; stream; stream = stream->next) {
         if (!stream->is_paused || !stream->reader.is_gone(stream->reader.user)) continue;
@@ -195,7 +195,7 @@ void server_events_tick(struct server_events *events, uint64_t now_ns)
         if (stream->is_paused && is_due(stream, now_ns)) resume_reader(stream);
     if (now_ns - events->looked_ns >= LOOK_NS) {
         events->looked_ns = now_ns;
-        look(events);
+        stream_look(events);
     }
     pthread_mutex_unlock(&events->lock);
 }

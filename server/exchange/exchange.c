@@ -85,8 +85,8 @@ static bool read_target(struct server_exchange *exchange, const char *target)
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-static void clear(struct server_exchange *exchange, struct server_host *host,
-                  const struct server_transport *transport)
+static void exchange_clear(struct server_exchange *exchange, struct server_host *host,
+                           const struct server_transport *transport)
 {
     memset(exchange, 0, offsetof(struct server_exchange, response.headers));
     exchange->host = host;
@@ -100,7 +100,7 @@ static void clear(struct server_exchange *exchange, struct server_host *host,
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target)
 {
-    clear(exchange, host, transport);
+    exchange_clear(exchange, host, transport);
     return read_target(exchange, target);
 }
 
@@ -173,7 +173,7 @@ static struct server_exchange *create_detached(struct server_exchange *exchange,
 {
     struct server_exchange *detached = malloc(sizeof *detached);
     if (!detached) return NULL;
-    clear(detached, exchange->host, transport);
+    exchange_clear(detached, exchange->host, transport);
     size_t bytes = sizeof *detached + exchange->target_size;
     if (server_budget_take(exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
         detached->held = bytes;

@@ -64,7 +64,7 @@ void server_exchange_defer(struct server_exchange *exchange,
     exchange->join = join;
 }
 
-static void finish(struct server_exchange *exchange)
+static void exchange_finish(struct server_exchange *exchange)
 {
     struct server_host *host = exchange->host;
     drop_state(exchange); /* now: others may wait for what it holds */
@@ -79,7 +79,7 @@ void server_exchange_job_run(struct server_job *job)
     do {
         if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
     } while (!exchange->response.status);
-    finish(exchange);
+    exchange_finish(exchange);
 }
 
 /* A job that is not wanted is late. */
@@ -100,7 +100,7 @@ void server_exchange_job_refuse(struct server_job *job, enum server_refusal why)
         break;
     }
     server_reply_problem(exchange, &problem);
-    finish(exchange);
+    exchange_finish(exchange);
 }
 
 void server_exchange_count_deferred(struct server_host *host)
@@ -120,7 +120,7 @@ void server_exchange_submit(struct server_exchange *exchange)
         "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
         "try again in a moment",
         (unsigned long long)host->queue_length);
-    finish(exchange);
+    exchange_finish(exchange);
 }
 
 static bool on_progress(void *user, double fraction)

@@ -33,7 +33,7 @@ static bool is_preference(const char *element, const char *preference)
     return *element == '\0' || *element == ',' || *element == ';';
 }
 
-static bool lists(const char *list, const char *preference)
+static bool preference_lists(const char *list, const char *preference)
 {
     for (const char *element = list;; element++) {
         if (is_preference(element, preference)) return true;
@@ -46,7 +46,7 @@ bool server_prefers(const struct server_exchange *exchange, const char *preferen
 {
     for (uint32_t i = 0; i < exchange->header_count; i++) {
         const struct server_named_value *header = &exchange->headers[i];
-        if (strcasecmp(header->name, "Prefer") == 0 && lists(header->value, preference))
+        if (strcasecmp(header->name, "Prefer") == 0 && preference_lists(header->value, preference))
             return true;
     }
     return false;

@@ -58,7 +58,7 @@ struct server_relay *server_relay_create(struct server_host *host, bool is_packe
     return NULL;
 }
 
-static struct server_relay *retain(struct server_relay *relay)
+static struct server_relay *relay_retain(struct server_relay *relay)
 {
     atomic_fetch_add(&relay->references, 1);
     return relay;
@@ -82,7 +82,7 @@ static size_t left_in(const struct server_relay *relay)
     return relay->waiting.size - relay->taken;
 }
 
-static uint64_t version(void *user)
+static uint64_t relay_version(void *user)
 {
     struct server_relay *relay = user;
     return atomic_load(&relay->version);
@@ -96,7 +96,7 @@ static void let_go_on(struct server_relay *relay)
 }
 
 /* Under the relay's lock. */
-static void take(struct server_relay *relay, struct proto_writer *writer)
+static void relay_take(struct server_relay *relay, struct proto_writer *writer)
 {
     size_t left = left_in(relay), size = left < MESSAGE_MOST ? left : MESSAGE_MOST;
     if (size) proto_append(writer, relay->waiting.data + relay->taken, size);
@@ -109,11 +109,11 @@ static void take(struct server_relay *relay, struct proto_writer *writer)
     if (left_in(relay) <= SERVER_RELAY_MOST / 2) let_go_on(relay);
 }
 
-static bool tell(void *user, struct proto_writer *writer)
+static bool relay_tell(void *user, struct proto_writer *writer)
 {
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
-    take(relay, writer);
+    relay_take(relay, writer);
     bool is_last = relay->is_ended && left_in(relay) == 0;
     /* the end, and not its own */
     if (is_last && !relay->is_whole) writer->failure = PROTO_WRITER_NO_MEMORY;
@@ -134,13 +134,13 @@ static void close_stream(void *user)
 
 struct server_stream *server_relay_open(struct server_relay *relay)
 {
-    const struct server_event_source source = {.version = version,
-                                               .tell = tell,
+    const struct server_event_source source = {.version = relay_version,
+                                               .tell = relay_tell,
                                                .release = close_stream,
                                                .user = relay,
                                                .is_content = true};
     struct server_stream *stream = server_stream_open(relay->host->events, &source);
-    if (stream) retain(relay);
+    if (stream) relay_retain(relay);
     return stream;
 }
 
@@ -148,7 +148,7 @@ struct server_stream *server_relay_open(struct server_relay *relay)
 
 /* Under the lock. What waits is moved to the front before the buffer would grow by what was taken.
  */
-static void append(struct server_relay *relay, const char *text, size_t size)
+static void relay_append(struct server_relay *relay, const char *text, size_t size)
 {
     struct proto_writer *waiting = &relay->waiting;
     if (relay->taken) {
@@ -160,7 +160,7 @@ static void append(struct server_relay *relay, const char *text, size_t size)
     if (waiting->failure) atomic_store(&relay->is_over, true);
 }
 
-static void wake(struct server_relay *relay)
+static void relay_wake(struct server_relay *relay)
 {
     atomic_fetch_add(&relay->version, 1);
     server_events_wake(relay->host->events, relay);
@@ -179,14 +179,14 @@ static void write_text(struct server_relay *relay, const char *text, size_t size
         size = packed->size;
     }
     pthread_mutex_lock(&relay->lock);
-    if (!server_relay_is_over(relay)) append(relay, text, size);
+    if (!server_relay_is_over(relay)) relay_append(relay, text, size);
     pthread_mutex_unlock(&relay->lock);
 }
 
 void server_relay_write(struct server_relay *relay, const char *text, size_t size)
 {
     write_text(relay, text, size, false);
-    wake(relay);
+    relay_wake(relay);
 }
 
 /* Waits for the client, or for a moment: whether the daemon ends is not signalled. */
@@ -218,7 +218,7 @@ bool server_relay_block(struct server_relay *relay)
 /* The job may be run and the writer's reference released before this returns. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job)
 {
-    retain(relay);
+    relay_retain(relay);
     pthread_mutex_lock(&relay->lock);
     bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
@@ -239,7 +239,7 @@ void server_relay_end(struct server_relay *relay, bool is_whole)
     relay->is_whole = is_whole && !atomic_load(&relay->is_over);
     relay->is_ended = true;
     pthread_mutex_unlock(&relay->lock);
-    wake(relay);
+    relay_wake(relay);
 }
 
 bool server_relay_is_over(struct server_relay *relay)

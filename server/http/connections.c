@@ -80,7 +80,7 @@ static enum phase phase_of(uint64_t deadline_ns)
     return (enum phase)(deadline_ns & PHASES);
 }
 
-static uint64_t earlier(uint64_t a, uint64_t b)
+static uint64_t deadline_earlier(uint64_t a, uint64_t b)
 {
     return a < b ? a : b;
 }
@@ -137,7 +137,7 @@ static uint64_t connection_extend(struct server_connection *connection, enum pha
 {
     uint64_t last_ns = atomic_load_explicit(&connection->last_ns, memory_order_relaxed);
     if (phase == PHASE_ANSWER && last_ns > now_ns && connection_look(connection) != READING_NOTHING)
-        return earlier(now_ns + PATIENCE_NS, last_ns);
+        return deadline_earlier(now_ns + PATIENCE_NS, last_ns);
     /* the kernel may hold the end of an answer that the library has written */
     return phase == PHASE_IDLE && connection_look(connection) == READING ? now_ns + PATIENCE_NS : 0;
 }
@@ -258,9 +258,10 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
     candidates_rank(all, count, now_ns);
     qsort(all, count, sizeof *all, candidate_compare);
     while (ordinary < count && all[ordinary].rank <= RANK_IDLE) ordinary++;
-    uint32_t done = candidates_shut(all, earlier(ordinary, wanted + reserve / 2));
+    uint32_t done = candidates_shut(all, deadline_earlier(ordinary, wanted + reserve / 2));
     if (done < needed)
-        done += candidates_shut(all + ordinary, earlier(count - ordinary, needed - done + scarce));
+        done += candidates_shut(all + ordinary,
+                                deadline_earlier(count - ordinary, needed - done + scarce));
     pthread_mutex_unlock(&connections->mutex);
     if (done) connections_complain(connections, now_ns);
 }
@@ -446,7 +447,8 @@ void server_connection_body(struct server_connection *connection, size_t size, u
     connection->body_bytes += size;
     uint64_t slowest_ns = connection->body_bytes / BODY_RATE * SECOND_NS;
     connection_set(connection, PHASE_OTHER,
-                   earlier(now_ns, connection->body_started_ns + slowest_ns) + PATIENCE_NS);
+                   deadline_earlier(now_ns, connection->body_started_ns + slowest_ns) +
+                       PATIENCE_NS);
 }
 
 void server_connection_work(struct server_connection *connection)

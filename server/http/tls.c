@@ -126,10 +126,10 @@ static struct identity *identity_load(const struct server_tls *tls, char *error,
 
 /* --- for the library -------------------------------------------------------------------------- */
 
-static int retrieve(gnutls_session_t session, const gnutls_datum_t *authorities,
-                    int authority_count, const gnutls_pk_algorithm_t *algorithms,
-                    int algorithm_count, gnutls_pcert_st **chain, unsigned *count,
-                    gnutls_privkey_t *key)
+static int certificate_retrieve(gnutls_session_t session, const gnutls_datum_t *authorities,
+                                int authority_count, const gnutls_pk_algorithm_t *algorithms,
+                                int algorithm_count, gnutls_pcert_st **chain, unsigned *count,
+                                gnutls_privkey_t *key)
 {
     (void)session, (void)authorities, (void)authority_count, (void)algorithms,
         (void)algorithm_count;
@@ -145,7 +145,7 @@ static int retrieve(gnutls_session_t session, const gnutls_datum_t *authorities,
 
 void *server_tls_retrieve(void)
 {
-    gnutls_certificate_retrieve_function2 *function = retrieve;
+    gnutls_certificate_retrieve_function2 *function = certificate_retrieve;
     return (void *)function;
 }
 

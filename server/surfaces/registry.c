@@ -203,7 +203,7 @@ static bool can_unload(const struct server_surface *surface)
 }
 
 /* Bytes of the surfaces that could be unloaded at this moment. */
-static size_t unloadable(void *user)
+static size_t slot_unloadable(void *user)
 {
     struct server_registry *registry = user;
     size_t bytes = 0;
@@ -779,7 +779,7 @@ struct server_registry *server_registry_create(struct server_store *store,
     budget->reclaimers[SERVER_RECLAIM_IDLE] =
         (struct server_reclaimer){unload_idle, NULL, registry};
     budget->reclaimers[SERVER_RECLAIM_MESHES] =
-        (struct server_reclaimer){unload_any, unloadable, registry};
+        (struct server_reclaimer){unload_any, slot_unloadable, registry};
     return registry;
 }
 

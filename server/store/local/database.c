@@ -292,7 +292,7 @@ const char *server_database_error(struct server_database *database)
 /* --- statements ------------------------------------------------------------------------------- */
 
 /* Moves the log into the database. A failure refuses the next write; the last one is durable. */
-static void checkpoint(struct server_database *database, int mode)
+static void database_checkpoint(struct server_database *database, int mode)
 {
     enum server_store_outcome outcome = server_sqlite_outcome(
         sqlite3_wal_checkpoint_v2(database->connection, NULL, mode, NULL, NULL));
@@ -302,7 +302,8 @@ static void checkpoint(struct server_database *database, int mode)
 
 static void checkpoint_when_due(struct server_database *database)
 {
-    if (database->log_pages >= CHECKPOINT_PAGES) checkpoint(database, SQLITE_CHECKPOINT_PASSIVE);
+    if (database->log_pages >= CHECKPOINT_PAGES)
+        database_checkpoint(database, SQLITE_CHECKPOINT_PASSIVE);
 }
 
 static enum server_store_outcome run_write(struct server_database *database,
@@ -341,7 +342,7 @@ enum server_store_outcome server_database_remove(struct server_database *databas
     const struct server_sql_value value = server_sql_text(key);
     enum server_store_outcome outcome =
         run_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1", &value, 1));
-    if (!outcome) checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
+    if (!outcome) database_checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
     return outcome;
 }
 
