@@ -201,8 +201,9 @@ static enum gd_status mesh_build(const struct server_builder *builder,
                                  struct server_built *out, struct proto_problem *problem)
 {
     static const struct step reading = {mesh_read_polygons, 0, MESH_READ_SHARE, false};
-    struct mesh_build build = {.base = {builder, record, bytes, problem},
-                               .options = {.format = GD_FORMAT_ANY}};
+    struct mesh_build build = {
+        .base = {.builder = builder, .record = record, .bytes = bytes, .problem = problem},
+        .options = {.format = GD_FORMAT_ANY}};
     const struct gd_read_limits limits = {.max_faces = builder->max_faces};
     struct server_options text;
     const struct proto_parameters options = options_of_record(record, &text);
@@ -312,7 +313,8 @@ static enum gd_status nurbs_build(const struct server_builder *builder,
     static const struct step reading = {nurbs_read, 0, NURBS_READ_SHARE, false},
                              tessellation = {nurbs_tessellate, NURBS_READ_SHARE,
                                              1 - NURBS_READ_SHARE, true};
-    struct nurbs_build build = {.base = {builder, record, bytes, problem}};
+    struct nurbs_build build = {
+        .base = {.builder = builder, .record = record, .bytes = bytes, .problem = problem}};
     enum gd_status status;
     build.nurbs = object_create(&build.base, sizeof *build.nurbs, &status);
     if (!status)
@@ -447,8 +449,9 @@ static enum gd_status subdivision_build(const struct server_builder *builder,
     static const struct step reading = {subdivision_read, 0, SUBDIVISION_READ_SHARE, false},
                              creation = {subdivision_create, SUBDIVISION_READ_SHARE,
                                          1 - SUBDIVISION_READ_SHARE, true};
-    struct subdivision_build build = {.base = {builder, record, bytes, problem},
-                                      .options = {.format = GD_FORMAT_ANY}};
+    struct subdivision_build build = {
+        .base = {.builder = builder, .record = record, .bytes = bytes, .problem = problem},
+        .options = {.format = GD_FORMAT_ANY}};
     struct server_options text;
     const struct proto_parameters options = options_of_record(record, &text);
     enum gd_status status;
