@@ -15,10 +15,9 @@ extern "C" {
 
 enum {
     GD__DECIMALS = 24, /* that are found at a time, at most; a multiple of all lanes */
-    GD__DECIMAL_LEAST =
-        /* the point of 1e-6: decimals with an exponent, below it and from 1e17 on, are not found
-           here */
-    -5
+    /* the point of 1e-6: decimals with an exponent, below it and from 1e17 on, are not found
+       here */
+    GD__DECIMAL_LEAST = -5
 };
 
 /* 0.DIGITS x 10^point: of 17 digits, the first of them not 0, with zeros behind the last one that

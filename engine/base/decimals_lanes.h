@@ -11,8 +11,8 @@
  *
  * `times` multiplies lower halves; `below` is asked about numbers below 2^63 only; `pick` chooses
  * lane by lane, `chosen` has zeros elsewhere; `load_first` has zeros behind `count`; `evens` and
- * `odds` take every second lane of a and b in turn. Names with 16 or 32 take parts of so many bits.
- */
+ * `odds` take every second lane of a and b in turn. Names with 16 or 32 take parts of so many
+ * bits. */
 #include "base/decimals.h"
 
 #define FRACTION_BITS 52

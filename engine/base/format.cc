@@ -28,10 +28,9 @@ constexpr int POINTS = 23; /* places for it: five zeros behind it, to behind the
  * behind the point. */
 struct layout {
     unsigned char digits, point, tail;
-    bool
-        /* the point stands behind some digits; else all is there already, and it goes where nobody
-           looks */
-        is_pointed_within;
+    /* the point stands behind some digits; else all is there already, and it goes where nobody
+       looks */
+    bool is_pointed_within;
 };
 
 constexpr std::array<layout, POINTS> make_layouts()

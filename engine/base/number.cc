@@ -41,9 +41,9 @@ static bool is_tiny(const char *at, const char *end)
     return exponent < 0;
 }
 
-#define EXACT_DIGITS                                                                               \
-    15 /* whole numbers and powers of ten of so many are doubles, and one division of the two      \
-          rounds correctly */
+/* whole numbers and powers of ten of so many are doubles, and one division of the two rounds
+   correctly */
+#define EXACT_DIGITS 15
 
 /* Reads "-0.25" and the like: digits, a point, digits, not many of them, and nothing behind them
  * that might belong to the number. NULL: it is something else. */

@@ -2,8 +2,7 @@
  *
  *     struct gd__pace pace = {.control = control, .fraction = 0.5};
  *     for (...; gd__pace(&pace, 1); ...) step();
- *     return pace.status;
- */
+ *     return pace.status; */
 #ifndef GD_BASE_PACE_H
 #define GD_BASE_PACE_H
 

@@ -227,8 +227,8 @@ gd::decimal gd::shortest(double value)
 namespace
 {
 
-/* Of the unit 10^k, the least power of ten above 2^q: 2^(q + 119) / 10^k, which is a power shifted.
- */
+/* Of the unit 10^k, the least power of ten above 2^q: 2^(q + 119) / 10^k, which is a power
+ * shifted. */
 constexpr gd__decimal_scale make_scale(int q)
 {
     const int k = log10_of_2(q, false) + 1;

@@ -68,8 +68,8 @@
  * must not become a source. */
 #define GD_TOL_SADDLE 1e-9
 
-/* An edge of a fan lies in a saddle's shadow cone when it is inside it or within this angle of it.
- */
+/* An edge of a fan lies in a saddle's shadow cone when it is inside it or within this angle of
+ * it. */
 #define GD_TOL_CONE 1e-7
 
 /* A face flatter than this (height over its longest edge) counts as nearly degenerate. A vertex so
@@ -153,8 +153,8 @@
  * which of them are one. It bounds the work, not what is matched. */
 #define GD_TOL_MEET 1e-6
 
-/* A path's own length against the distance from the wedges, relative: the promise of the interface.
- */
+/* A path's own length against the distance from the wedges, relative: the promise of the
+ * interface. */
 #define GD_TOL_CHECK 1e-9
 
 /* A point of space this close to a vertex or an edge is on it, relative to the largest coordinate
@@ -307,8 +307,8 @@
 
 /* Two paths to a point that come from directions this far apart, in radians, are two: those round
  * both sides of a vertex that they all but pass through differ by less. The point lies on the cut
- * locus if it is no farther from it than this part of its distance: what rounding leaves of a tie.
- */
+ * locus if it is no farther from it than this part of its distance: what rounding leaves of a
+ * tie. */
 #define GD_TOL_CUT_ANGLE 1e-3
 #define GD_TOL_CUT       1e-10
 
@@ -325,8 +325,8 @@
  * its square. A place so near to the line across a joint is its own, too. */
 #define GD_TOL_ONWARD 1e-10
 
-/* And by how much the foot of its perpendicular is rounded, over the lengths of its face's sides.
- */
+/* And by how much the foot of its perpendicular is rounded, over the lengths of its face's
+ * sides. */
 #define GD_TOL_ONWARD_ROUNDING 2e-15
 
 #endif

@@ -1,13 +1,17 @@
 /* Arrangement: the curve's segments, split until they meet in nodes only.
  *
  * DESIGN. A segment joins two nodes of one face. Two nodes on one side of it make a run along the
- * edge instead. Each segment that waits is rerouted   through a node that it passes by less than
- * half a reach (nodes.h): so none is passed closely; split      at its crossing with a segment that
- * was kept before, which is split too and waits again; kept       otherwise. A new node sends the
- * kept segments that pass it closely back to wait. Nodes keep a reach from each other: a rerouted
- * segment's parts are shorter than it by a share that is bounded, so that this ends. In faces
- * narrower than the reach it need not: the work is counted and stops. In the end kept segments that
- * share no node are half a reach apart, far more than the rounding of crossings to the lattice. */
+ * edge instead. Each segment that waits is
+ *     rerouted   through a node that it passes by less than half a reach (nodes.h): so none
+ *                is passed closely;
+ *     split      at its crossing with a segment that was kept before, which is split too and
+ *                waits again;
+ *     kept       otherwise.
+ * A new node sends the kept segments that pass it closely back to wait. Nodes keep a reach from
+ * each other: a rerouted segment's parts are shorter than it by a share that is bounded, so that
+ * this ends. In faces narrower than the reach it need not: the work is counted and stops. In the
+ * end kept segments that share no node are half a reach apart, far more than the rounding of
+ * crossings to the lattice. */
 #ifndef GD_CUT_ARRANGEMENT_H
 #define GD_CUT_ARRANGEMENT_H
 

@@ -1,8 +1,9 @@
 /* Planar: the constrained Delaunay triangulation of one face, its sites and the segments between
  * them.
  *
- *     gd__planar_begin(&planar, count): then the caller fills sites and places, first the corners,
- * counter-clockwise gd__planar_triangulate(&planar): the sites, none of them twice
+ *     gd__planar_begin(&planar, count): then the caller fills sites and places, first the
+ *                                       corners, counter-clockwise
+ *     gd__planar_triangulate(&planar): the sites, none of them twice
  *     gd__planar_fix(&planar, a, b) for each segment
  *     gd__planar_improve(&planar)
  *

@@ -11,10 +11,8 @@
 struct gd__seam { /* all zero: none */
     const struct gd__nodes *nodes;
     uint32_t *first; /* per edge, and one behind the last */
-    uint32_t
-        /* the nodes on edges, by edge, in order of their parameters: those of e from first[e] - e
-           on */
-        *edge_node;
+    /* the nodes on edges, by edge, in order of their parameters: those of e from first[e] - e on */
+    uint32_t *edge_node;
     uint32_t *place;     /* per new node of an edge: 1 + how many nodes of the edge lie before it */
     uint8_t *is_cut;     /* per piece */
     uint8_t *is_cutting; /* per segment of the arrangement */

@@ -14,10 +14,9 @@ struct gd__circle {
     bool straight;           /* a line */
     struct gd__local centre; /* of a line its place that is nearest to the face's middle */
     double radius;           /* of a line the way, the face's size, that has the angle pi / 2 */
-    double
-        /* the direction towards the face's middle: angles are counted from it, so that those that
-           matter are small; of a line 0 */
-        zero;
+    /* the direction towards the face's middle: angles are counted from it, so that those that
+       matter are small; of a line 0 */
+    double zero;
     /* unit vector in that direction; of a line away from its source, at right angles */
     struct gd__local towards;
 };

@@ -127,8 +127,8 @@ bool gd__close_find(const struct gd_field *field, uint32_t face, const double we
 
 /* --- the way ---------------------------------------------------------------------------------- */
 
-/* Appends where the way crosses a side of `face`, which the trail is in, however near to a vertex.
- */
+/* Appends where the way crosses a side of `face`, which the trail is in, however near to a
+ * vertex. */
 static void append_crossing(struct gd__trail *trail, uint32_t face, uint32_t side, double t,
                             double rest)
 {

@@ -18,10 +18,9 @@ struct tracer {
     struct gd__parts parts;
     struct gd__places places;
     struct gd__face_scratch scratch;
-    uint32_t *
-        /* per crossing: the chain that goes on from it; GD_NONE: it lies on the boundary and a line
-           ends there */
-        onwards;
+    /* per crossing: the chain that goes on from it; GD_NONE: it lies on the boundary and a line
+       ends there */
+    uint32_t *onwards;
     uint32_t *first; /* per line: its first chain; open lines, then closed ones */
     uint32_t line_count, open_count;
 };

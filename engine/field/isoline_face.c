@@ -92,8 +92,8 @@ static enum gd_status append_crossings(const struct work *work, uint32_t face)
 
 /* --- arcs ------------------------------------------------------------------------------------- */
 
-/* Rounding may leave an arc where wedges do not quite join: there the distance is not the level's.
- */
+/* Rounding may leave an arc where wedges do not quite join: there the distance is not the
+ * level's. */
 static bool is_at_level(const struct work *work, struct gd__local at)
 {
     const struct gd__sources *sources = &work->scratch->sources;

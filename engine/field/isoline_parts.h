@@ -2,13 +2,13 @@
  *
  * DESIGN
  * - The isoline bounds the points below the level, which lie to its left. A vertex is below or not,
- * by its distance alone; so is a point of an edge, and both faces of an edge see the same
- * crossings. Around a face there are as many crossings by which lines come in as go out: topology
- * can't be lost, however rounding falls.
+ *   by its distance alone; so is a point of an edge, and both faces of an edge see the same
+ *   crossings. Around a face there are as many crossings by which lines come in as go out: topology
+ *   can't be lost, however rounding falls.
  * - Inside a face the line is made of arcs, each the part of one source's circle, or of a segment's
- * line, that no other source is nearer to (circle.h). Ends of arcs and crossings are matched by
- * place, nearest first: so each arc goes on in another one or at a crossing, and what is left over
- * closes on itself.
+ *   line, that no other source is nearer to (circle.h). Ends of arcs and crossings are matched by
+ *   place, nearest first: so each arc goes on in another one or at a crossing, and what is left
+ *   over closes on itself.
  * - Inside unit; places and angles in the face's frame (frame.h). */
 #ifndef GD_FIELD_ISOLINE_PARTS_H
 #define GD_FIELD_ISOLINE_PARTS_H

@@ -38,10 +38,9 @@ struct gd_field {
     void (*release_image)(void *user);
     void *image_user;
     bool is_image; /* the arrays lie in an image and are not the field's to free */
-    const struct gd_field
-        /* whose arrays these are, seen within a smaller reach; a reference. NULL: its own, or an
-           image's */
-        *shown;
+    /* whose arrays these are, seen within a smaller reach; a reference. NULL: its own, or an
+       image's */
+    const struct gd_field *shown;
 };
 
 /* Number of the seed that a pseudo-source is, which is no vertex. */
@@ -58,8 +57,8 @@ static inline double gd__field_sigma(const struct gd_field *field, uint32_t sour
                              : field->seeds[gd__field_seed_of(field, source)].offset;
 }
 
-/* Window `i` of a chunk, in the frame of side 0, with its sigma; a gap has source GD_NONE and none.
- */
+/* Window `i` of a chunk, in the frame of side 0, with its sigma; a gap has source GD_NONE and
+ * none. */
 static inline struct gd__window gd__field_window(const struct gd_field *field,
                                                  const struct gd__chunk *chunk, uint32_t i,
                                                  double length)
@@ -88,8 +87,8 @@ GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field,
                                                const struct gd_control *control,
                                                const struct gd_executor *executor);
 
-/* field.c: a field without arrays that retains the mesh and has one reference; NULL without memory.
- */
+/* field.c: a field without arrays that retains the mesh and has one reference; NULL without
+ * memory. */
 struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 
 /* face_seeds.c: fills face_seeds and has_segments from the seeds, and tells each segment its face,
@@ -125,13 +124,13 @@ struct gd__leg {
     enum gd__leg_kind kind;
     uint32_t face; /* in which the leg ends */
     uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED, GD__LEG_CLOSE: the seed */
-    uint32_t side; /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y),
-                      y >= 0, or, of a linear one, the direction towards it */
+    /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y), y >= 0, or, of
+       a linear one, the direction towards it */
+    uint32_t side;
     double parameter, x, y;
-    uint32_t
-        /* the wedge's. A leg clamped to the wedge's end bends at `parameter` and goes on to the
-           same source */
-        source;
+    /* the wedge's. A leg clamped to the wedge's end bends at `parameter` and goes on to the same
+       source */
+    uint32_t source;
 };
 
 /* The best way to a point in as few words as tell it from all others. `from` names a vertex, a seed

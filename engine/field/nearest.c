@@ -14,8 +14,8 @@ static uint32_t behind_leg(const struct gd_field *field, const struct gd__leg *l
                : leg->from;
 }
 
-/* The last leg to a vertex begins in a pseudo-source, or bends on the side opposite to the vertex.
- */
+/* The last leg to a vertex begins in a pseudo-source, or bends on the side opposite to the
+ * vertex. */
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;

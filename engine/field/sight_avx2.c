@@ -13,9 +13,8 @@ static inline __m256i words_first(const uint64_t *p, uint32_t count)
 
 static inline lanes starts_first(const uint64_t *p, uint32_t count)
 {
-    const double two52 =
-        /* a double whose low half is a whole number below 2^32, once it is taken off again */
-        4503599627370496.0;
+    /* a double whose low half is a whole number below 2^32, once it is taken off again */
+    const double two52 = 4503599627370496.0;
     __m256i whole =
         _mm256_blend_epi32(words_first(p, count), _mm256_castpd_si256(all(two52)), 0xaa);
     return _mm256_castsi256_pd(whole) - all(two52);

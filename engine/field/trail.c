@@ -19,8 +19,8 @@ bool gd__trail_grow(struct gd__trail *trail)
     return true;
 }
 
-/* The same point, or one that rounding made of it: where a ray leaves the edge that it begins on.
- */
+/* The same point, or one that rounding made of it: where a ray leaves the edge that it begins
+ * on. */
 static bool is_same_place(const struct gd_point *a, const struct gd_point *b)
 {
     if (a->kind != GD_POINT_EDGE || b->kind != GD_POINT_EDGE || a->element != b->element)

@@ -6,12 +6,13 @@
  * where that is more than 0.
  * - About a point s, the other point at s + a and farther by k: 1/r = 2 (a u - k) / (a a - k^2).
  * - About a point s, of which a line with the gradient g is farther away by k: r = k + r g u, that
- * is 1/r = (1 - g u) / k.
+ *   is 1/r = (1 - g u) / k.
  * - A line has that form about any place beside it: of two linear sources the centre is no source,
- * but chosen. So 1/r is linear in u, and whatever is asked of a place c + r u of the branch (on
- * which side of a line it lies, whether a third source is nearer) is linear too once it is divided
- * by r: m u >= h, a span of angles. Only whether a point is nearer than two linear sources is
- * quadratic, along their line. */
+ *   but chosen.
+ * So 1/r is linear in u, and whatever is asked of a place c + r u of the branch (on which side of a
+ * line it lies, whether a third source is nearer) is linear too once it is divided by r: m u >= h,
+ * a span of angles. Only whether a point is nearer than two linear sources is quadratic, along
+ * their line. */
 #ifndef GD_FIELD_VORONOI_BRANCH_H
 #define GD_FIELD_VORONOI_BRANCH_H
 
@@ -55,8 +56,8 @@ bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *
                         struct gd__local middle, double size, struct gd__branch *out);
 
 /* How far the directrix lies from the centre. A branch for which that is next to nothing bends back
- * round a ray: of the two sources one hides behind the other, or is the end of the other's segment.
- */
+ * round a ray: of the two sources one hides behind the other, or is the end of the other's
+ * segment. */
 double gd__branch_width(const struct gd__branch *branch);
 
 struct gd__local gd__branch_place(const struct gd__branch *branch, double angle);

@@ -201,8 +201,8 @@ static double slope_of(const struct gd__window *w, double t)
     return distance > 0 ? dx / distance : 0;
 }
 
-/* Where two windows that take turns at t give the same distance; t itself if that is not close by.
- */
+/* Where two windows that take turns at t give the same distance; t itself if that is not close
+ * by. */
 static double refine(const struct gd__diagram *diagram, const struct gd__window *a,
                      const struct gd__window *b, double t, double length)
 {

@@ -302,8 +302,8 @@ static enum gd_status cover_by_others(const struct work *work, const struct gd__
     return status;
 }
 
-/* Strands of the branch of two sources as seen from the first, which is a point if one of them is.
- */
+/* Strands of the branch of two sources as seen from the first, which is a point if one of them
+ * is. */
 static enum gd_status append_between(const struct work *work, uint32_t i, uint32_t j)
 {
     struct gd__voronoi_scratch *scratch = work->scratch;

@@ -3,8 +3,8 @@
 #include "field/array.h"
 #include "field/voronoi_parts.h"
 
-/* Bisectors as polylines: strand after strand, each with as many points as the tolerance asks for.
- */
+/* Bisectors as polylines: strand after strand, each with as many points as the tolerance asks
+ * for. */
 
 enum {
     HALVINGS_MOST = 10,   /* of a quarter of a turn of a branch */

@@ -200,8 +200,8 @@ enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *
 
 enum { CHECK_INTERVAL = 4096 /* pairs of seeds */ };
 
-/* Is a point on a segment, both in that face, and no nearer to anything than it, but for the nudge?
- */
+/* Is a point on a segment, both in that face, and no nearer to anything than it, but for the
+ * nudge? */
 static bool is_covered(const struct gd_field *field, uint32_t face, const struct gd__seed *point,
                        const struct gd__seed *segment, double slack)
 {

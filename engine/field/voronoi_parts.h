@@ -3,16 +3,16 @@
  *
  * DESIGN
  * - Members are told apart where they tie by a nudge: each one's distance is taken to be longer by
- * a tiny amount of its own (GD_TOL_TIE). So the diagram is in general position, whatever the
- * symmetries of surface and seeds are, and edges and faces decide alike. The nudge says what meets
- *   what; where that is, is found without it.
+ *   a tiny amount of its own (GD_TOL_TIE). So the diagram is in general position, whatever the
+ *   symmetries of surface and seeds are, and edges and faces decide alike. The nudge says what
+ *   meets what; where that is, is found without it.
  * - Vertices get an owner. Along an edge the owners are those of the lower envelope of its windows;
- * where they change is a switch, a node that both faces of the edge share. An edge's first and last
- * owner may differ from its end's: then the switch is at that end.
+ *   where they change is a switch, a node that both faces of the edge share. An edge's first and
+ *   last owner may differ from its end's: then the switch is at that end.
  * - In a face, each two sources of different members give strands: the parts of their branch
- * (voronoi_branch.h) which both see and where no third source is nearer. Their ends are matched by
- * place: with a switch, with the end of a strand of the same members, or two others at a triple
- * point.
+ *   (voronoi_branch.h) which both see and where no third source is nearer. Their ends are matched
+ *   by place: with a switch, with the end of a strand of the same members, or two others at a
+ *   triple point.
  * - Bisectors are the chains of strands through nodes at which two of them meet.
  * - Inside unit. */
 #ifndef GD_FIELD_VORONOI_PARTS_H

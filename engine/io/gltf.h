@@ -64,8 +64,8 @@ GD_MUST_USE enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t 
                                           const char *name, uint64_t otherwise, uint64_t most,
                                           uint64_t *out);
 
-/* The item of a list that an object names by its number; GD__NO_VALUE if it names none. GD_SYNTAX.
- */
+/* The item of a list that an object names by its number; GD__NO_VALUE if it names none.
+ * GD_SYNTAX. */
 GD_MUST_USE enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object,
                                               const char *name, const struct gd__gltf_list *list,
                                               uint32_t *out);

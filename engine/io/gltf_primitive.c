@@ -6,9 +6,8 @@
 
 #define LOOK_ELEMENTS 8192 /* vertices and corners between two looks at the control */
 
-#define MOST_PRIMITIVES                                                                            \
-    (UINT64_C(1) << 20) /* of a scene, each counted as often as it is placed                       \
-                         */
+/* of a scene, each counted as often as it is placed */
+#define MOST_PRIMITIVES (UINT64_C(1) << 20)
 
 enum mode { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 

@@ -1,6 +1,6 @@
 /* See gltf_write.h. The bytes are, one behind the other: positions, indices, colours, distances,
- * the lines' points; each a view with one accessor, but that each line has an accessor of its own.
- */
+ * the lines' points; each a view with one accessor, but that each line has an accessor of its
+ * own. */
 #include "io/gltf_write.h"
 
 #include <math.h>

@@ -48,8 +48,8 @@ static inline uint32_t gd__json_next(const struct gd__json *json, uint32_t value
     return json->values[value].next;
 }
 
-/* What an object holds by that name, the first of several. UINT32_MAX: nothing, or it is no object.
- */
+/* What an object holds by that name, the first of several. UINT32_MAX: nothing, or it is no
+ * object. */
 uint32_t gd__json_member(const struct gd__json *json, uint32_t object, const char *name);
 
 /* Whether it is a string of that text. */

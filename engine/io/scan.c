@@ -170,8 +170,8 @@ bool gd__word_resembles(struct gd__word word, const char *text)
     return word.length == strlen(text) && strncasecmp(word.at, text, word.length) == 0;
 }
 
-/* Whether a number that ends at the cursor is cut out of something longer, such as 0x1p3 or 1.5.2.
- */
+/* Whether a number that ends at the cursor is cut out of something longer, such as 0x1p3 or
+ * 1.5.2. */
 static bool runs_on(const struct gd__scan *scan, const char *at)
 {
     return at < scan->end &&

@@ -11,8 +11,8 @@ void gd__write_xyz(struct gd__output *output, const double position[3], const ch
 /* The mesh as `v` and `f` statements. */
 void gd__write_obj(struct gd__output *output, const struct gd_polygons *polygons);
 
-/* The mesh as binary PLY, with `distance` as a property of its vertices unless `distances` is NULL.
- */
+/* The mesh as binary PLY, with `distance` as a property of its vertices unless `distances` is
+ * NULL. */
 void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons,
                    const double *distances);
 

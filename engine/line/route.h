@@ -23,8 +23,8 @@ static inline void gd__route_clear(struct gd__route *route)
     route->length = 0;
 }
 
-/* One more point, `run` behind the last one; left out when it is that one. GD_NO_MEMORY, GD_BUDGET.
- */
+/* One more point, `run` behind the last one; left out when it is that one. GD_NO_MEMORY,
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_add(struct gd__route *route, const struct gd_point *point,
                                          double run, const struct gd_control *control);
 

@@ -97,9 +97,8 @@ static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *str
            other = corner->is_left ? bend.left : bend.right;
     uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
              gates = row->last - row->first + 1;
-    bool is_whole_turn =
-        /* along one edge there and back: a gate less */
-        inside < M_PI - GD_TOL_BEND && gates + 1 >= faces;
+    /* along one edge there and back: a gate less */
+    bool is_whole_turn = inside < M_PI - GD_TOL_BEND && gates + 1 >= faces;
     if (is_whole_turn && gates >= faces) return HOLD_WOUND;
     return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;
 }

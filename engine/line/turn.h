@@ -3,7 +3,8 @@
  *
  *     in a face     from its side 0
  *     on an edge    from the direction of its side 2e; below pi in that side's face, beyond in the
- * other one at a vertex   from the first entry of its fan, as gd_fan.angle
+ *                   other one
+ *     at a vertex   from the first entry of its fan, as gd_fan.angle
  *
  * Conversions to the angles that callers know (gd/direction.h) are exact up to the rounding of the
  * angle. */
@@ -31,8 +32,8 @@ double gd__turn_scale(const struct gd_mesh *mesh, const struct gd_point *point);
 double gd__turn_of_angle(const struct gd_mesh *mesh, const struct gd_point *point, double angle);
 double gd__turn_to_angle(const struct gd_mesh *mesh, const struct gd_point *point, double turn);
 
-/* The direction with that turn. Off the surface its vector lies in the plane of the nearest face.
- */
+/* The direction with that turn. Off the surface its vector lies in the plane of the nearest
+ * face. */
 struct gd_direction gd__turn_direction(const struct gd_mesh *mesh, const struct gd_point *point,
                                        double turn);
 

@@ -7,8 +7,9 @@
 
 /* The straight line from the first to the last of some points. Inside unit. */
 struct gd__straight {
-    double length;      /* 0: the points are apart by less than rounding; the turns are of one
-                         * direction then, and of its opposite */
+    /* 0: the points are apart by less than rounding; the turns are of one direction then, and of
+       its opposite */
+    double length;
     double ahead, back; /* at the first point to the last, and the other way round */
 };
 

@@ -4,12 +4,13 @@
  * the same test by which gd__make_sides refuses. In rounds, until none is left:
  *
  *   needle  the shortest edge is below GD_TOL_FLAT of the longest: its ends become one vertex, and
- * the faces at the edge vanish. A round that merges ends here: connectivity is made anew. A face
- * hardly wider than that can be flat whichever way it is flipped: where rounds of flips did not
- * help, the bound is ten times as much. cap     the corner opposite to the longest edge lies on it,
- * well between its ends: the edge is flipped in the quadrilateral with the neighbour across. Where
- * the longest edge has no single face across, the cap is dropped: the surface stays the same, with
- * the two short edges as its border.
+ *           the faces at the edge vanish. A round that merges ends here: connectivity is made anew.
+ *           A face hardly wider than that can be flat whichever way it is flipped: where rounds of
+ *           flips did not help, the bound is ten times as much.
+ *   cap     the corner opposite to the longest edge lies on it, well between its ends: the edge is
+ *           flipped in the quadrilateral with the neighbour across. Where the longest edge has no
+ *           single face across, the cap is dropped: the surface stays the same, with the two short
+ *           edges as its border.
  *
  * Caps may lean on caps. They are taken by the length of their longest edges, the longest first:
  * then the face across either is not flat or has the same longest edge, and the flip makes edges

@@ -14,9 +14,8 @@ struct gd__interval_table {
 };
 
 /* Triangulates the ring of `count` corners, at most GD_INTERVAL_MAX_CORNERS, that starts at
- * corner[first], into count
- * - 2 triangles: none turned over in the plane if that can be, then as well-shaped as can be.
- * False: there is no triangulation. O(count^3). */
+ * corner[first], into (count - 2) triangles: none turned over in the plane if that can be, then as
+ * well-shaped as can be. False: there is no triangulation. O(count^3). */
 bool gd__interval_cut(struct gd__interval_table *table, const struct gd__ring_corner *corner,
                       uint32_t first, uint32_t count, const struct gd__edge_set *edges,
                       uint32_t (*triangle)[3]);

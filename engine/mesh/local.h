@@ -1,5 +1,5 @@
-/* Local: places in the plane of a face, in the frame of one of its sides (topology.h). Inside unit.
- */
+/* Local: places in the plane of a face, in the frame of one of its sides (topology.h). Inside
+ * unit. */
 #ifndef GD_MESH_LOCAL_H
 #define GD_MESH_LOCAL_H
 

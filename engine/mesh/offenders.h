@@ -1,5 +1,5 @@
-/* Offenders: what a check found wrong, the lowest-numbered elements first, however they were met.
- */
+/* Offenders: what a check found wrong, the lowest-numbered elements first, however they were
+ * met. */
 #ifndef GD_MESH_OFFENDERS_H
 #define GD_MESH_OFFENDERS_H
 

@@ -67,8 +67,8 @@ static void encode(const struct gd_mesh *mesh, struct keyed_vertex *keyed)
     }
 }
 
-/* Radix sort by code; equal codes keep their order. The result is in `keyed`; `spare` is as large.
- */
+/* Radix sort by code; equal codes keep their order. The result is in `keyed`; `spare` is as
+ * large. */
 static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare, uint32_t count)
 {
     static_assert(PASSES % 2 == 1, "an odd number of passes ends in the other array");

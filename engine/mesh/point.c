@@ -217,8 +217,8 @@ void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *poin
     }
 }
 
-/* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the input.
- */
+/* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the
+ * input. */
 static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE) return point->element;

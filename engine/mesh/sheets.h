@@ -9,8 +9,8 @@
 
 struct gd__sheet {
     uint32_t side; /* of the face, at the edge */
-    /* once consistently oriented the face runs along the edge from its lower end to its higher one
-     */
+    /* once consistently oriented the face runs along the edge from its lower end to its higher
+       one */
     bool forward;
     struct gd_vec3 across; /* from the edge into the face, any length but zero */
     /* filled here: about the edge, counter-clockwise seen against its direction */
@@ -20,8 +20,8 @@ struct gd__sheet {
     uint32_t below; /* scratch */
 };
 
-/* Sorts the sheets around the edge of direction `along` and pairs them, see sheets.c. O(n log n).
- */
+/* Sorts the sheets around the edge of direction `along` and pairs them, see sheets.c. O(n log
+ * n). */
 void gd__sheets_pair(struct gd__sheet *sheet, uint32_t count, struct gd_vec3 along);
 
 #endif

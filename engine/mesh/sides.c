@@ -52,7 +52,7 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
 static uint32_t count_edges(const struct gd__construction *work)
 {
     uint32_t count = 0;
-    /* GD_NONE is */
+    /* GD_NONE is greater than any side */
     for (uint32_t s = 0; s < 3 * work->mesh->face_count; s++) count += work->neighbour[s] > s;
     return count;
 }

@@ -1,5 +1,5 @@
-/* What is known of the mesh as a whole: components, boundary loops, Euler characteristic, extents.
- */
+/* What is known of the mesh as a whole: components, boundary loops, Euler characteristic,
+ * extents. */
 #include <stdlib.h>
 
 #include "mesh/build.h"

@@ -29,9 +29,9 @@ struct gd_side {
     double left_length, right_length; /* |origin p|, |p destination| */
     double left_x, left_y;            /* unit vector origin -> p in the side's frame */
     double right_x, right_y;          /* unit vector p -> destination */
-    uint32_t left,
-        right; /* sides across: twin of the face's side (p -> origin), runs origin -> p; twin of the
-                  side (destination -> p), runs p -> destination. Both GD_NONE on the boundary */
+    /* sides across: twin of the face's side (p -> origin), runs origin -> p; twin of the side
+       (destination -> p), runs p -> destination. Both GD_NONE on the boundary */
+    uint32_t left, right;
 };
 
 enum gd_vertex_kind {
@@ -43,10 +43,9 @@ enum gd_vertex_kind {
 /* One entry a face corner: the faces around a vertex, counter-clockwise, starting at the boundary
  * side if there is one. */
 struct gd_fan {
-    double
-        /* where the face begins, from the first entry's side; at a boundary vertex the first side
-           is a boundary edge */
-        angle;
+    /* where the face begins, from the first entry's side; at a boundary vertex the first side is a
+       boundary edge */
+    double angle;
     uint32_t side; /* outgoing side, whose face this is */
     uint32_t tip;  /* its other end */
 };
@@ -71,10 +70,9 @@ struct gd_mesh {
     uint32_t *vertex_component;
     uint32_t *fan_first; /* vertex_count + 1 */
     struct gd_fan *fan;  /* 3 face_count */
-    uint32_t
-        /* per entry of a fan: the corner behind the edge opposite to the vertex; GD_NONE: that is
-           boundary */
-        *beyond;
+    /* per entry of a fan: the corner behind the edge opposite to the vertex; GD_NONE: that is
+       boundary */
+    uint32_t *beyond;
 
     struct gd_side *side; /* 2 edge_count, 64-byte aligned */
     uint32_t *origin;     /* per side; destination = origin[h ^ 1] */

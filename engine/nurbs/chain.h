@@ -2,15 +2,15 @@
  *
  * DESIGN
  * - Each piece is a clamped B-spline c(t), t in [0, 1], that lies in one smooth cell of the surface
- * (or, while it is `whole`, in any). Its first and last control points are the places of the joints
- * around it.
+ *   (or, while it is `whole`, in any). Its first and last control points are the places of the
+ *   joints around it.
  * - A joint is fixed, or has one unknown: the parameter on a curve that the path begins or ends on,
- * or the coordinate along a line of the surface that it crosses there (also along a pole that it
- * ends in).
+ *   or the coordinate along a line of the surface that it crosses there (also along a pole that it
+ *   ends in).
  * - The length of the chain is F = sum of sqrt(2 E_k), E_k = 1/2 int |d/dt x(c_k)|^2 dt: for given
- * ends of the piece E_k is least for the geodesic between them at constant speed, and then sqrt(2
- * E_k) is its length. So the pieces need no common speed, and the minimum of F over control points
- * and joints is the shortest path. With one piece it is the energy of the paper.
+ *   ends of the piece E_k is least for the geodesic between them at constant speed, and then sqrt(2
+ *   E_k) is its length. So the pieces need no common speed, and the minimum of F over control
+ *   points and joints is the shortest path. With one piece it is the energy of the paper.
  * - Coordinates of closed directions go on beyond [low, high]. */
 #ifndef GD_NURBS_CHAIN_H
 #define GD_NURBS_CHAIN_H
@@ -32,8 +32,8 @@ struct gd__joint {
     double low, high; /* its bounds, maybe infinite */
     /* FIXED: the place. CURVE: added to the curve's places, whole periods. */
     double place[2];
-    /* CURVE: by the polynomial of one interval, or, where `whole`, by all of the curve. Borrowed.
-     */
+    /* CURVE: by the polynomial of one interval, or, where `whole`, by all of the curve.
+       Borrowed. */
     const struct gd_domain_curve *curve;
     uint32_t interval;
     bool whole;

@@ -37,8 +37,8 @@ static enum gd_status add_cut(struct cuts *cuts, const struct cut *cut)
 
 /* --- cells ------------------------------------------------------------------------------------ */
 
-/* The lines around a cell in one direction; a border of the domain is none and nothing passes it.
- */
+/* The lines around a cell in one direction; a border of the domain is none and nothing passes
+ * it. */
 struct slab {
     double low, high, slack;
 };

@@ -16,7 +16,7 @@ struct state {
     struct gd__part *parts;
     double *diagonal, *beside, *move; /* tridiagonal system of the joints, its solution */
     double *least;                    /* pivots nearer to 0 are 0 but for rounding */
-    double *kept_at;                  /* of the joints, and */
+    double *kept_at;                  /* of the joints before the step */
     double *kept_points;              /* of all points before the step */
     double *points_move;
     bool contact;

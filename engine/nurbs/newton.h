@@ -23,10 +23,9 @@ struct gd__newton_report {
 
 struct gd__newton_limits {
     uint32_t most; /* steps */
-    double
-        /* arrived when the next step promises less than this part of the length; GD_TOL_STATIONARY:
-           as far as doubles go */
-        stop;
+    /* arrived when the next step promises less than this part of the length; GD_TOL_STATIONARY: as
+       far as doubles go */
+    double stop;
 };
 
 /* Moves the chain. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE; no convergence is

@@ -14,12 +14,10 @@ enum {
     SEEDS_FEW = 12
 }; /* SEEDS_FEW where only the shortest way is wanted */
 
-static const double same =
-    /* seeds whose lengths, ends and middles agree to this part of the length lead to one way */
-    0.02;
-static const double margin =
-    /* ways longer than the shortest by more on the mesh are not the shortest on the surface */
-    1.08;
+/* seeds whose lengths, ends and middles agree to this part of the length lead to one way */
+static const double same = 0.02;
+/* ways longer than the shortest by more on the mesh are not the shortest on the surface */
+static const double margin = 1.08;
 
 /* One curve on the mesh, and the distance from it. */
 struct side {

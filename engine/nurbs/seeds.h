@@ -14,10 +14,9 @@
 struct gd__seed {
     double length; /* on the mesh */
     double s[2];   /* parameters on the two curves */
-    struct gd__trail
-        /* from the first curve to the second; unwound through closed directions; ends exactly on
-           the curves */
-        trail;
+    /* from the first curve to the second; unwound through closed directions; ends exactly on the
+       curves */
+    struct gd__trail trail;
 };
 
 struct gd__seeds {

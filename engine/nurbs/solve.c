@@ -9,8 +9,8 @@
 enum {
     COARSE_SPANS = 14,
     FIRST_SPANS = 10,  /* of the first curve in pieces */
-    CUT_MOST = 12,     /* times that a curve is cut anew, and */
-    CORNERS_MOST = 2,  /* in a row because it is stuck in a corner of cells */
+    CUT_MOST = 12,     /* times that a curve is cut anew */
+    CORNERS_MOST = 2,  /* times in a row that it is cut because it is stuck in a corner of cells */
     STEPS_MOST = 1200, /* of Newton's method in all */
     PATIENCE = 12,     /* refinements after which a curve must not be bent any more */
     REFINE_MOST = 48,
@@ -21,15 +21,13 @@ static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
 /* across lines the Hessian jumps: no use in going on */
 static const struct gd__newton_limits coarse = {12, 1e-7};
 
-static const double stuck =
-    /* part of the length: a piece this short that will not converge hides a corner of cells */
-    1e-4;
+/* part of the length: a piece this short that will not converge hides a corner of cells */
+static const double stuck = 1e-4;
 static const double wide_corner = 3e-2; /* then corners this near, in cells, are passed straight */
 static const double shortest_end =
     1e-4; /* of a piece: ends are not refined below it, where rounding spoils the curvature */
-static const double most_bend =
-    /* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
-    100;
+/* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
+static const double most_bend = 100;
 /* of the domain's width: nearer to a pole a path goes through it */
 static const double fallen = 1e-6;
 /* the length of a span is rounded by so many times what the ends of its chain are */

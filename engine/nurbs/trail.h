@@ -1,5 +1,5 @@
-/* Trail: a polyline in the parameter domain with its arc length in space, from which chains begin.
- */
+/* Trail: a polyline in the parameter domain with its arc length in space, from which chains
+ * begin. */
 #ifndef GD_NURBS_TRAIL_H
 #define GD_NURBS_TRAIL_H
 
@@ -33,10 +33,9 @@ struct gd__fit {
     uint32_t degree, spans; /* in all, shared out by length; at least one a piece */
     struct gd__joint from, to;
     bool whole; /* one piece through all cells */
-    double
-        /* part of a cell's width: closer than this to a corner of cells a path goes straight to the
-           opposite cell */
-        corner;
+    /* part of a cell's width: closer than this to a corner of cells a path goes straight to the
+       opposite cell */
+    double corner;
 };
 
 /* A chain along a trail, cut where it crosses lines of the surface. Excursions of less than

@@ -9,10 +9,9 @@
 
 enum { DETOUR = 8 }; /* places around a pole */
 
-static const double near_pole =
-    /* part of the domain's width: a seed this near a pole may belong to a path through it, or on
-       its other side */
-    0.08;
+/* part of the domain's width: a seed this near a pole may belong to a path through it, or on its
+   other side */
+static const double near_pole = 0.08;
 
 void gd__way_free(struct gd__way *way)
 {

@@ -139,8 +139,8 @@ static enum gd_status draw_vertices(struct drawing *drawing)
     return status;
 }
 
-/* A boundary vertex' fan begins at the boundary edge that leaves it with the surface at the left.
- */
+/* A boundary vertex' fan begins at the boundary edge that leaves it with the surface at the
+ * left. */
 static enum gd_status draw_boundary(struct drawing *drawing)
 {
     const struct gd_mesh *mesh = drawing->mesh;

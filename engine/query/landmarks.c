@@ -13,10 +13,9 @@ struct gd_landmarks {
     atomic_uint references;
     const struct gd_mesh *mesh;
     uint32_t count;
-    float distance
-        /* per vertex GD__LANDMARKS_MOST, inside unit, rounded to nearest; 0: another component, or
-           no landmark, which says nothing */
-        [];
+    /* per vertex GD__LANDMARKS_MOST, inside unit, rounded to nearest; 0: another component, or no
+       landmark, which says nothing */
+    float distance[];
 };
 
 void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
@@ -126,9 +125,8 @@ static enum gd_status measure_all(struct column *column, const struct gd_control
     for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++)
         column->landmarks->distance[i] = 0;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
-    enum gd_status status =
-        /* an arbitrary place: only the farthest from it becomes a landmark */
-        measure(column, 0, &own);
+    /* an arbitrary place: only the farthest from it becomes a landmark */
+    enum gd_status status = measure(column, 0, &own);
     uint32_t first = 0;
     for (uint32_t v = 0; v < vertices; v++)
         if (column->nearest[v] < GD__FAR && column->nearest[v] > column->nearest[first]) first = v;

@@ -41,8 +41,8 @@ enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_
     return GD_INVALID_ARGUMENT;
 }
 
-/* Both ends' whole fields, one after the other: for a pair whose search has failed its own check.
- */
+/* Both ends' whole fields, one after the other: for a pair whose search has failed its own
+ * check. */
 static enum gd_status solve_by_fields(const struct gd_mesh *mesh, const struct gd_point *from,
                                       const struct gd_point *to, enum gd_pair_wish wish,
                                       const struct gd_control *control, struct gd_pair_answer *out)

@@ -2,9 +2,8 @@
 
 #include <float.h>
 
-#define PARALLEL                                                                                   \
-    1e-6 /* sine of an angle below which `up` is taken to be along the line of sight               \
-          */
+/* sine of an angle below which `up` is taken to be along the line of sight */
+#define PARALLEL 1e-6
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};
 

@@ -31,8 +31,8 @@ struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towa
 /* The direction from which a view of a name sees. */
 struct gd_vec3 gd__view_direction(enum gd_view view, struct gd_vec3 up);
 
-/* The direction that is `azimuth` to the right of the front and `elevation` above it, in radians.
- */
+/* The direction that is `azimuth` to the right of the front and `elevation` above it, in
+ * radians. */
 struct gd_vec3 gd__view_from(double azimuth, double elevation, struct gd_vec3 up);
 
 /* Moves and scales so that the surface just fills the window. O(vertices). */

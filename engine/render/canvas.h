@@ -16,10 +16,9 @@ struct gd__pen {
 enum gd__anchor { GD__ANCHOR_START, GD__ANCHOR_MIDDLE };
 
 struct gd__text {
-    const char *
-        /* of the characters that the stroke font has: digits, ".+-e", the letters of "distance" and
-           "path length", space */
-        text;
+    /* of the characters that the stroke font has: digits, ".+-e", the letters of "distance" and
+       "path length", space */
+    const char *text;
     double x, y, size; /* of the base line */
     enum gd__anchor anchor;
     struct gd__colour colour;

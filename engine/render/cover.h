@@ -1,5 +1,5 @@
-/* Cover: what covers each pixel of a picture, and so which parts of a line on the surface are seen.
- */
+/* Cover: what covers each pixel of a picture, and so which parts of a line on the surface are
+ * seen. */
 #ifndef GD_RENDER_COVER_H
 #define GD_RENDER_COVER_H
 

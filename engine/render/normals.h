@@ -1,6 +1,6 @@
 /* Normals: of a surface that looks smooth where it is meant to be: at each corner of each face the
- * mean of those of the faces around the vertex that differ from the face's by less than a crease.
- */
+ * mean of those of the faces around the vertex that differ from the face's by less than a
+ * crease. */
 #ifndef GD_RENDER_NORMALS_H
 #define GD_RENDER_NORMALS_H
 

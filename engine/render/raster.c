@@ -60,8 +60,8 @@ static bool make_patch(const struct gd__raster *raster, uint32_t face, struct pa
     return true;
 }
 
-/* Where the edge from p down to q is at a height: the same for both of its faces, to the last bit.
- */
+/* Where the edge from p down to q is at a height: the same for both of its faces, to the last
+ * bit. */
 static double edge_at(struct gd__spot p, struct gd__spot q, double y)
 {
     return p.x + (y - p.y) * (((double)q.x - p.x) / ((double)q.y - p.y));

@@ -8,9 +8,9 @@
 /* An SVG 1.1 file: the surface as an embedded image, lines and texts as themselves. */
 
 enum {
-    STOPS = 16
     /* of the gradient of colours: between two of them the colours differ from the scale's by less
        than one can see */
+    STOPS = 16
 };
 
 /* --- text ------------------------------------------------------------------------------------- */

@@ -6,8 +6,8 @@
 
 static const struct gd_vec3 nowhere = {NAN, NAN, NAN};
 
-/* Principal curvatures from the first and second fundamental forms; NaN where there is no normal.
- */
+/* Principal curvatures from the first and second fundamental forms; NaN where there is no
+ * normal. */
 static void curvatures(const struct gd__jet *jet, struct gd_vec3 normal, double out[2])
 {
     double e = gd_vec3_dot(jet->s, jet->s), f = gd_vec3_dot(jet->s, jet->t),

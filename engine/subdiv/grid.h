@@ -18,10 +18,11 @@ struct gd__grid_room {
     struct gd_vec3 *positions, *normals;
 };
 
-/* Positions and unit normals, 0 where there is none, at (i,j) / 2^level to index i (2^level + 1) +
- * j. A regular face is one polynomial, whose values on a row share the row's sums; of another one
- * all children but those at its irregular corner are. A step of the pace (NULL: none) is a place;
- * its status is returned. */
+/* Positions and unit normals, 0 where there is none, at (i,j) / 2^level to index
+ * i (2^level + 1) + j.
+ * A regular face is one polynomial, whose values on a row share the row's sums; of another one all
+ * children but those at its irregular corner are. A step of the pace (NULL: none) is a place; its
+ * status is returned. */
 enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level,
                         const struct gd__grid_room *room, struct gd__pace *pace);
 

@@ -167,8 +167,8 @@ static const struct term beyond_corner[] = {{4, 0, 0, 1}, {3, 1, 0, 2}};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
-/* From monomials in the barycentric coordinates a = 1 - s - t, b = s, c = t to powers of s and t.
- */
+/* From monomials in the barycentric coordinates a = 1 - s - t, b = s, c = t to powers of s and
+ * t. */
 static void to_powers(struct gd__patch *patch)
 {
     static const double factorial[] = {1, 1, 2, 6, 24};

@@ -19,10 +19,9 @@ struct gd__net {
     float *corner;    /* per point: its tag's sharpness, INFINITY from GD_SHARPNESS_INFINITE on */
     uint32_t *first;  /* face_count + 1 offsets of sides, NULL: arity each */
     uint32_t *origin; /* per side: the point that it starts from */
-    uint32_t *
-        /* per side: the same edge seen from the other face, GD_NONE at the boundary and where a
-           neighbourhood was cut out */
-        twin;
+    /* per side: the same edge seen from the other face, GD_NONE at the boundary and where a
+       neighbourhood was cut out */
+    uint32_t *twin;
     uint32_t *edge;    /* per side: number of its edge; set and used by gd__net_refine */
     float *sharpness;  /* per side, equal on both; INFINITY at the boundary of the mesh */
     uint32_t *face_of; /* per side, only with `first` */

@@ -38,8 +38,8 @@ static enum gd_status shoot(const struct aim *aim, double angle, double length, 
     return GD_OK;
 }
 
-/* How far the end moves sideways, and which way that is, per radian of the direction at the start.
- */
+/* How far the end moves sideways, and which way that is, per radian of the direction at the
+ * start. */
 static enum gd_status end_movement(const struct aim *aim, const struct shot *shot,
                                    struct gd_vec3 *out)
 {

@@ -20,10 +20,9 @@ struct gd_subdivision {
     enum gd_scheme scheme;
     const struct gd__scheme *rules;
     struct gd__net base;
-    uint32_t *
-        /* per control face: its first base face, one more at the end; NULL: base faces are control
-           faces */
-        split_first;
+    /* per control face: its first base face, one more at the end; NULL: base faces are control
+       faces */
+    uint32_t *split_first;
     uint32_t control_faces;
     uint32_t largest_valence; /* of base vertices, at least the regular one */
     uint32_t base_edges;      /* base.edge numbers the edges; that of a lower side is its owner */

@@ -83,8 +83,8 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
     return gd__tiling_inside(tiling, face, cells, at[k][0], at[k][1]);
 }
 
-/* Between a side and the inner row beside it: from both, the vertex that comes next along the side.
- */
+/* Between a side and the inner row beside it: from both, the vertex that comes next along the
+ * side. */
 static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
                             uint32_t *corners)
 {

@@ -1,7 +1,7 @@
 #include "transport/ascent.h"
 
-/* Directions around a point are a circle of some circumference, or, at the boundary, an interval.
- */
+/* Directions around a point are a circle of some circumference, or, at the boundary, an
+ * interval. */
 struct cone {
     const struct gd__pull *pulls;
     uint32_t count;

@@ -39,8 +39,8 @@ static void turn(const struct turning *turning, struct gd__local at, double out[
     out[1] = turning->unit * (from.y * along.x - from.x * along.y);
 }
 
-/* A strip while it is laid: the gates by which its faces are entered, that of the first face first.
- */
+/* A strip while it is laid: the gates by which its faces are entered, that of the first face
+ * first. */
 struct laying {
     const struct gd_mesh *mesh;
     const struct gd_path *path;

@@ -1,5 +1,5 @@
-/* Knots: of a spline's points the shortest paths between them, their parameters and their tangents.
- */
+/* Knots: of a spline's points the shortest paths between them, their parameters and their
+ * tangents. */
 #ifndef GD_TRANSPORT_KNOTS_H
 #define GD_TRANSPORT_KNOTS_H
 
@@ -13,10 +13,9 @@ struct gd__knotting {
     const struct gd_control *control; /* of it */
     struct gd_detail *detail;
     uint32_t hop_count, total_count;
-    struct gd__hop *
-        /* total_count: hop i goes from point i to the next one; by the paper's rule hop hop_count +
-           i past point i, from the one before it to the next one */
-        hops;
+    /* total_count: hop i goes from point i to the next one; by the paper's rule hop hop_count + i
+       past point i, from the one before it to the next one */
+    struct gd__hop *hops;
     struct gd_spline_knot *knots; /* hop_count + 1, to be filled in */
 };
 

@@ -126,8 +126,8 @@ static enum gd_status try_point(const struct finder *finder, const struct gd_poi
     return GD_OK;
 }
 
-/* The corners of a face at the point, or of those on both sides of its edge the ends of the edge.
- */
+/* The corners of a face at the point, or of those on both sides of its edge the ends of the
+ * edge. */
 static enum gd_status try_corners(const struct finder *finder, struct view *view, bool *has_moved)
 {
     const struct gd_mesh *mesh = finder->mesh;

@@ -6,8 +6,8 @@
 #include "line/turn.h"
 
 /* The turn in which a line leaves a vertex that came from the turn `back`, by the rule of the
- * options. False, at the boundary only: straight on is not on the surface. O(faces of the vertex).
- */
+ * options. False, at the boundary only: straight on is not on the surface. O(faces of the
+ * vertex). */
 bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
                      const struct gd_trace_options *options, double *out);
 

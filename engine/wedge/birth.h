@@ -14,10 +14,9 @@
 struct gd__birth {
     double x, y;
     uint32_t side; /* GD_NONE: the leg runs along an edge */
-    uint32_t
-        /* pseudo-source in which the leg starts; GD_NONE: the path bends at (x, 0) of the side, the
-           edge knows how it goes on */
-        source;
+    /* pseudo-source in which the leg starts; GD_NONE: the path bends at (x, 0) of the side, the
+       edge knows how it goes on */
+    uint32_t source;
 };
 
 #endif

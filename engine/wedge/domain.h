@@ -3,17 +3,17 @@
  *
  * DESIGN
  * - A face belongs to one part, and with it its sides: their windows are propagated by that part's
- * wavefront. A vertex of faces of both parts is known to both wavefronts. The two work by turns of
- * a fixed amount of work, each on its own memory; between turns the mail is handed over, and a turn
- *   begins with reading it: windows that crossed the cut, and distances of vertices that the other
- * one has to know.
+ *   wavefront. A vertex of faces of both parts is known to both wavefronts. The two work by turns
+ *   of a fixed amount of work, each on its own memory; between turns the mail is handed over, and a
+ *   turn begins with reading it: windows that crossed the cut, and distances of vertices that the
+ *   other one has to know.
  * - What a common vertex or a seed emits, each wavefront emits into its own part.
  * - Both know the same distance of each common vertex, to the last bit, once the mail is read: the
- * lesser one.
+ *   lesser one.
  * - The order of everything is fixed by the surface and the source: distances are the same on any
- * number of threads, every time. They are those of one wavefront up to rounding.
- * - Mail arrives late. That costs work, not exactness: propagation corrects itself (wavefront.h).
- */
+ *   number of threads, every time. They are those of one wavefront up to rounding.
+ * - Mail arrives late. That costs work, not exactness: propagation corrects itself
+ *   (wavefront.h). */
 #ifndef GD_WEDGE_DOMAIN_H
 #define GD_WEDGE_DOMAIN_H
 

@@ -19,8 +19,8 @@ struct sector {
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* The seed is beside the vertex: its distance is the seed's, and no path to the vertex is shorter.
- */
+/* The seed is beside the vertex: its distance is the seed's, and no path to the vertex is
+ * shorter. */
 static bool is_beside(const struct gd__wavefront *front, uint32_t vertex, uint32_t source,
                       struct gd__polar *out)
 {
@@ -65,8 +65,8 @@ static void reach_along_edge(struct gd__wavefront *front, uint32_t from, uint32_
     gd__wavefront_reach(front, to, front->distance[from] + length, birth);
 }
 
-/* Where the ray from the vertex at an angle meets the far edge of an entry's face, from the apex.
- */
+/* Where the ray from the vertex at an angle meets the far edge of an entry's face, from the
+ * apex. */
 static double place_of_ray(const struct gd_side *s, double angle)
 {
     double py = s->left_length * s->left_y, ax = s->left_length * s->left_x - s->length;
@@ -86,10 +86,8 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
            y = py * s->length / length /* twice the area over the edge: no cancellation */
                + (at.x * s->right_y - at.y * s->right_x);
     if (gd__window_grazes(x, y, length)) return;
-    bool cap = y <= GD_TOL_CAP *
-                        /* the vertex lies almost on the edge: see all of it, as its ends would not
-                           tell the angle */
-                        length;
+    /* the vertex lies almost on the edge: see all of it, as its ends would not tell the angle */
+    bool cap = y <= GD_TOL_CAP * length;
     if (sector.from > 0 && !cap) b1 = place_of_ray(s, sector.from);
     if (sector.to < sector.opening && !cap) b0 = place_of_ray(s, sector.to);
     if (b0 < 0) b0 = 0;
@@ -239,8 +237,8 @@ static void reach_neighbour(struct gd__wavefront *front, const struct beside *b,
                         b->emitter.sigma + sqrt(way.x * way.x + way.y * way.y), birth);
 }
 
-/* Emits into the face of a fan's entry that begins `ahead` radians counter-clockwise of the seed.
- */
+/* Emits into the face of a fan's entry that begins `ahead` radians counter-clockwise of the
+ * seed. */
 static void emit_to_left(struct gd__wavefront *front, const struct beside *b, uint32_t entry,
                          double ahead, double opening)
 {

@@ -13,9 +13,9 @@
 #define GREED           1.1
 #define LANDMARKS_GREED 1.05
 
-#define CHECK_INTERVAL                                                                             \
-    1024 /* entries of fans or vertices of rings between two looks at the control: well under a    \
-            millisecond */
+/* entries of fans or vertices of rings between two looks at the control: well under a
+   millisecond */
+#define CHECK_INTERVAL 1024
 
 /* --- nodes ------------------------------------------------------------------------------------ */
 

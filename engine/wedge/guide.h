@@ -16,10 +16,9 @@ struct gd__guide_node {
     double upper;    /* length of a path from this vertex to the target; GD__FAR: none is known */
     double lower;    /* the lower bound; < 0: not asked yet */
     uint32_t parent; /* the next vertex of that path; GD_NONE: the target is straight ahead */
-    uint32_t
-        /* the entry of the parent's fan through whose face the path comes from beyond; GD_NONE: it
-           goes along an edge */
-        across;
+    /* the entry of the parent's fan through whose face the path comes from beyond; GD_NONE: it goes
+       along an edge */
+    uint32_t across;
     bool closed, touched;
 };
 
@@ -101,8 +100,7 @@ GD_MUST_USE enum gd_status gd__guide_step(struct gd__guide *guide);
 void gd__guide_clean(struct gd__guide *guide);
 void gd__guide_destroy(struct gd__guide *guide);
 
-/* --- rings.c: the rings of a guide ---------------------------------------------------------------
- */
+/* --- rings.c: the rings of a guide ------------------------------------------------------------ */
 
 /* Draws rings round the guide's target out to `from`, for a search for ways that are no longer than
  * `bound`, where the bounds that there are leave too much to do; lower bounds that the guide told

@@ -10,8 +10,8 @@ struct sources {
 
 /* Where the overlap [lo, hi] changes hands: up to there the owner o is better, from there on the
  * challenger c; hi or lo where one of them is better all along. Returns the lanes of `may` for
- * which *at says it; for the others contest.c has to. It has the same formulas with their reasons.
- */
+ * which *at says it; for the others contest.c has to. It has the same formulas with their
+ * reasons. */
 static inline mask contest_equal(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                                  lanes *at)
 {

@@ -6,8 +6,8 @@ static inline lanes starts_of(lanes b, double scale, mask at_end)
     return pick(at_end, all(0), lesser(greater(b * all(scale), all(0)), all(GD__WEDGE_LATEST)));
 }
 
-/* Whether a start lies behind the end of the window before it by more than what counts as adjacent.
- */
+/* Whether a start lies behind the end of the window before it by more than what counts as
+ * adjacent. */
 static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
 {
     const lanes tolerance = all(GD_TOL_ADJACENT * length);

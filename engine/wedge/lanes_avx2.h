@@ -191,10 +191,8 @@ static inline ids ids_reversed(ids a)
 
 static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t count)
 {
-    const double two52 =
-        /* added to a whole number below 2^32, it leaves that number in the low half of the double
-         */
-        4503599627370496.0;
+    /* added to a whole number below 2^32, it leaves that number in the low half of the double */
+    const double two52 = 4503599627370496.0;
     __m256d whole = _mm256_round_pd(start, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
     __m256i low = _mm256_castpd_si256(_mm256_add_pd(whole, _mm256_set1_pd(two52)));
     __m256i high = _mm256_slli_epi64(_mm256_cvtepu32_epi64(source), 32);

@@ -31,9 +31,8 @@ static inline void store(double *p, lanes a)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    const __m256i place =
-        /* compared: a choice would be a branch as good as random */
-        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
+    /* compared: a choice would be a branch as good as random */
+    const __m256i place = _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
     return _mm256_cmpgt_epu32_mask(_mm256_set1_epi32((int)count), place);
 }
 static inline void store_first(double *p, lanes a, uint32_t count)

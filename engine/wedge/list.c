@@ -165,8 +165,8 @@ struct insertion {
     uint32_t skip, end; /* newer [skip, first) and [last, end): what is not joined to a neighbour */
 };
 
-/* Lengthens the neighbours of an insertion instead of inserting windows that see the same source.
- */
+/* Lengthens the neighbours of an insertion instead of inserting windows that see the same
+ * source. */
 static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in,
                             double min_width)
 {

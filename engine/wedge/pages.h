@@ -5,8 +5,8 @@
  * of them is first asked for. A page on which nothing has waited for some buckets is used again for
  * another place; should the front come back there, its records begin anew. What must not be
  * forgotten keeps its page: wedges that were stored, and places that the front comes back to again
- * and again, where the visits of a side have to be counted for gd__remind. One owner, one thread.
- */
+ * and again, where the visits of a side have to be counted for gd__remind. One owner, one
+ * thread. */
 #ifndef GD_WEDGE_PAGES_H
 #define GD_WEDGE_PAGES_H
 

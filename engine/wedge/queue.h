@@ -24,10 +24,9 @@ struct gd__bucket {
 
 struct gd__queue {
     struct gd__bucket bucket[GD__QUEUE_BUCKETS];
-    struct gd__bucket spare
-        /* arrays of buckets that ran empty, for the next ones: the newest first, as it is in the
-           cache */
-        [GD__QUEUE_BUCKETS];
+    /* arrays of buckets that ran empty, for the next ones: the newest first, as it is in the
+       cache */
+    struct gd__bucket spare[GD__QUEUE_BUCKETS];
     uint32_t spare_count;
     uint32_t current; /* number of the bucket at hand; nothing waits in a lower one */
     uint64_t size;    /* entries, stale ones too */

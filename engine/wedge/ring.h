@@ -32,8 +32,8 @@ struct gd__ring_group {
 
 /* Those of one search; all zero: none. Of one thread. */
 struct gd__rings {
-    /* the first group of each; the first ring is the target itself; one more, which ends the last
-     */
+    /* the first group of each; the first ring is the target itself; one more, which ends the
+       last */
     uint32_t *ring;
     uint32_t count, capacity;
     struct gd__ring_group *group;

@@ -15,9 +15,8 @@
 #define AHEAD  8   /* vertices: whose records are asked for before they are looked at */
 #define COARSE 1e3 /* edges so many times longer than the bound: floats would tell nothing */
 
-#define OUT_OF_THE_WAY                                                                             \
-    GD_NONE /* in place of hops: no way within the bound passes the vertex by                      \
-             */
+/* in place of hops: no way within the bound passes the vertex by */
+#define OUT_OF_THE_WAY GD_NONE
 
 size_t gd__rings_held(const struct gd__rings *rings)
 {

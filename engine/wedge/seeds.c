@@ -173,8 +173,8 @@ static void reach_vertex(struct gd__wavefront *front, uint32_t seed)
     gd__wavefront_reach(front, front->seeds[seed].point.element, front->seeds[seed].offset, birth);
 }
 
-/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind, unless another is nearer.
- */
+/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind, unless another is
+ * nearer. */
 static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 {
     uint32_t vertex = front->seeds[seed].point.element;

@@ -19,8 +19,8 @@ void gd__stack_destroy(struct gd__stack *stack);
 void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, uint32_t first,
                     uint32_t end);
 
-/* Most windows that a merge of so many can give: each overlap is cut into three pieces at the most.
- */
+/* Most windows that a merge of so many can give: each overlap is cut into three pieces at the
+ * most. */
 static inline uint32_t gd__merged_bound(uint32_t a, uint32_t b)
 {
     return 4 * (a + b) + 4;

@@ -5,21 +5,22 @@
 
 #include "wedge/asking.h"
 
-#define BUCKET_WIDTH                                                                               \
-    0.3 /* of the grain: narrower costs rounds, wider sends windows on in pieces, which is         \
-           quadratic on needles */
-#define KEY_WEIGHT 0.25 /* a side's key between the nearer and the farther end's distance */
-/* propagated between two looks at the monitor, where an item counts as */
+/* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on
+   needles */
+#define BUCKET_WIDTH 0.3
+#define KEY_WEIGHT   0.25 /* a side's key between the nearer and the farther end's distance */
+/* propagated between two looks at the monitor, where an item counts as ITEM_WINDOWS besides: well
+   under a millisecond */
 #define CHECK_WINDOWS 4096
-#define ITEM_WINDOWS  16 /* so many besides: well under a millisecond */
-#define RECORDS_AHEAD 9  /* places in the queue: see prefetch_records */
+#define ITEM_WINDOWS  16
+#define RECORDS_AHEAD 9 /* places in the queue: see prefetch_records */
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
-#define SIDES_IN_CACHE                                                                             \
-    20000 /* of a mesh that a second-level cache all but holds: asking for more than records costs \
-             3 % there */
-#define WORK_LEAST  (UINT64_C(1) << 25) /* windows: a second's work */
-#define WORK_FACTOR 64
+/* of a mesh that a second-level cache all but holds: asking for more than records costs 3 %
+   there */
+#define SIDES_IN_CACHE 20000
+#define WORK_LEAST     (UINT64_C(1) << 25) /* windows: a second's work */
+#define WORK_FACTOR    64
 
 /* --- distances, windows, order ---------------------------------------------------------------- */
 

@@ -3,20 +3,20 @@
  *
  * DESIGN
  * - One loop, gd__wavefront_run, with five inputs: seeds, bound, sink, monitor (gd_control) and
- * executor. A mode is a choice of these.
+ *   executor. A mode is a choice of these.
  * - The windows that wait on a side are taken all at once: filtered, stored as wedges, cast across
- * the face, forgotten. What arrives on that side later is a list of its own.
+ *   the face, forgotten. What arrives on that side later is a list of its own.
  * - Work is label-correcting: a vertex may emit again when its distance falls, a side may be
- * propagated again when new windows reach it. The queue orders the work by distance; order costs
- * time, never exactness. A side that is propagated again and again is reminded of its stored
- * wedges, so that only what is strictly better goes on.
+ *   propagated again when new windows reach it. The queue orders the work by distance; order costs
+ *   time, never exactness. A side that is propagated again and again is reminded of its stored
+ *   wedges, so that only what is strictly better goes on.
  * - Invariants: the windows of a list are sorted and disjoint; each of them is a path that exists,
- * so distances are upper bounds at any time; a window is dropped only where an existing path is
- * strictly shorter or no path below the bound can use it.
+ *   so distances are upper bounds at any time; a window is dropped only where an existing path is
+ *   strictly shorter or no path below the bound can use it.
  * - At the end all windows and vertex distances that are shorter than the bound are final (the
- * paper's Property 5).
+ *   paper's Property 5).
  * - All lengths are in the mesh's inside unit. One owner, one thread; with an executor two
- * wavefronts share the surface (domain.h). */
+ *   wavefronts share the surface (domain.h). */
 #ifndef GD_WEDGE_WAVEFRONT_H
 #define GD_WEDGE_WAVEFRONT_H
 
@@ -33,19 +33,17 @@ struct gd__seed {
     double offset;
     struct gd_point end;
     bool is_segment;
-    uint32_t
-        /* that a segment runs across; GD_NONE: along an edge. Set where seeds are indexed, before
-           any is propagated: an image's is not used */
-        face;
+    /* that a segment runs across; GD_NONE: along an edge. Set where seeds are indexed, before any
+       is propagated: an image's is not used */
+    uint32_t face;
 };
 
 /* The means by which useless work is avoided; all false: the fastest choice. Results are the same
  * with any of them changed: they exist to be measured (tests/bench). */
 struct gd__methods {
-    bool
-        /* prune a side's windows by the wedges of its edge's other side too (the paper's edge-based
-           structure) */
-        one_list;
+    /* prune a side's windows by the wedges of its edge's other side too (the paper's edge-based
+       structure) */
+    bool one_list;
     bool no_filter; /* do not compare windows with the distances of their edge's ends */
     /* saddle and boundary vertices emit all round, not only into their shadow */
     bool no_cone;
@@ -68,16 +66,15 @@ struct gd__begun {
 struct gd__propagation {
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    const struct gd__begun
-        /* goes on from there, by one wavefront; `radius` lies beyond its bound. NULL: from the
-           seeds */
-        *begun;
+    /* goes on from there, by one wavefront; `radius` lies beyond its bound. NULL: from the seeds */
+    const struct gd__begun *begun;
     double radius;                 /* inside unit; GD__FAR: no limit */
     const struct gd_point *target; /* NULL: none */
     /* towards one target: only its distance and path are final. NULL: none */
     struct gd__guide *guide;
-    bool without_wedges; /* distances only, in little memory: the sink finds front->distance; what
-                            is stored is for gd__remind. One wavefront; no guide, nothing begun */
+    /* distances only, in little memory: the sink finds front->distance; what is stored is for
+       gd__remind. One wavefront; no guide, nothing begun */
+    bool without_wedges;
     /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
     uint64_t work_limit;
     struct gd__methods methods;
@@ -111,10 +108,9 @@ struct gd__wavefront {
     /* parts of lists that are no wider, over their edge, are dropped when lists are put together */
     double narrowest;
     double bound; /* nothing farther is wanted; shrinks towards the target's distance */
-    double
-        /* resume.c, while it looks for what a bound kept back: what surely was within that bound is
-           not wanted again; 0: all is wanted */
-        inner;
+    /* resume.c, while it looks for what a bound kept back: what surely was within that bound is not
+       wanted again; 0: all is wanted */
+    double inner;
     bool takes_all;            /* lists take whatever is offered, from near and far */
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
     double target_leg[4];      /* and their distances from the target within a face */

@@ -14,9 +14,8 @@
 #include "wedge/window.h"
 
 #define GD__WINDOWS_GROUP 8 /* the most lanes of a kernel */
-#define GD__WINDOWS_BYTES                                                                          \
-    48 /* of one window: five doubles and the source, rounded up so that groups fill cache lines   \
-        */
+/* of one window: five doubles and the source, rounded up so that groups fill cache lines */
+#define GD__WINDOWS_BYTES 48
 
 struct gd__windows {
     double *b0, *b1, *x, *y, *sigma;

@@ -5,9 +5,8 @@
 
 #include "base/large.h"
 
-#define WEDGES_AN_EDGE                                                                             \
-    ((size_t)2 << 10) /* bytes of address space, not of memory: more than most fields have, see    \
-                         gd__region_open */
+/* bytes of address space, not of memory: more than most fields have, see gd__region_open */
+#define WEDGES_AN_EDGE ((size_t)2 << 10)
 /* of all nodes: beyond it cleaning everything in order is cheaper than by list */
 #define TOUCHED_PART 4
 

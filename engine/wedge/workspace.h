@@ -29,15 +29,14 @@ struct gd_workspace {
     /* per edge: its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
     uint32_t *newest;
 
-    /* sides, then vertices behind all sides: what is not clean; as many as fit, see touched_count
-     */
+    /* sides, then vertices behind all sides: what is not clean; as many as fit, see
+       touched_count */
     uint32_t *touched;
     uint32_t touched_capacity, touched_count; /* count > capacity: anything may be touched */
 
-    struct gd__near
-        /* in place of all these for a propagation that keeps distances only; closed between
-           propagations */
-        near;
+    /* in place of all these for a propagation that keeps distances only; closed between
+       propagations */
+    struct gd__near near;
 
     struct gd__guide guide; /* of searches for one target */
 
@@ -64,8 +63,8 @@ GD_MUST_USE enum gd_status gd__workspace_open(struct gd_workspace *workspace,
                                               const struct gd_mesh *mesh, double bucket_width,
                                               const struct gd_control *control);
 
-/* The same for one that keeps distances only: what it has is in `near`, the arrays are left alone.
- */
+/* The same for one that keeps distances only: what it has is in `near`, the arrays are left
+ * alone. */
 GD_MUST_USE enum gd_status gd__workspace_open_near(struct gd_workspace *workspace,
                                                    const struct gd_mesh *mesh, double bucket_width,
                                                    const struct gd_control *control);

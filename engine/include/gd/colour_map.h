@@ -2,8 +2,8 @@
 #ifndef GD_COLOUR_MAP_H
 #define GD_COLOUR_MAP_H
 
-/* Components of linear light, in [0,1] (glTF has these; pictures and web pages have them encoded).
- */
+/* Components of linear light, in [0,1] (glTF has these; pictures and web pages have them
+ * encoded). */
 struct gd_colour {
     double red, green, blue;
 };

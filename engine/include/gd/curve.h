@@ -1,10 +1,12 @@
 /* Curve: a polyline on the surface, open or closed, consecutive points within one face; and the
  * ways to say where it runs.
  *
- *     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = 4,
- * .closed = true}; struct gd_curve curve; if (gd_curve_resolve(mesh, &request, NULL, NULL, &curve,
- * &detail) == GD_OK) { printf("%u points, length %g\n", curve.count, gd_curve_length(mesh,
- * &curve)); gd_curve_free(&curve);
+ *     struct gd_curve_request request = {
+ *         .kind = GD_CURVE_POINTS, .points = points, .count = 4, .closed = true};
+ *     struct gd_curve curve;
+ *     if (gd_curve_resolve(mesh, &request, NULL, NULL, &curve, &detail) == GD_OK) {
+ *         printf("%u points, length %g\n", curve.count, gd_curve_length(mesh, &curve));
+ *         gd_curve_free(&curve);
  *     } */
 #ifndef GD_CURVE_H
 #define GD_CURVE_H

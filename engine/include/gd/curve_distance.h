@@ -4,8 +4,10 @@
  *     gd_curve_seeds(&a, 0, seeds);                     // the field of one curve, built once
  *     ... gd_field_build(mesh, &request, ..., &field_of_a, ...);
  *     struct gd_curve_distance distance;
- *     if (gd_curve_distance(field_of_a, &a, &b, NULL, &distance) == GD_OK) { ...;
- * gd_curve_distance_free(&distance); }
+ *     if (gd_curve_distance(field_of_a, &a, &b, NULL, &distance) == GD_OK) {
+ *         ...
+ *         gd_curve_distance_free(&distance);
+ *     }
  *
  * Along each segment of the other curve the field's distance is the lower envelope of those to few
  * sources, whose extremes are found in closed form. `control` may be NULL. Thread-safe. */
@@ -18,9 +20,9 @@
 struct gd_curve_place {
     struct gd_point point;
     double parameter; /* part of the curve's length that lies before it, in [0, 1] */
-    double angle; /* the least between the path and the curve there, in [0, pi]: pi / 2 where the
-                     curve is smooth; NaN where there is no path to measure (the curves meet), or
-                     none was wanted */
+    /* the least between the path and the curve there, in [0, pi]: pi / 2 where the curve is smooth;
+       NaN where there is no path to measure (the curves meet), or none was wanted */
+    double angle;
 };
 
 struct gd_curve_distance {

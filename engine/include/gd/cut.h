@@ -40,9 +40,8 @@ struct gd_cut_piece {
 struct gd_cut {
     bool separates; /* the mesh falls into more components than before; false: it is only opened */
     uint32_t piece_count;
-    struct gd_cut_piece
-        /* a component each, also of those that the curve does not meet; by their lowest faces */
-        *pieces;
+    /* a component each, also of those that the curve does not meet; by their lowest faces */
+    struct gd_cut_piece *pieces;
     double largest_shift; /* length by which the curve was moved at most, see gd_cut_along */
     size_t bytes;         /* of all the above */
 };

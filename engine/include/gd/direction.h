@@ -1,18 +1,21 @@
 /* Direction: where a line leaves a point of the surface, as an angle and as a vector of space.
  *
  *     struct gd_direction direction;
- *     if (gd_direction_at_angle(mesh, &point, M_PI_2, &direction, NULL) == GD_OK) printf("%g\n",
- * direction.xyz.z);
+ *     if (gd_direction_at_angle(mesh, &point, M_PI_2, &direction, NULL) == GD_OK)
+ *         printf("%g\n", direction.xyz.z);
  *
  * Angles grow counter-clockwise as seen from outside. Zero is, with numbers as in the input,
  *     in a face             the direction of its first edge, from its first corner to its second,
- * in the order of the input on an edge            from the lower-numbered vertex to the higher one.
- * The surface is flat across an edge: up to pi an angle is in the face to the left of that
- * direction, beyond in the one to the right at an interior vertex the edge to the lowest-numbered
- * neighbour; the total angle counts as 2 pi, whatever it is at a boundary vertex  the boundary edge
- * from which the faces around the vertex follow each other counter-clockwise; angles are as they
- * are, up to the total one. Vectors are tangent: in the plane of the face into which the direction
- * leads. All functions are thread-safe; `out` is untouched on failure. */
+ *                           in the order of the input
+ *     on an edge            from the lower-numbered vertex to the higher one. The surface is flat
+ *                           across an edge: up to pi an angle is in the face to the left of that
+ *                           direction, beyond in the one to the right
+ *     at an interior vertex the edge to the lowest-numbered neighbour; the total angle counts as
+ *                           2 pi, whatever it is
+ *     at a boundary vertex  the boundary edge from which the faces around the vertex follow each
+ *                           other counter-clockwise; angles are as they are, up to the total one.
+ * Vectors are tangent: in the plane of the face into which the direction leads. All functions are
+ * thread-safe; `out` is untouched on failure. */
 #ifndef GD_DIRECTION_H
 #define GD_DIRECTION_H
 

@@ -1,26 +1,23 @@
 /* Discretization: triangles whose vertices lie on a limit surface and remember where.
  *
  *     struct gd_discretization fine;
- *     if (gd_discretize(surface, &(struct gd_discretize_options){.level = 5}, NULL, &fine, NULL) ==
- * GD_OK) {
+ *     const struct gd_discretize_options options = {.level = 5};
+ *     if (gd_discretize(surface, &options, NULL, &fine, NULL) == GD_OK) {
  *         ...gd_mesh_create(&fine.polygons, ...)...
  *         gd_discretization_free(&fine);
- *     }
- */
+ *     } */
 #ifndef GD_DISCRETIZATION_H
 #define GD_DISCRETIZATION_H
 
 #include "gd/limit.h"
 
 struct gd_discretize_options {
-    uint32_t
-        /* every edge of the control mesh becomes 2^level; from 1 on where it has polygons that are
-           no quads (Loop: no triangles), at most 12 */
-        level;
-    double
-        /* > 0: instead of `level`, so fine in every face that the triangles are this near to the
-           surface */
-        tolerance;
+    /* every edge of the control mesh becomes 2^level; from 1 on where it has polygons that are no
+       quads (Loop: no triangles), at most 12 */
+    uint32_t level;
+    /* > 0: instead of `level`, so fine in every face that the triangles are this near to the
+       surface */
+    double tolerance;
     uint32_t max_faces; /* most triangles; 0: 2^28 */
 };
 

@@ -4,8 +4,10 @@
  *     struct gd_seed seed = {.point = p};
  *     struct gd_field *field;
  *     if (gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
- * NULL, &field, NULL) == GD_OK) { double distance; if (gd_field_distance(field, &q, &distance) ==
- * GD_OK) printf("%.17g\n", distance); gd_field_release(field);
+ *                        NULL, &field, NULL) == GD_OK) {
+ *         double distance;
+ *         if (gd_field_distance(field, &q, &distance) == GD_OK) printf("%.17g\n", distance);
+ *         gd_field_release(field);
  *     }
  *
  * Source: Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data

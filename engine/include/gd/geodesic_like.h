@@ -29,10 +29,9 @@
 struct gd_geodesic_options {
     /* of the spline, GD_GEODESIC_DEGREE_LEAST to GD_GEODESIC_DEGREE_MOST; 0: GD_GEODESIC_DEGREE */
     uint32_t degree;
-    uint32_t
-        /* > degree: the paper's curve, one B-spline of so many over all lines; 0: as many as the
-           tolerance needs */
-        control_points;
+    /* > degree: the paper's curve, one B-spline of so many over all lines; 0: as many as the
+       tolerance needs */
+    uint32_t control_points;
     /* error of the length, relative, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
     double tolerance;
     bool all_minima; /* every local minimum that the seeds lead to, not only the shortest */
@@ -93,8 +92,8 @@ void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
  * the surface's features apart. `options`, `control` and `detail` may be NULL. Errors:
  * GD_INVALID_ARGUMENT (a curve of another surface, options out of range), those of gd_field_build,
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path could be followed at
- * all). Cost: two fields of the tessellation and some 20 Newton steps, milliseconds. Thread-safe.
- */
+ * all). Cost: two fields of the tessellation and some 20 Newton steps, milliseconds.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_domain_curve *from,
                                              const struct gd_domain_curve *to,

@@ -1,8 +1,8 @@
 /* Mesh files: bytes in memory -> indexed polygons, and back.
  *
  *     struct gd_polygons polygons;
- *     enum gd_status status = gd_read_polygons(bytes, size, GD_FORMAT_ANY, &limits, &polygons,
- * &detail);
+ *     enum gd_status status =
+ *         gd_read_polygons(bytes, size, GD_FORMAT_ANY, &limits, &polygons, &detail);
  *
  * The readers are bounded: memory is at most ten times `size` and a few KiB, every count that a
  * header declares is checked against the length of the input before anything is allocated for it,
@@ -66,10 +66,9 @@ const char *gd_format_media_type(enum gd_format format);
 enum gd_format gd_format_recognise(const void *bytes, size_t size);
 
 struct gd_read_limits {
-    uint32_t
-        /* triangles after triangulation (a polygon of n corners counts n - 2); 0, or more than
-           2^30: 2^30 */
-        max_faces;
+    /* triangles after triangulation (a polygon of n corners counts n - 2); 0, or more than 2^30:
+       2^30 */
+    uint32_t max_faces;
     uint32_t max_vertices; /* 0, or more than 2^30: 2^30 */
     /* borrowed for the call, NULL: none; its budget is not looked at */
     const struct gd_control *control;

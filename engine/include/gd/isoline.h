@@ -3,8 +3,9 @@
  *
  *     struct gd_isoline isoline;
  *     if (gd_isoline_trace(field, 0.25, NULL, &isoline) == GD_OK) {
- *         for (uint32_t i = 0; i < isoline.line_count; i++) printf("%.17g\n",
- * isoline.lines[i].length); gd_isoline_free(&isoline);
+ *         for (uint32_t i = 0; i < isoline.line_count; i++)
+ *             printf("%.17g\n", isoline.lines[i].length);
+ *         gd_isoline_free(&isoline);
  *     }
  *
  * In a face the distance is the least of those from several unfolded sources, so that an isoline is
@@ -14,8 +15,8 @@
  * the left of a line. Nothing here is sampled: an arc's end has the level's distance to 1e-9
  * relative (1e-14 is usual). A line that is no longer than rounding is a point, not a line, and is
  * left out: where the level is that of a local maximum, or zero. A ridge midway between two
- * parallel segments has one height along a whole piece: a line at that level goes there and back.
- */
+ * parallel segments has one height along a whole piece: a line at that level goes there and
+ * back. */
 #ifndef GD_ISOLINE_H
 #define GD_ISOLINE_H
 
@@ -33,10 +34,9 @@ struct gd_isoline_arc {
     struct gd_face face;
     double u, v, radius; /* the caller's unit */
     double from, to;     /* radians */
-    struct gd_vec3
-        /* (u, v) in space; mostly outside the face: it is where the arc's source lies, unfolded
-           into the plane */
-        centre;
+    /* (u, v) in space; mostly outside the face: it is where the arc's source lies, unfolded into
+       the plane */
+    struct gd_vec3 centre;
 };
 
 /* In the caller's unit. */
@@ -66,10 +66,11 @@ struct gd_isoline {
 };
 
 /* Traces the isoline of a level >= 0. `control` may be NULL. The caller frees `*out` by
- * gd_isoline_free. Errors: GD_INVALID_ARGUMENT (a level that is negative or not finite),
- * GD_BEYOND_REACH (a partial field ends before the level), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. Cost: one pass over edges and faces, and O(k^2) for each face that the line may
- * cross, of k wedges around it. Thread-safe. */
+ * gd_isoline_free.
+ * Errors: GD_INVALID_ARGUMENT (a level that is negative or not finite), GD_BEYOND_REACH (a partial
+ * field ends before the level), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: one pass
+ * over edges and faces, and O(k^2) for each face that the line may cross, of k wedges around it.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_isoline_trace(const struct gd_field *field, double level,
                                             const struct gd_control *control,
                                             struct gd_isoline *out);

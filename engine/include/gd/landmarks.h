@@ -17,9 +17,9 @@ struct gd_landmarks;
 
 /* Builds up to 16 landmarks, each as far as can be from those before. They keep the mesh alive.
  * Errors: GD_INVALID_ARGUMENT (count is 0 or more than 16), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1 propagations that store no wedges (the
- * first only finds where the first landmark goes), and 64 bytes a vertex, however many landmarks.
- */
+ * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY.
+ * Cost: count + 1 propagations that store no wedges (the first only finds where the first landmark
+ * goes), and 64 bytes a vertex, however many landmarks. */
 GD_MUST_USE enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
                                               const struct gd_control *control,
                                               struct gd_landmarks **out);

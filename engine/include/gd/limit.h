@@ -26,10 +26,9 @@ struct gd_limit_jet {
     struct gd_vec3 normal; /* of unit length, outwards; NAN where there is none */
     struct gd_vec3 du, dv;
     struct gd_vec3 duu, duv, dvv;
-    double curvatures
-        /* principal, ascending; positive where the surface bends towards its normal (a sphere's are
-           -1/r) */
-        [2];
+    /* principal, ascending; positive where the surface bends towards its normal (a sphere's are
+       -1/r) */
+    double curvatures[2];
     /* At an extraordinary vertex, at the end of a crease, and at a corner that is no single face's,
      * derivatives in u and v vanish or are infinite: there du and dv are of unit length along the
      * face's two edges, second derivatives are 0 and curvatures NAN, for they have no limit in

@@ -2,10 +2,12 @@
  * limit surface to points of the mesh and back.
  *
  *     struct gd_limit_mesh *fine;
- *     if (gd_limit_mesh_build(surface, gd_limit_mesh_usual_level(surface), 0, NULL, &fine, &detail)
- * == GD_OK) { gd_limit_mesh_point(fine, &place, &point, NULL);
- *         ...gd_trace_follow(gd_limit_mesh_mesh(fine), &point, ..., with
- * gd_limit_mesh_normals(fine))... gd_limit_mesh_free(fine);
+ *     if (gd_limit_mesh_build(surface, gd_limit_mesh_usual_level(surface), 0, NULL, &fine,
+ *                             &detail) == GD_OK) {
+ *         gd_limit_mesh_point(fine, &place, &point, NULL);
+ *         ...gd_trace_follow(gd_limit_mesh_mesh(fine), &point, ...,
+ *                            with gd_limit_mesh_normals(fine))...
+ *         gd_limit_mesh_free(fine);
  *     }
  *
  * Triangles are numbered face by face and cell by cell, so that no table tells them: a place's

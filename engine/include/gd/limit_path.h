@@ -13,8 +13,8 @@ struct gd_limit_step {
 enum gd_limit_end {
     GD_LIMIT_END_LENGTH,
     GD_LIMIT_END_BOUNDARY, /* it met the boundary of the surface */
-    /* it met a corner, a vertex at a crease or a place without a normal, where no way is straight
-     */
+    /* it met a corner, a vertex at a crease or a place without a normal, where no way is
+       straight */
     GD_LIMIT_END_SINGULAR,
     GD_LIMIT_END_STEPS /* GD_LIMIT_STEPS */
 };
@@ -22,10 +22,9 @@ enum gd_limit_end {
 #define GD_LIMIT_STEPS 1000000
 
 struct gd_limit_path {
-    struct gd_limit_step
-        /* step_count >= 1; from the start to where it ended, close enough to be drawn: some for
-           each patch */
-        *steps;
+    /* step_count >= 1; from the start to where it ended, close enough to be drawn: some for each
+       patch */
+    struct gd_limit_step *steps;
     uint32_t step_count;
     double length;            /* falls short unless it ended by length */
     struct gd_vec3 direction; /* in which it would go on at the end, of unit length */

@@ -16,26 +16,25 @@ struct gd_mean_request {
     const struct gd_point *points; /* borrowed; at least one, all of one component */
     const double *weights;         /* >= 0, not all 0; NULL: equal ones. Borrowed */
     uint32_t count;
-    bool one_step; /* "Geodesic Hermite splines on triangular meshes", Figure 7: the weighted
-                    * vectors from the first point to the others are summed there, once. Depends on
-                    * which point is the first */
+    /* "Geodesic Hermite splines on triangular meshes", Figure 7: the weighted vectors from the
+       first point to the others are summed there, once. Depends on which point is the first */
+    bool one_step;
     const struct gd_landmarks *landmarks; /* of this mesh: searches are narrower; NULL: none */
 };
 
 struct gd_mean {
     struct gd_point point;
-    /* length of the step that would be next, in the caller's unit: at a minimum 0 but for rounding
-     */
+    /* length of the step that would be next, in the caller's unit: at a minimum 0 but for
+       rounding */
     double residual;
     /* sqrt(f / sum of the weights): how far the points lie from it in the mean square */
     double spread;
     uint32_t iterations;
     /* the residual is at most 1e-11 of the spread; after 100 iterations it is what it is */
     bool converged;
-    bool
-        /* the mean, or a place that the iteration came by, lies on the cut locus of a point:
-           vectors jump there, and another mean may be as good */
-        is_cut;
+    /* the mean, or a place that the iteration came by, lies on the cut locus of a point: vectors
+       jump there, and another mean may be as good */
+    bool is_cut;
 };
 
 /* `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no point, a weight that is

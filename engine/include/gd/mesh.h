@@ -87,10 +87,8 @@ void gd_mesh_release(const struct gd_mesh *mesh); /* NULL is harmless */
 size_t gd_mesh_memsize(const struct gd_mesh *mesh);
 
 struct gd_mesh_summary {
-    uint32_t
-        /* vertices of the input, the unreferenced ones included, and the copies that repair
-           appended */
-        index_count;
+    /* vertices of the input, the unreferenced ones included, and the copies that repair appended */
+    uint32_t index_count;
     uint32_t vertices; /* of the surface */
     uint32_t faces;    /* triangles */
     /* triangles of the input: `faces`, and those that weld and repair removed */
@@ -137,14 +135,12 @@ struct gd_mended {
  * path crosses. engine/doc/003 tells which faces stay together and why. */
 struct gd_mesh_repair {
     struct gd_mended vertices_welded; /* index, the vertex that it joined */
-    struct gd_mended
-        /* the same, by an edge of length zero, or of less than 1e-6 of a flat face's longest one */
-        vertices_merged;
+    /* the same, by an edge of length zero, or of less than 1e-6 of a flat face's longest one */
+    struct gd_mended vertices_merged;
     /* face removed, the lower face with the same vertices, which stays */
     struct gd_mended duplicate_faces;
-    struct gd_mended
-        /* face removed because nothing was left of it, or flat with no single neighbour: face, 0 */
-        degenerate_faces;
+    /* face removed because nothing was left of it, or flat with no single neighbour: face, 0 */
+    struct gd_mended degenerate_faces;
     struct gd_mended edges_flipped; /* a flat face, and the neighbour over its longest edge */
     /* an edge of more than two faces: its vertices, the lower one first */
     struct gd_mended edges_split;

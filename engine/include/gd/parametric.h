@@ -10,8 +10,8 @@
  *
  * Coordinates are in the caller's length unit. A closed direction is periodic: any real parameter
  * is taken, its ends are one curve. Other parameters lie within [low, high]. A border that is one
- * point of space is a pole. Surfaces are immutable once made: any number of threads may read them.
- */
+ * point of space is a pole. Surfaces are immutable once made: any number of threads may read
+ * them. */
 #ifndef GD_PARAMETRIC_H
 #define GD_PARAMETRIC_H
 
@@ -38,10 +38,9 @@ struct gd_axis {
     bool seam;
     bool pole_low, pole_high; /* the whole border at low, at high is one point */
     uint32_t line_count;
-    const double
-        /* increasing, inside (low, high): there the surface is smooth on both sides only; NULL
-           without */
-        *lines;
+    /* increasing, inside (low, high): there the surface is smooth on both sides only; NULL
+       without */
+    const double *lines;
 };
 
 /* A surface by its evaluator. `jet` gives position and derivatives of the smooth piece number
@@ -104,9 +103,10 @@ struct gd_parametric_foot {
 };
 
 /* The point of the surface nearest to `xyz`: the global one, looked for by Newton's method from
- * every place of a dense grid that can be near it. `control` and `detail` may be NULL. Errors:
- * GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: some
- * thousand evaluations. Piegl and Tiller, The NURBS Book, section 6.1. */
+ * every place of a dense grid that can be near it.
+ * `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: some thousand evaluations. Piegl and Tiller, The
+ * NURBS Book, section 6.1. */
 GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *surface,
                                                  struct gd_vec3 xyz,
                                                  const struct gd_control *control,

@@ -1,9 +1,14 @@
 /* Picture: a mesh as a person would have it in a report: shaded, with a path, with the distances of
  * a field as colours and isolines.
  *
- *     const struct gd_picture picture = {.mesh = mesh, .field = field, .path = &path, .isolines =
- * 10}; void *bytes; size_t size; if (gd_picture_png(&picture, NULL, &bytes, &size) == GD_OK) {
- * fwrite(bytes, 1, size, file); free(bytes); }
+ *     const struct gd_picture picture = {
+ *         .mesh = mesh, .field = field, .path = &path, .isolines = 10};
+ *     void *bytes;
+ *     size_t size;
+ *     if (gd_picture_png(&picture, NULL, &bytes, &size) == GD_OK) {
+ *         fwrite(bytes, 1, size, file);
+ *         free(bytes);
+ *     }
  *
  * The projection is parallel. Each pixel is an average of 16 samples of the surface; the colour of
  * a field is that of the exact distance where the pixel's part of a face lies, not interpolated
@@ -24,8 +29,8 @@
 /* Whence it is seen. Names are with respect to `up`: up y: the front is seen from +z, the right
  * from +x; up z: the front from -y. */
 enum gd_view {
-    /* iso, or if there are a path or a field's source and another view shows more of them, that one
-     */
+    /* iso, or if there are a path or a field's source and another view shows more of them, that
+       one */
     GD_VIEW_CHOSEN,
     GD_VIEW_FRONT,
     GD_VIEW_BACK,
@@ -58,10 +63,11 @@ struct gd_picture {
 };
 
 /* The picture as a file, `*size` bytes at `*bytes`, which the caller frees by free. `control` may
- * be NULL. Errors: GD_INVALID_ARGUMENT (a size, a number of isolines, a direction or an upwards
- * outside what is said above, or a field of another mesh), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. Cost: O(faces + pixels), and for a field the distances at the pixels. 800 x 600 of
- * 100,000 faces: engine/doc/025. Memory: about 64 bytes a face, 17 a pixel, and what isolines take.
+ * be NULL.
+ * Errors: GD_INVALID_ARGUMENT (a size, a number of isolines, a direction or an upwards outside what
+ * is said above, or a field of another mesh), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
+ * Cost: O(faces + pixels), and for a field the distances at the pixels. 800 x 600 of 100,000 faces:
+ * engine/doc/025. Memory: about 64 bytes a face, 17 a pixel, and what isolines take.
  * Thread-safe. */
 GD_MUST_USE enum gd_status gd_picture_png(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,

@@ -44,15 +44,14 @@ struct gd_result {
     /* line_count + 1 offsets into `points`; a line has at least one point */
     const uint32_t *first;
     uint32_t line_count;
-    const double
-        /* of isolines: the distance that each line lies at, finite; lines of a level stand together
-         */
-        *levels;
+    /* of isolines: the distance that each line lies at, finite; lines of a level stand together */
+    const double *levels;
 };
 
 /* Writes a result. `*out` is malloc'ed and owned by the caller. Thread-safe; time linear in the
- * output. Errors: GD_INVALID_ARGUMENT (nothing that the format can hold: PLY without mesh, OBJ
- * without lines, distances without mesh), GD_NOT_TRIANGLES, GD_NON_FINITE (GLB: beyond the range of
+ * output.
+ * Errors: GD_INVALID_ARGUMENT (nothing that the format can hold: PLY without mesh, OBJ without
+ * lines, distances without mesh), GD_NOT_TRIANGLES, GD_NON_FINITE (GLB: beyond the range of
  * floats), GD_TOO_LARGE (GLB: 4 GiB), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd_write_result(const struct gd_result *result,
                                            enum gd_result_format format, char **out, size_t *size);

@@ -4,8 +4,7 @@
  *     struct gd_point points[64];
  *     double radii[64];
  *     if (gd_sampling_farthest(mesh, &start, 64, NULL, NULL, points, radii, NULL) == GD_OK)
- * printf("%.17g\n", radii[63]);
- */
+ *         printf("%.17g\n", radii[63]); */
 #ifndef GD_SAMPLING_H
 #define GD_SAMPLING_H
 

@@ -20,10 +20,9 @@
 
 struct gd_shortening {
     struct gd_curve curve; /* owned */
-    double
-        /* radians by which the curve misses being straight at most where pieces meet; bends round
-           vertices that make it shorter don't count */
-        turn;
+    /* radians by which the curve misses being straight at most where pieces meet; bends round
+       vertices that make it shorter don't count */
+    double turn;
     uint32_t rounds;
     bool is_geodesic; /* the turn is less than 1e-9 */
 };

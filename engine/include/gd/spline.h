@@ -1,19 +1,23 @@
 /* Spline: a geodesic Hermite spline, that is a smooth curve on the surface through given points.
  *
- *     struct gd_spline_request request = {.points = points, .count = 5, .closed = true, .alpha =
- * 0.5}; struct gd_spline spline; if (gd_spline_build(mesh, &request, NULL, &spline, &detail) ==
- * GD_OK) { struct gd_spline_line line; if (gd_spline_sample(mesh, &spline, &(struct
- * gd_spline_sampling){.per_segment = 16}, NULL, &line, &detail) == GD_OK) { printf("%u points,
- * length %g\n", line.path.count, line.path.length); gd_spline_line_free(&line);
+ *     struct gd_spline_request request = {
+ *         .points = points, .count = 5, .closed = true, .alpha = 0.5};
+ *     struct gd_spline spline;
+ *     if (gd_spline_build(mesh, &request, NULL, &spline, &detail) == GD_OK) {
+ *         struct gd_spline_line line;
+ *         struct gd_spline_sampling sampling = {.per_segment = 16};
+ *         if (gd_spline_sample(mesh, &spline, &sampling, NULL, &line, &detail) == GD_OK) {
+ *             printf("%u points, length %g\n", line.path.count, line.path.length);
+ *             gd_spline_line_free(&line);
  *         }
  *         gd_spline_free(&spline);
  *     }
  *
  * Source: "Geodesic Hermite splines on triangular meshes", equations 4 to 6. Point i has the
  * parameter u_i = u_(i-1) + d(p_i, p_(i-1))^alpha and a tangent v_i, a vector by unit of the
- * parameter. Between two points the curve is the cubic of Bezier with the control points p_i, p_i
- * (+) (D/3) v_i, p_(i+1) (+) (-D/3) v_(i+1), p_(i+1), D being the difference of their parameters:
- * lines become geodesics. Where the surface is flat it is the classical Hermite spline.
+ * parameter. Between two points the curve is the cubic of Bezier with the control points p_i,
+ * p_i (+) (D/3) v_i, p_(i+1) (+) (-D/3) v_(i+1), p_(i+1), D being the difference of their
+ * parameters: lines become geodesics. Where the surface is flat it is the classical Hermite spline.
  *
  * Between control points the curve is what halving them for ever leads to: de Casteljau's
  * construction with parameter 1/2, geodesics being those that the polygon becomes when it is pulled
@@ -47,10 +51,9 @@ struct gd_spline_request {
     /* the last is joined to the first, which is not repeated; two points: there and back */
     bool closed;
     double alpha; /* from 0 to 1: 0 uniform, 1/2 centripetal, 1 chordal */
-    double
-        /* c: 0 (Catmull and Rom) to 1: the tangents of inner points are 0, the curve is a geodesic
-           polyline */
-        tension;
+    /* c: 0 (Catmull and Rom) to 1: the tangents of inner points are 0, the curve is a geodesic
+       polyline */
+    double tension;
     enum gd_tangent_rule tangent_rule;
     enum gd_end_rule end_rule;
     /* one for each point; NULL: by the rules. Only angles and lengths are read */
@@ -58,21 +61,20 @@ struct gd_spline_request {
     /* whether a point's tangent counts; NULL: all of `tangents` do */
     const bool *is_given;
     const struct gd_landmarks *landmarks; /* of this mesh: searches are narrower; NULL: none */
-    const struct gd_executor
-        /* two searches, then two segments at a time; NULL: one after the other. The answer is the
-           same */
-        *executor;
+    /* two searches, then two segments at a time; NULL: one after the other. The answer is the
+       same */
+    const struct gd_executor *executor;
 };
 
 /* What the spline has at a point. */
 struct gd_spline_knot {
     double parameter;
     struct gd_vector tangent;
-    double
-        /* radians between the curve that comes and the one that goes, and the difference of their
-           speeds relative to the greater one, as */
-        angle_jump;
-    double speed_jump; /* measured on the control polygon; 0 at ends: a clipped leg shows here */
+    /* radians between the curve that comes and the one that goes, and the difference of their
+       speeds relative to the greater one, as measured on the control polygon; 0 at ends: a clipped
+       leg shows here */
+    double angle_jump;
+    double speed_jump;
 };
 
 struct gd_spline_segment {
@@ -81,10 +83,9 @@ struct gd_spline_segment {
     double begin, end;      /* parameters */
     double distance;        /* between control[0] and control[3] */
     bool is_clipped;        /* a tangent leads over the boundary: its leg ends there */
-    bool
-        /* control[0] and control[3] lie on each other's cut locus: another way between them is as
-           short, so that the curve may jump there when a point is moved */
-        is_cut;
+    /* control[0] and control[3] lie on each other's cut locus: another way between them is as
+       short, so that the curve may jump there when a point is moved */
+    bool is_cut;
 };
 
 /* Owns its arrays. */
@@ -99,13 +100,13 @@ struct gd_spline {
 void gd_spline_free(struct gd_spline *spline); /* frees the arrays and zeroes; NULL is harmless */
 
 /* The spline of a request. `control` and `detail` may be NULL. Where a point is at fault,
- * detail->elements[0][0] is its number and detail->count 1. Errors: GD_INVALID_ARGUMENT (too few
- * points, points that repeat the one before, alpha or tension outside 0 to 1, a tangent that is not
- * finite or so long that its geodesic is no end of, points that no path joins), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and what gd_pair_solve says. Cost: a search a segment (by
- * the paper's rule one more an inner point), and two traces. With an executor of width 2 or more
- * all this takes about half as long and up to twice the memory, within the same budget.
- * Thread-safe. */
+ * detail->elements[0][0] is its number and detail->count 1.
+ * Errors: GD_INVALID_ARGUMENT (too few points, points that repeat the one before, alpha or tension
+ * outside 0 to 1, a tangent that is not finite or so long that its geodesic is no end of, points
+ * that no path joins), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and what gd_pair_solve
+ * says. Cost: a search a segment (by the paper's rule one more an inner point), and two traces.
+ * With an executor of width 2 or more all this takes about half as long and up to twice the memory,
+ * within the same budget. Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh,
                                            const struct gd_spline_request *request,
                                            const struct gd_control *control, struct gd_spline *out,
@@ -117,14 +118,12 @@ GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh,
 struct gd_spline_sampling {
     uint32_t per_segment; /* equal steps of the parameter, so many a segment */
     uint32_t even;        /* equal arc lengths, so many in all: constant speed */
-    double
-        /* a length: the polyline departs from the curve by no more, but for the surface's curvature
-           within a step of it */
-        tolerance;
-    double
-        /* a length: equal arc lengths as near to it as a whole number of them allows; to about 1e-6
-           of it */
-        spacing;
+    /* a length: the polyline departs from the curve by no more, but for the surface's curvature
+       within a step of it */
+    double tolerance;
+    /* a length: equal arc lengths as near to it as a whole number of them allows; to about 1e-6 of
+       it */
+    double spacing;
     const double *parameters; /* ascending, within the knots' */
     uint32_t count;           /* of them */
 };

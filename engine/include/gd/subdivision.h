@@ -1,8 +1,8 @@
 /* Subdivision surface: a control mesh and the scheme whose limit it stands for.
  *
  *     struct gd_subdivision *surface;
- *     if (gd_subdivision_create(&control, GD_SCHEME_CATMULL_CLARK, NULL, &surface, &detail) ==
- * GD_OK) {
+ *     if (gd_subdivision_create(&control, GD_SCHEME_CATMULL_CLARK, NULL, &surface,
+ *                               &detail) == GD_OK) {
  *         ...gd_limit_evaluate (gd/limit.h), gd_discretize (gd/discretization.h)...
  *         gd_subdivision_release(surface);
  *     }

@@ -29,10 +29,9 @@ struct gd_tessellation_options {
     uint32_t faces; /* about so many triangles; more where lines or `deviation` ask for it */
     /* length > 0: how far, about, an edge may be from the surface; 0: no matter */
     double deviation;
-    uint32_t steps
-        /* instead of both: even steps in u and in v, at least GD_TESSELLATION_STEPS_LEAST each; 0
-           both: as those say */
-        [2];
+    /* instead of both: even steps in u and in v, at least GD_TESSELLATION_STEPS_LEAST each; 0 both:
+       as those say */
+    uint32_t steps[2];
 };
 
 /* Errors: GD_INVALID_ARGUMENT (options out of range), GD_TOO_LARGE (more than

@@ -11,12 +11,13 @@
  *
  * Source: K. Polthier and M. Schmies, "Straightest geodesics on polyhedral surfaces" (the rule
  * `bisect`); the paper on limit surfaces of Catmull-Clark meshes (the rule of normals). Across an
- * edge the two faces are laid flat. At a vertex there is more than one way to be straight: bisect
- * half of the total angle is left on each side normal    on in the plane of the line that comes in
- * and the vertex' normal: for meshes that stand for a smooth surface A line that passes a vertex
- * within rounding goes through it, so that it doesn't matter to which side of it rounding falls:
- * within 1e-12 of the edge that it crosses or of the way from its start, whichever is shorter, and
- * 4e-15 of the edge.
+ * edge the two faces are laid flat. At a vertex there is more than one way to be straight:
+ *     bisect    half of the total angle is left on each side
+ *     normal    on in the plane of the line that comes in and the vertex' normal: for meshes that
+ *               stand for a smooth surface
+ * A line that passes a vertex within rounding goes through it, so that it doesn't matter to which
+ * side of it rounding falls: within 1e-12 of the edge that it crosses or of the way from its start,
+ * whichever is shorter, and 4e-15 of the edge.
  *
  * At the boundary a line stops, or slides: on along the boundary, to the side to which it leans, as
  * long as it makes an acute angle with the edge that comes next, and off it again where the
@@ -55,10 +56,8 @@ enum gd_trace_end {
 struct gd_trace {
     /* from the start to where it ended; path.length falls short unless it ended by length */
     struct gd_path path;
-    struct gd_direction
-        /* in which it would go on at the end; where it met the boundary this leads off the surface
-         */
-        direction;
+    /* in which it would go on at the end; where it met the boundary this leads off the surface */
+    struct gd_direction direction;
     enum gd_trace_end end;
 };
 

@@ -1,9 +1,10 @@
 /* Vector: a tangent vector at a point of the surface, and what points and vectors do with each
  * other there.
  *
- *     struct gd_log log;                                       q (-) p, from the shortest path from
- * p to q if (gd_vector_log(mesh, &path, &log, NULL) == GD_OK) { gd_vector_exp(mesh, &p,
- * log.segments, log.count, NULL, NULL, &trace, NULL);        ends in q gd_log_free(&log);
+ *     struct gd_log log;     q (-) p, from the shortest path from p to q
+ *     if (gd_vector_log(mesh, &path, &log, NULL) == GD_OK) {
+ *         gd_vector_exp(mesh, &p, log.segments, log.count, NULL, NULL, &trace, NULL);   ends in q
+ *         gd_log_free(&log);
  *     }
  *
  * Source: "Geodesic Hermite splines on triangular meshes", section 3: p (+) v is the end of the

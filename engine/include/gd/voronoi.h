@@ -3,8 +3,9 @@
  *
  *     struct gd_voronoi voronoi;
  *     if (gd_voronoi_trace(field, NULL, 1e-3, NULL, &voronoi) == GD_OK) {
- *         for (uint32_t i = 0; i < voronoi.bisector_count; i++) printf("%.17g\n",
- * voronoi.bisectors[i].length); gd_voronoi_free(&voronoi);
+ *         for (uint32_t i = 0; i < voronoi.bisector_count; i++)
+ *             printf("%.17g\n", voronoi.bisectors[i].length);
+ *         gd_voronoi_free(&voronoi);
  *     }
  *
  * A member is one or several of the field's seeds, points and segments: a point, a curve, a
