@@ -18,8 +18,8 @@ static struct span trimmed(struct span span)
     return span;
 }
 
-/* Takes the part before the first `separator` off the front of `*rest`, and the separator with it.
- */
+/* Takes the part before the first `separator` off the front of `*rest`, and the separator with
+ * it. */
 static struct span next_part(struct span *rest, char separator)
 {
     const char *found = memchr(rest->text, separator, rest->size);

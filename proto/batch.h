@@ -4,8 +4,10 @@
  *     while (proto_batch_next(text, size, &line)) {
  *         struct proto_batch_query query;
  *         size_t begin = proto_batch_begin(&writer);
- *         if (!proto_batch_decode(&line, &query, &problem)) { proto_batch_refuse(&writer, begin,
- * &line, &problem); continue; }
+ *         if (!proto_batch_decode(&line, &query, &problem)) {
+ *             proto_batch_refuse(&writer, begin, &line, &problem);
+ *             continue;
+ *         }
  *         ... solve; write the answer, an object; proto_batch_query_free(&query) ...
  *         proto_batch_end(&writer, begin);
  *     }

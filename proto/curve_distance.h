@@ -32,8 +32,8 @@ enum proto_curve_distance_field {
 /* NULL-terminated, for proto_options_parse */
 extern const char *const proto_curve_distance_fields[];
 
-/* {"distance", "reason"?, "closest": {"a": place, "b": place}, "path"}: of these the wanted ones.
- */
+/* {"distance", "reason"?, "closest": {"a": place, "b": place}, "path"}: of these the wanted
+ * ones. */
 void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                                  const struct gd_curve_distance *least,
                                  const struct proto_options *options);

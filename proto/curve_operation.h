@@ -1,11 +1,11 @@
 /* Curve operation: what is done to a curve. The request is {"curve", "operation"} and the
  * operation's arguments:
  *
- *     length                                                 -> {"path"}
- *     resample         "count"                               -> {"path", "points"}
- *     shorten          "rounds"?, "pieces"?                  -> {"path", "turn", "rounds",
- * "geodesic"} closed-geodesic                                        -> the same offset "distance",
- * "tolerance"?              -> {"paths"} */
+ *     length                                      -> {"path"}
+ *     resample         "count"                    -> {"path", "points"}
+ *     shorten          "rounds"?, "pieces"?       -> {"path", "turn", "rounds", "geodesic"}
+ *     closed-geodesic                             -> the same
+ *     offset           "distance", "tolerance"?   -> {"paths"} */
 #ifndef PROTO_CURVE_OPERATION_H
 #define PROTO_CURVE_OPERATION_H
 
@@ -54,8 +54,8 @@ enum proto_curve_operation_field {
 /* NULL-terminated, for proto_options_parse */
 extern const char *const proto_curve_operation_fields[];
 
-/* What has come out of an operation: what does not belong to it is all zero. The curve is the path.
- */
+/* What has come out of an operation: what does not belong to it is all zero. The curve is the
+ * path. */
 struct proto_curve_result {
     enum proto_operation operation;
     struct gd_curve curve;

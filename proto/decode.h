@@ -51,8 +51,8 @@ bool proto_decode_index(const json_t *object, const char *place, const char *mem
 bool proto_decode_flag(const json_t *object, const char *place, const char *member, bool *out,
                        struct proto_problem *problem);
 
-/* A limit of distances, "max_distance" of a request's document: more than 0; 0 when it is left out.
- */
+/* A limit of distances, "max_distance" of a request's document: more than 0; 0 when it is left
+ * out. */
 bool proto_decode_max_distance(const json_t *document, double *out, struct proto_problem *problem);
 
 /* The member must be there and be an array of exactly `count` of them. */

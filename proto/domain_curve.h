@@ -1,7 +1,8 @@
 /* Domain curve: a curve in the parameter domain of a surface, in a request:
  *
- *     {"polyline": [[u, v]…], "closed"?} | {"bspline": {"degree", "knots", "control_points"},
- * "closed"?} | {"iso": "u" | "v", "value", "range"?}
+ *     {"polyline": [[u, v]…], "closed"?}
+ *     | {"bspline": {"degree", "knots", "control_points"}, "closed"?}
+ *     | {"iso": "u" | "v", "value", "range"?}
  *
  * Its parameter is: along a polyline the number of the corner, of a B-spline its knots', of an iso
  * line the other coordinate. */

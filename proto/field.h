@@ -30,8 +30,8 @@ struct proto_field_description {
     struct gd_point farthest; /* where it is, if it is known */
 };
 
-/* Fields of the description, as bits of proto_options.fields; in the order of proto_field_fields.
- */
+/* Fields of the description, as bits of proto_options.fields; in the order of
+ * proto_field_fields. */
 enum proto_field_field {
     PROTO_FIELD_FIELD_ID = 1 << 0,
     PROTO_FIELD_FIELD_WEDGES = 1 << 1,

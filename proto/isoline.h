@@ -7,8 +7,10 @@
  *         proto_isoline_begin(&writer, level);
  *         for each line:
  *             proto_line_begin(&writer, &line);
- *             proto_line_points(&writer, mesh, &points, geometry), between begin and end of
- * "points"; likewise arcs proto_line_end(&writer); proto_isoline_end(&writer);
+ *             proto_line_points(&writer, mesh, &points, geometry), between begin and end
+ *                 of "points"; likewise arcs
+ *             proto_line_end(&writer);
+ *         proto_isoline_end(&writer);
  *     proto_isolines_end(&writer); */
 #ifndef PROTO_ISOLINE_H
 #define PROTO_ISOLINE_H

@@ -1,8 +1,9 @@
 /* Limit jet: places of a subdivision surface, evaluated, and the place nearest to a point of space.
  *
  *     evaluate   {"points": [place…]}  -> {"points": [{"xyz", "normal", "du", "dv", "duu", "duv",
- * "dvv", "curvatures"}…]} nearest    {"xyz": [x, y, z]}    -> {"face", "uv", "xyz", "distance"}:
- * the request is proto_foot_decode's (jet.h) */
+ *                                                    "dvv", "curvatures"}…]}
+ *     nearest    {"xyz": [x, y, z]}    -> {"face", "uv", "xyz", "distance"}: the request is
+ *                                         proto_foot_decode's (jet.h) */
 #ifndef PROTO_LIMIT_JET_H
 #define PROTO_LIMIT_JET_H
 

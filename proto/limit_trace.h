@@ -13,10 +13,8 @@
 
 struct proto_limit_trace { /* all zero is an empty one */
     struct gd_limit_point start;
-    struct proto_trace
-        /* directions or fan, and options, which are without normals; not its start, not its length
-         */
-        ways;
+    /* directions or fan, and options, which are without normals; not its start, not its length */
+    struct proto_trace ways;
     double length;
     bool smooth;
     uint32_t level; /* of the mesh, if it isn't smooth */

@@ -1,5 +1,5 @@
-/* Made mesh: what requests for meshes of smooth surfaces, and answers about those, have in common.
- */
+/* Made mesh: what requests for meshes of smooth surfaces, and answers about those, have in
+ * common. */
 #ifndef PROTO_MADE_MESH_H
 #define PROTO_MADE_MESH_H
 

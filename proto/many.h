@@ -1,10 +1,10 @@
 /* Many: a batch that is worked on item by item, by whichever daemon has time: POST /v1/batches. An
  * item is a question of its own, as a client could ask it.
  *
- *     {"query": "all-pairs", "mesh": "bunny", "vertices": [0, 17, 2040]}      an item a source: its
- * distances to all of them
- *     {"query": "fields", "meshes": ["a", "b"], "set": {…}, "max_distance"?}  an item a mesh: the
- * field of that set */
+ *     {"query": "all-pairs", "mesh": "bunny", "vertices": [0, 17, 2040]}
+ *         an item a source: its distances to all of them
+ *     {"query": "fields", "meshes": ["a", "b"], "set": {…}, "max_distance"?}
+ *         an item a mesh: the field of that set */
 #ifndef PROTO_MANY_H
 #define PROTO_MANY_H
 

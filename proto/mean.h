@@ -1,5 +1,5 @@
-/* Mean: the weighted mean of points of a surface. The request is {"points", "weights"?, "method"?}.
- */
+/* Mean: the weighted mean of points of a surface. The request is {"points", "weights"?,
+ * "method"?}. */
 #ifndef PROTO_MEAN_H
 #define PROTO_MEAN_H
 

@@ -15,8 +15,7 @@
 #define PROTO_MESH_NAME       128 /* most characters of a name, without the NUL */
 
 /* [A-Za-z0-9_-][A-Za-z0-9._-]{0,127}; else invalid_request. `name` has `length` bytes and need not
- * be NUL-terminated.
- */
+ * be NUL-terminated. */
 bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem *problem);
 
 struct proto_mesh_options {

@@ -1,8 +1,7 @@
 /* NURBS: the resource. Its file, which is JSON,
  *
  *     {"degreeU", "degreeV", "knotsU", "knotsV", "controlPoints", "weights"?, "convention"?}
- *     {"parametric": {…}}                                                                        a
- * surface of known shape (parametric.h)
+ *     {"parametric": {…}}     a surface of known shape (parametric.h)
  *
  * the options of an upload, and its description. No JSON library shows here. */
 #ifndef PROTO_NURBS_H

@@ -6,9 +6,8 @@
 
 #define XYZ_BYTES   60 /* of three coordinates of some 18 characters */
 #define POINT_BYTES 120
-#define LAST_BYTES                                                                                 \
-    2500 /* more than that for the last of them, whose numbers the writer takes to be as long as   \
-            can be */
+/* more than that for the last of them, whose numbers the writer takes to be as long as can be */
+#define LAST_BYTES 2500
 
 /* The element that a point lies on and no more: what names it again in a request. */
 static uint32_t fields_by_kind(enum gd_point_kind kind)

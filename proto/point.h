@@ -46,8 +46,8 @@ struct proto_point {
 };
 
 /* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?} or
- * {"ray":{"origin","direction"}}. `pointer`: the JSON Pointer of `value`, copied. invalid_request.
- */
+ * {"ray":{"origin","direction"}}. `pointer`: the JSON Pointer of `value`, copied.
+ * invalid_request. */
 bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
                         struct proto_problem *problem);
 

@@ -15,8 +15,8 @@ void proto_points_free(struct proto_points *points); /* leaves an empty list */
 struct proto_point *proto_points_add(struct proto_points *points, struct proto_problem *problem);
 
 /* Adds the points of a JSON array, of at most `most`; `pointer` is the array's place. On failure
- * the list may have some of them. invalid_request, too_large (with the limit), insufficient_memory.
- */
+ * the list may have some of them. invalid_request, too_large (with the limit),
+ * insufficient_memory. */
 bool proto_points_decode(struct proto_points *points, const json_t *value, const char *pointer,
                          uint32_t most, struct proto_problem *problem);
 

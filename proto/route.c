@@ -11,8 +11,7 @@ struct split_path {
 };
 
 /* "/" has no segments, "/a/" has two, the second one empty. False: more segments than any route
- * has, or no path at all.
- */
+ * has, or no path at all. */
 static bool split(const char *path, struct split_path *out)
 {
     out->count = 0;

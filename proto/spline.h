@@ -1,8 +1,8 @@
 /* Spline: a geodesic Hermite spline in a request, by itself or as a curve, and in an answer.
  *
  *     {"points", "closed"?, "alpha"?, "tension"?, "tangent_rule"?, "end_rule"?, "tangents"?,
- *      "samples"? | "tolerance"? | "spacing"?, "speed"?}         and in a request of its own also
- * "at"? and "frames"?
+ *      "samples"? | "tolerance"? | "spacing"?, "speed"?}
+ *                                           and in a request of its own also "at"? and "frames"?
  *     -> {"path", "segments", "parameters", "joints", "frames"}
  *
  * Decoding needs no mesh; locating puts points and tangents on one. */

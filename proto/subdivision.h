@@ -2,8 +2,8 @@
  * any mesh file of polygons, in OBJ with the tag lines of OpenSubdiv, or JSON with USD's names:
  *
  *     {"points": [[x,y,z]…], "faceVertexCounts", "faceVertexIndices", "creaseIndices"?,
- * "creaseLengths"?, "creaseSharpnesses"?, "cornerIndices"?, "cornerSharpnesses"?,
- * "interpolateBoundary"?, "subdivisionScheme"?}
+ *      "creaseLengths"?, "creaseSharpnesses"?, "cornerIndices"?, "cornerSharpnesses"?,
+ *      "interpolateBoundary"?, "subdivisionScheme"?}
  *
  * No JSON library shows here. */
 #ifndef PROTO_SUBDIVISION_H

@@ -10,9 +10,8 @@
 #include "proto/point.h"
 
 #define PROTO_TRACE_DIRECTIONS 10000 /* most of them */
-#define PROTO_TRACE_STEPS                                                                          \
-    100000 /* points of a path when no limit is asked for; the most that can be is GD_TRACE_STEPS  \
-            */
+/* points of a path when no limit is asked for; the most that can be is GD_TRACE_STEPS */
+#define PROTO_TRACE_STEPS 100000
 
 struct proto_trace { /* all zero is an empty one */
     struct proto_point start;

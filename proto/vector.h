@@ -1,8 +1,9 @@
 /* Vector: tangent vectors in requests and answers, and the operations exp, log and transport.
  *
- *     exp        {"start", "vectors", "combine"?}          -> {"start", "vectors", "points",
- * "paths"} log        {"from", "to", "first_vector_only"?}      -> {"from", "vectors"} transport
- * {"from", "to", "vectors", "combine"?}     -> {"from", "to", "distance", "reason"?, "vectors"}
+ *     exp        {"start", "vectors", "combine"?}       -> {"start", "vectors", "points", "paths"}
+ *     log        {"from", "to", "first_vector_only"?}   -> {"from", "vectors"}
+ *     transport  {"from", "to", "vectors", "combine"?}  -> {"from", "to", "distance", "reason"?,
+ *                                                           "vectors"}
  *
  * A vector is {"direction", "length"}, {"segments": [{"direction", "length"}…]}, or a vector as log
  * answers it, with all three, "cut_locus" and "reason". exp traces the segments where there are

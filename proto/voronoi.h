@@ -3,9 +3,12 @@
  * "closed", "length", "points"}]}, written as it is found:
  *
  *     proto_voronoi_begin(&writer);
- *     proto_voronoi_labels_begin(&writer); proto_voronoi_label(&writer, label) for each vertex
- * index; proto_voronoi_list_end(&writer); proto_voronoi_bisectors_begin(&writer); for each
- * bisector: proto_bisector_begin(&writer, &bisector), its points, proto_bisector_end(&writer);
+ *     proto_voronoi_labels_begin(&writer);
+ *     for each vertex index: proto_voronoi_label(&writer, label);
+ *     proto_voronoi_list_end(&writer);
+ *     proto_voronoi_bisectors_begin(&writer);
+ *     for each bisector:
+ *         proto_bisector_begin(&writer, &bisector), its points, proto_bisector_end(&writer);
  *     proto_voronoi_list_end(&writer);
  *     proto_voronoi_end(&writer); */
 #ifndef PROTO_VORONOI_H
