@@ -4,8 +4,8 @@
  *
  * usage: gd_http_bare THREADS BYTES
  *
- * Listens on a free port of 127.0.0.1, prints its number, and serves until its standard input ends.
- */
+ * Listens on a free port of 127.0.0.1, prints its number, and serves until its standard input
+ * ends. */
 #include <arpa/inet.h>
 #include <microhttpd.h>
 #include <stdio.h>
@@ -15,8 +15,8 @@
 
 #define BYTES_MOST (1 << 24)
 
-/* The first call shows the headers; the answer is queued in the one after it, as the daemon's is.
- */
+/* The first call shows the headers; the answer is queued in the one after it, as the daemon's
+ * is. */
 static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url,
                                   const char *method, const char *version, const char *upload,
                                   size_t *upload_size, void **context)

@@ -112,8 +112,8 @@ static double trace_mesh(struct bundle *bundle)
     return bench_thread_ms() - begun;
 }
 
-/* The same on the surface; `*off`: the median of how far apart the ends are from those on the mesh.
- */
+/* The same on the surface; `*off`: the median of how far apart the ends are from those on the
+ * mesh. */
 static double trace_smooth(const struct bundle *bundle, double *off)
 {
     double gaps[FAN], begun = bench_thread_ms();

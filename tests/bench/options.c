@@ -78,8 +78,8 @@ bool bench_take_cpu(char ***arguments)
     return true;
 }
 
-/* Keeps the process on one processor; false, after a sentence, where there is none of that number.
- */
+/* Keeps the process on one processor; false, after a sentence, where there is none of that
+ * number. */
 static bool pin(uint32_t cpu)
 {
     cpu_set_t set;

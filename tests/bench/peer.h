@@ -3,8 +3,8 @@
  *
  *     PROGRAM mesh.obj SOURCE...        a line {"field_ms":…,"cpu_ms":…,"sum":…} for each source
  *     PROGRAM --pair mesh.obj S T ...   a line {"pair_ms":…,"cpu_ms":…,"distance":…} for each pair
- *     PROGRAM --trace mesh.obj FACE...  a line {"trace_ms":…,"cpu_ms":…,"crossings":…,"ends":…} for
- * each face
+ *     PROGRAM --trace mesh.obj FACE...  a line {"trace_ms":…,"cpu_ms":…,"crossings":…,"ends":…}
+ *                                       for each face
  *
  * Vertices and faces are numbered from 0 in the file's order; every vertex belongs to a face, and
  * the mesh is one oriented 2-manifold of triangles (gd_bench export writes such files). Timed are:

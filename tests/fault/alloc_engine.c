@@ -3,8 +3,8 @@
  * the right answer to the last bit; it holds nothing afterwards that it did not hold before, and
  * works again.
  *
- *     gd_alloc [--short] [--list] [WORD]     operations whose name has that word in it; --list:
- * prints the addresses of the calls that failed
+ *     gd_alloc [--short] [--list] [WORD]     operations whose name has that word in it
+ *                                            --list: prints the addresses of failed calls
  *
  * Each way of calling (stack of return addresses) is failed once, alone, and once with all calls
  * behind it; the long form fails each call by its number, too. A child process does an operation's

@@ -14,10 +14,9 @@
 enum order { ORDER_FINE, ORDER_FRESH, ORDER_LASTING };
 
 struct control {
-    _Atomic uint32_t
-        /* FRESH: the first call that comes by a way by which none has failed; LASTING: and all
-           behind it */
-        order;
+    /* FRESH: the first call that comes by a way by which none has failed; LASTING: and all behind
+       it */
+    _Atomic uint32_t order;
     _Atomic uint32_t failures; /* since the giver of orders set it to 0 */
     _Atomic int64_t blocks;    /* held */
     struct stacks stacks;      /* ways of calling that have failed */

@@ -2,14 +2,18 @@
  * fail as the file INJECT_ORDER says:
  *
  *     fsync N     the N-th fsync from now on fails, with EIO; those after it succeed, as Linux has
- * it full N      from the N-th write from now on there is no room: what would make a file larger
- * fails with ENOSPC, until removed files have made room eio N       the N-th call that opens,
- * reads, writes, renames, links, removes, makes or cuts a file fails, with EIO short N     every
- * N-th read or write is interrupted (EINTR), and the others get half of what is asked for, as disks
- * may have it reset N     the N-th send or receive finds that the client is gone (ECONNRESET),
- * accepting that there is none (ECONNABORTED) clock N     the time of day is N seconds later, or
- * earlier slow N      each fsync, and each removal of a file, takes N milliseconds longer fine
- * nothing fails
+ *                 it
+ *     full N      from the N-th write from now on there is no room: what would make a file larger
+ *                 fails with ENOSPC, until removed files have made room
+ *     eio N       the N-th call that opens, reads, writes, renames, links, removes, makes or cuts a
+ *                 file fails, with EIO
+ *     short N     every N-th read or write is interrupted (EINTR), and the others get half of what
+ *                 is asked for, as disks may have it
+ *     reset N     the N-th send or receive finds that the client is gone (ECONNRESET), accepting
+ *                 that there is none (ECONNABORTED)
+ *     clock N     the time of day is N seconds later, or earlier
+ *     slow N      each fsync, and each removal of a file, takes N milliseconds longer
+ *     fine        nothing fails
  *
  * "From now on" begins when the order changes. The first failure of an order leaves a file
  * INJECT_ORDER.fired. */

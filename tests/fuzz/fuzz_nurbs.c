@@ -51,8 +51,8 @@ static void read_file(const uint8_t *data, size_t size)
 
 /* --- questions -------------------------------------------------------------------------------- */
 
-/* A surface with lines in one direction and a period in the other; made once, reachable to the end.
- */
+/* A surface with lines in one direction and a period in the other; made once, reachable to the
+ * end. */
 static const struct gd_parametric *vase(void)
 {
     static struct gd_parametric *surface;

@@ -71,9 +71,8 @@ static double ask(const struct gd_mesh *mesh, const struct gd_point *from,
     promise(distance >= 0);
     if (isfinite(distance)) {
         struct gd_vec3 p = gd_point_position(mesh, from), q = gd_point_position(mesh, to);
-        double rounding =
-            /* of points that lie this close to each other */
-            1e-14 * gd_mesh_summary(mesh)->edge_length.max;
+        /* of points that lie this close to each other */
+        double rounding = 1e-14 * gd_mesh_summary(mesh)->edge_length.max;
         promise(fabs(answer.path.length - distance) <= 1e-9 * distance + rounding);
         promise(distance >= gd_vec3_distance(p, q) * (1 - 1e-9) -
                                 1e-12 * gd_mesh_summary(mesh)->edge_length.max);

@@ -1,5 +1,5 @@
-/* What fuzzers hold the code to: a violated promise ends the run, and the fuzzer keeps the input.
- */
+/* What fuzzers hold the code to: a violated promise ends the run, and the fuzzer keeps the
+ * input. */
 #ifndef FUZZ_PROMISE_H
 #define FUZZ_PROMISE_H
 

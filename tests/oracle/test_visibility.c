@@ -50,8 +50,8 @@ static void test_concave(void **state)
     check_close(distance(&scene, 2, 1, 5, 1), sqrt(10) + 1 + sqrt(10), 1e-15);
 }
 
-/* The same scenes as surfaces, by unfolding: a plan without prisms against prisms without a plan.
- */
+/* The same scenes as surfaces, by unfolding: a plan without prisms against prisms without a
+ * plan. */
 static void test_against_unfolding(void **state)
 {
     (void)state;

@@ -120,8 +120,8 @@ static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, con
     return best;
 }
 
-/* Adds a copy of `face` in which `vertex`, at `weight` in the original face, stands for corner k.
- */
+/* Adds a copy of `face` in which `vertex`, at `weight` in the original face, stands for corner
+ * k. */
 static void add_part(struct unfold_mesh *mesh, const struct face *face, int k, uint32_t vertex,
                      const real weight[3])
 {

@@ -14,8 +14,8 @@
 
 struct unfold_mesh;
 
-/* A mesh of its own, faces oriented anyhow, with room for `insertions` points. NULL: memory is out.
- */
+/* A mesh of its own, faces oriented anyhow, with room for `insertions` points. NULL: memory is
+ * out. */
 struct unfold_mesh *unfold_create(const double (*positions)[3], uint32_t position_count,
                                   const uint32_t *corners, uint32_t face_count,
                                   uint32_t insertions);

@@ -153,8 +153,8 @@ static double widest_of_ours(const struct scene *scene, uint32_t count)
 /* --- the figure ------------------------------------------------------------------------------- */
 
 /* Sampled FINER times as closely, ours has gaps so many times smaller; the nearest points keep
- * theirs, and directions of view miss the surface, jump, or pass by points that the surface hides.
- */
+ * theirs, and directions of view miss the surface, jump, or pass by points that the surface
+ * hides. */
 static void check(struct scene *scene)
 {
     static const struct gd_vec3 views[2] = {{0.6, 0, -0.8}, {0, 0.8, -0.6}};

@@ -212,8 +212,8 @@ static void random_segments(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Each set of lanes does the same operations in the same order: the same distances to the last bit.
- */
+/* Each set of lanes does the same operations in the same order: the same distances to the last
+ * bit. */
 static void kernels_agree(void **state)
 {
     (void)state;

@@ -22,8 +22,8 @@ static int list_samples(void)
     return EXIT_SUCCESS;
 }
 
-/* Generates the sample and writes it to standard output; false, after a sentence, when that fails.
- */
+/* Generates the sample and writes it to standard output; false, after a sentence, when that
+ * fails. */
 static bool write_sample(const struct sample *sample, const double *values)
 {
     struct gd_polygons mesh = {0};

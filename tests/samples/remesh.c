@@ -8,8 +8,8 @@
 #include "tests/samples/surface.h"
 #include "tests/samples/transform.h"
 
-/* --- a heap of edges, cheapest first; entries that are out of date are skipped when they come up
- */
+/* --- a heap of edges, cheapest first; entries that are out of date are skipped when they come
+ * up */
 
 struct candidate {
     double cost;

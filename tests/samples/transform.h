@@ -32,8 +32,8 @@ GD_MUST_USE enum gd_status sample_renumber(struct gd_polygons *mesh, uint64_t se
  * changed. */
 GD_MUST_USE enum gd_status sample_subdivide(struct gd_polygons *mesh);
 
-/* Adds the vertices and triangles of another mesh behind its own. GD_NO_MEMORY: nothing is changed.
- */
+/* Adds the vertices and triangles of another mesh behind its own. GD_NO_MEMORY: nothing is
+ * changed. */
 GD_MUST_USE enum gd_status sample_append(struct gd_polygons *mesh, const struct gd_polygons *other);
 
 #endif

@@ -33,12 +33,12 @@ zoo_maker zoo_not_finite;      /* coordinate: a triangle that has it */
 
 /* --- flat ------------------------------------------------------------------------------------- */
 
-/* height: a quadrilateral in the plane; one of its four triangles has a base of 1 and that height.
- */
+/* height: a quadrilateral in the plane; one of its four triangles has a base of 1 and that
+ * height. */
 zoo_maker zoo_cap;
 
-/* columns, rows, width, slant: cells in the plane, each row moved by `slant` against the one below.
- */
+/* columns, rows, width, slant: cells in the plane, each row moved by `slant` against the one
+ * below. */
 zoo_maker zoo_needles;
 
 /* spokes, reach: a regular polygon of radius 1 in the plane, a fan round a vertex at that distance

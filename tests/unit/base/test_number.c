@@ -175,8 +175,7 @@ static size_t reference_digits(double value, char *out)
 
 /* Reads back, is as short as the reference, and the same digits. Below a power of two the doubles
  * stand closer than above it: there a decimal may be shorter than the reference, which looks at the
- * nearest decimal of each length only.
- */
+ * nearest decimal of each length only. */
 static void assert_shortest(double value)
 {
     char digits[40], reference[40];

@@ -263,11 +263,13 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
 }
 
 /* Fails the test unless
- *     the areas of the pieces, and of the meshes that are built of them, sum to the mesh's, to
- * `relative`; each piece is one component, and no face was turned over; the maps name the parent's
- * vertices at their positions, and its faces; each border of a piece lies on the mesh's boundary,
- * or has its twin, the other way round, at a border; the pieces have the Euler characteristic that
- * cutting along the graph of these twins gives. */
+ * - the areas of the pieces, and of the meshes that are built of them, sum to the mesh's, to
+ *   `relative`;
+ * - each piece is one component, and no face was turned over;
+ * - the maps name the parent's vertices at their positions, and its faces;
+ * - each border of a piece lies on the mesh's boundary, or has its twin, the other way round, at a
+ *   border;
+ * - the pieces have the Euler characteristic that cutting along the graph of these twins gives. */
 static inline void check_cutting(const struct gd_mesh *mesh, const struct cutting *cutting,
                                  double relative)
 {

@@ -50,8 +50,8 @@ static void check_tiling(const struct gd__planar *planar)
 
 #define L GD__LATTICE
 
-/* Points on a circle, all diagonals as likely: a chord across most of them is brought in by flips.
- */
+/* Points on a circle, all diagonals as likely: a chord across most of them is brought in by
+ * flips. */
 static void a_segment_across(void **state)
 {
     (void)state;

@@ -214,8 +214,8 @@ static void antipodes(void **state)
     surface_free(&sphere);
 }
 
-/* Two faces of a prism without ends: behind it the middle line is cut, on vertices and edges too.
- */
+/* Two faces of a prism without ends: behind it the middle line is cut, on vertices and edges
+ * too. */
 static void behind_a_prism(void **state)
 {
     (void)state;

@@ -91,8 +91,8 @@ static void each_face_knows_its_seeds(void **state)
     }
 }
 
-/* A surface of so many faces that it takes four digits; points inside of them is all that is asked.
- */
+/* A surface of so many faces that it takes four digits; points inside of them is all that is
+ * asked. */
 static void faces_of_four_digits(void **state)
 {
     (void)state;

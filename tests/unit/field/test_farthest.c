@@ -146,8 +146,8 @@ static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double m
     return field;
 }
 
-/* From the boundary of a rectangle a ridge is farthest, of a triangle the centre of its incircle.
- */
+/* From the boundary of a rectangle a ridge is farthest, of a triangle the centre of its
+ * incircle. */
 static void of_a_boundary(void **state)
 {
     (void)state;

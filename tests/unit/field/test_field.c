@@ -8,8 +8,8 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-/* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on e2.
- */
+/* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on
+ * e2. */
 static void example_1(void **state)
 {
     (void)state;

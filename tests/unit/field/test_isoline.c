@@ -248,8 +248,8 @@ static void on_a_cube(void **state)
     check_close(on_top.lines[0].length, 0.8 * M_PI, promise);
     /* no corner is within reach: all of it is flat */
     check_close(over.lines[0].length, 1.2 * M_PI, promise);
-    /* round the opposite face's middle: four arcs about the images of the seed, 2 from the middle
-     */
+    /* round the opposite face's middle: four arcs about the images of the seed, 2 from the
+       middle */
     double t = 1 - sqrt(1.9 * 1.9 / 2 - 1), quarter = 2 * 1.9 * asin(t / 1.9);
     check_close(holes.lines[0].length, 4 * quarter, promise);
     gd_isoline_free(&on_top);

@@ -39,8 +39,8 @@ static double straight_length(const struct gd_isoline *isoline)
 }
 
 /* One closed line, of that length, of which that part is straight: joints lie where the two are as
- * far from each other as rounding, a square of the way. Returns the error of the length, relative.
- */
+ * far from each other as rounding, a square of the way. Returns the error of the length,
+ * relative. */
 static double check_offset(const struct gd_field *field, double level, double length,
                            double straight)
 {

@@ -215,8 +215,8 @@ static struct gd_field *field_on_lattice(const struct gd_mesh *mesh,
 typedef struct gd_field *field_maker(const struct gd_mesh *, const struct gd_polygons *, uint32_t,
                                      struct rng *);
 
-/* Fields of one and of three seeds on a surface, levels at random and of vertices, to the last bit.
- */
+/* Fields of one and of three seeds on a surface, levels at random and of vertices, to the last
+ * bit. */
 static void check_surface(const char *name, const struct gd_polygons *polygons, field_maker *make,
                           uint64_t seed, int rounds)
 {

@@ -43,8 +43,8 @@ static void check_place(double told, double field, double length)
     if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9); /* 0: they cross */
 }
 
-/* What the profile says of its extremes is what the field says there, and no sample exceeds them.
- */
+/* What the profile says of its extremes is what the field says there, and no sample exceeds
+ * them. */
 static void check_segment(const struct gd_field *field, const struct gd_point *a,
                           const struct gd_point *b)
 {

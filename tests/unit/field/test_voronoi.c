@@ -252,8 +252,8 @@ static void members_that_own_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* What the apex of a saddle hides is as far from two members when the apex is: one of them has it.
- */
+/* What the apex of a saddle hides is as far from two members when the apex is: one of them has
+ * it. */
 static void ties_behind_a_saddle(void **state)
 {
     (void)state;

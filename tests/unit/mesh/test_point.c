@@ -162,8 +162,8 @@ static void expect_lowest_face(const struct gd_mesh *mesh, const struct gd_point
     }
 }
 
-/* Description -> point gives the same point, and the description's own numbers place it in space.
- */
+/* Description -> point gives the same point, and the description's own numbers place it in
+ * space. */
 static void a_description_leads_back(void **state)
 {
     (void)state;

@@ -88,8 +88,8 @@ static uint32_t next_random(uint64_t *state)
 }
 
 /* Random triangles over a few points of a lattice, exact or moved by next to nothing: every kind of
- * damage at once. Each soup is answered or refused by name; hardly one for a face that stays flat.
- */
+ * damage at once. Each soup is answered or refused by name; hardly one for a face that stays
+ * flat. */
 static void any_damage_is_mended_or_named(void **state)
 {
     (void)state;

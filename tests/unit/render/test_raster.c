@@ -151,8 +151,8 @@ static void count_covered(void *user, uint32_t face, float depth, double x, doub
     *count += face != GD_NONE;
 }
 
-/* A sheet of many triangles, moved and sheared within: each sample within is covered, none outside.
- */
+/* A sheet of many triangles, moved and sheared within: each sample within is covered, none
+ * outside. */
 static void no_gaps_between_neighbours(void **state)
 {
     (void)state;

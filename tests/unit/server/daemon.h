@@ -18,9 +18,8 @@
 
 static struct server daemon_server;
 static sem_t daemon_finished;
-static bool
-    /* an exchange was finished with its handler's state: others may wait for what that holds */
-    daemon_had_state;
+/* an exchange was finished with its handler's state: others may wait for what that holds */
+static bool daemon_had_state;
 
 static inline void daemon_finish(struct server_exchange *exchange)
 {
@@ -88,10 +87,9 @@ static inline void daemon_stop(void)
 struct daemon_request {
     const char *tenant; /* NULL: none */
     const char *method, *target;
-    const char
-        /* "Name: value" lines besides Host, and besides Content-Length if there is a body; NULL:
-           none */
-        *headers;
+    /* "Name: value" lines besides Host, and besides Content-Length if there is a body; NULL:
+       none */
+    const char *headers;
     const char *body; /* NULL: none */
 };
 

@@ -338,15 +338,14 @@ static void spikes(void **state)
     check_spike(SKEW_CUBE "t corner 1/1/0 7 10\n", GD_SCHEME_CATMULL_CLARK, 0, 2);
     check_spike(OCTAHEDRON "t corner 1/1/0 0 10\n", GD_SCHEME_LOOP, 0, 0);
     check_spike(OCTAHEDRON "t corner 1/1/0 4 10\n", GD_SCHEME_LOOP, 0, 2);
-    cube =
-        /* not for ever: smooth in the end */
-        surface_from(SKEW_CUBE "t corner 1/1/0 4 9.9\n", GD_SCHEME_CATMULL_CLARK);
+    /* not for ever: smooth in the end */
+    cube = surface_from(SKEW_CUBE "t corner 1/1/0 4 9.9\n", GD_SCHEME_CATMULL_CLARK);
     check_close(gd_vec3_length(jet_at(cube, 0, 0, 0, 0).normal), 1, 1e-14);
     gd_subdivision_release(cube);
 }
 
-/* A corner that is in the middle of its ring already is no spike: in an even plane nothing happens.
- */
+/* A corner that is in the middle of its ring already is no spike: in an even plane nothing
+ * happens. */
 static void corner_in_a_plane(void **state)
 {
     (void)state;

@@ -45,8 +45,8 @@ static void found_again(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Around a hole no geodesic leads straight: the shortest path hugs the boundary, and that is said.
- */
+/* Around a hole no geodesic leads straight: the shortest path hugs the boundary, and that is
+ * said. */
 static void around_a_corner(void **state)
 {
     (void)state;

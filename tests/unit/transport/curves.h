@@ -18,8 +18,8 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
     return curve;
 }
 
-/* Consecutive points lie in one face: what joins them is a segment, whose middle is on the surface.
- */
+/* Consecutive points lie in one face: what joins them is a segment, whose middle is on the
+ * surface. */
 static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                double size)
 {

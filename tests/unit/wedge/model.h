@@ -76,8 +76,8 @@ static inline void build_windows(const struct gd__stack *from, struct gd__window
     for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
 }
 
-/* Windows of a stack as children that nobody has looked at yet: from `tangled` on they may overlap.
- */
+/* Windows of a stack as children that nobody has looked at yet: from `tangled` on they may
+ * overlap. */
 static inline void build_children(const struct gd__stack *from, uint32_t tangled,
                                   struct gd__pool *pool, struct gd__children *out)
 {

@@ -32,8 +32,8 @@ static void push(uint32_t node, double key)
     gd__queue_push(queue, node, key, &waiting[node]);
 }
 
-/* The first node that waits for its turn: entries that became stale are passed over, as owners do.
- */
+/* The first node that waits for its turn: entries that became stale are passed over, as owners
+ * do. */
 static uint32_t pop(void)
 {
     for (;;) {

@@ -6,9 +6,8 @@
 
 enum { CHUNKS = 3, MOST = 6 };
 
-#define CLEAR                                                                                      \
-    1e-7 /* differences that neither rounding nor the stored ends' 2^-32 can turn round            \
-          */
+/* differences that neither rounding nor the stored ends' 2^-32 can turn round */
+#define CLEAR 1e-7
 
 /* A wavefront of which there is only what reminding looks at: distances, and the wedges of edge 0
  * of one face. */

@@ -99,8 +99,8 @@ static void tells_the_side_by_the_sign(void **state)
     }
 }
 
-/* At random: what is read back is what was written, to 2^-32 of the edge, in the frame of side 0.
- */
+/* At random: what is read back is what was written, to 2^-32 of the edge, in the frame of side
+ * 0. */
 static void reads_back_what_was_written(void **state)
 {
     (void)state;

@@ -22,8 +22,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* How many of `count` requests, `interval` apart from `*now` on, are let in, each leaving at once.
- */
+/* How many of `count` requests, `interval` apart from `*now` on, are let in, each leaving at
+ * once. */
 static int let_in(const struct server_limits *limits, int count, uint64_t interval, uint64_t *now)
 {
     int entered = 0;

@@ -70,8 +70,8 @@ static void smallest_ones_that_are_cut(void **state)
     assert_mended(three_on_an_edge, split, 3, 3);
 }
 
-/* `pages` triangles around one edge, oriented alike along it, so that no two of them go together.
- */
+/* `pages` triangles around one edge, oriented alike along it, so that no two of them go
+ * together. */
 static char *new_book(uint32_t pages)
 {
     size_t capacity = 64 + 96 * (size_t)pages, size = 0;

@@ -77,7 +77,8 @@ static enum gd_status get(size_t slot, uint32_t level, struct server_discretizat
     const struct server_discretization_request request = {.slot = &slots[slot],
                                                           .surface = surface,
                                                           .level = level,
-                                                          .control = server_exchange_control(&monitor),
+                                                          .control =
+                                                              server_exchange_control(&monitor),
                                                           .detail = &detail};
     return server_discretizations_get(server.surfaces.discretizations, &request, out);
 }

@@ -1,6 +1,6 @@
 /* A kind of the test's own, a toy: that all that knows of kinds knows no more of them than their
- * hooks and their routes. Both tables, of kinds and of routes, take the place of the daemon's here.
- */
+ * hooks and their routes. Both tables, of kinds and of routes, take the place of the daemon's
+ * here. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 

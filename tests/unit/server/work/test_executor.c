@@ -180,8 +180,8 @@ static void helpers_may_be_refused(void **state)
 }
 
 /* Runs of two tasks, as a field build has them. Each task computes its sum from the other's sum of
- * the run before, so a task that is skipped, repeated or mixed with another run changes the sums.
- */
+ * the run before, so a task that is skipped, repeated or mixed with another run changes the
+ * sums. */
 enum { RUNS = 2000 };
 
 struct sums {
@@ -257,8 +257,8 @@ static void one_thread_needs_no_executor(void **state)
     server_workers_destroy(two);
 }
 
-/* A job that arrives while helpers hold both workers runs soon, and a helper comes back after it.
- */
+/* A job that arrives while helpers hold both workers runs soon, and a helper comes back after
+ * it. */
 static void helpers_leave_for_a_job_and_come_back(void **state)
 {
     (void)state;
