@@ -5,8 +5,10 @@
  *     double distance;
  *     if (gdc_upload_file(client, "bunny", "bunny.obj", &problem) == GDC_OK &&
  *         gdc_distance(client, "bunny", gdc_vertex(12), gdc_near(0.01, 0.12, 0.03), &distance,
- * &problem) == GDC_OK) { printf("%g\n", distance); } else { fprintf(stderr, "%s\n",
- * problem.detail);
+ *                      &problem) == GDC_OK) {
+ *         printf("%g\n", distance);
+ *     } else {
+ *         fprintf(stderr, "%s\n", problem.detail);
  *     }
  *     gdc_client_destroy(client);
  *
@@ -87,8 +89,8 @@ struct gdc_answer {
     size_t size;
 };
 
-/* Errors: GDC_PROBLEM, GDC_NO_CONNECTION, GDC_CANCELLED, GDC_BAD_ANSWER (of a job), GDC_NO_MEMORY.
- */
+/* Errors: GDC_PROBLEM, GDC_NO_CONNECTION, GDC_CANCELLED, GDC_BAD_ANSWER (of a job),
+ * GDC_NO_MEMORY. */
 enum gdc_status gdc_call(struct gdc_client *client, const struct gdc_request *request,
                          struct gdc_answer *answer, struct gdc_problem *problem);
 
