@@ -1,7 +1,8 @@
 /* Jet: places of a parametric surface, evaluated, and the place nearest to a point of space.
  *
  *     evaluate   {"uv": [[u, v]…]}   -> {"points": [{"xyz", "normal", "du", "dv", "duu", "duv",
- *                                                  "dvv", "gaussian_curvature", "mean_curvature"}…]}
+ *                                                  "dvv", "gaussian_curvature",
+ *                                                  "mean_curvature"}…]}
  *     nearest    {"xyz": [x, y, z]}  -> {"uv", "xyz", "distance"} */
 #ifndef PROTO_JET_H
 #define PROTO_JET_H

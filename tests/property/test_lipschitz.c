@@ -21,7 +21,7 @@ static const double promise = 1e-9;
 enum {
     SETS = 2,
     MOST_MEMBERS = 12,
-    /* the law at its sharpest: the straight way within the face is the shortest, or as good as it */
+    /* the law at its sharpest: the straight way within the face is shortest, or as good */
     PAIRS_IN_A_FACE = 400,
     PAIRS = 12, /* anywhere, with the distance searched for */
     PATH_LENGTH = 4096,
