@@ -29,8 +29,8 @@ static void block_signals(sigset_t *awaited)
     signal(SIGXFSZ, SIG_IGN); /* beyond RLIMIT_FSIZE a write fails */
 }
 
-/* Opens /dev/null for closed standard descriptors. Otherwise the next file would receive the log.
- */
+/* Opens /dev/null for closed standard descriptors. Otherwise the next file would receive the
+ * log. */
 static void open_standard_descriptors(void)
 {
     int descriptor;

@@ -38,8 +38,8 @@
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 /* --- Landlock: files and ports ---------------------------------------------------------------- */
-/* Linux, Documentation/userspace-api/landlock.rst. Headers of Linux 6.1 lack what is defined here.
- */
+/* Linux, Documentation/userspace-api/landlock.rst. Headers of Linux 6.1 lack what is defined
+ * here. */
 
 #define FS_TRUNCATE (UINT64_C(1) << 14) /* since version 3 of the interface */
 #define FS_ALL_OF_2 ((UINT64_C(1) << 14) - 1)
@@ -151,8 +151,8 @@ static bool ruleset_allow(struct ruleset *ruleset, const struct server_sandbox_n
     return !needs->database || ruleset_allow_database(ruleset, needs, has_ports);
 }
 
-/* Restricts the calling thread and the threads that it starts. NULL, or why nothing is restricted.
- */
+/* Restricts the calling thread and the threads that it starts. NULL, or why nothing is
+ * restricted. */
 static const char *landlock_enter(const struct server_sandbox_needs *needs)
 {
     struct ruleset ruleset;

@@ -1,5 +1,5 @@
-/* Gzip (RFC 1952): compression of a buffer or of a text in pieces, and decompression within limits.
- */
+/* Gzip (RFC 1952): compression of a buffer or of a text in pieces, and decompression within
+ * limits. */
 #ifndef SERVER_BASE_GZIP_H
 #define SERVER_BASE_GZIP_H
 

@@ -349,8 +349,8 @@ void server_log_stop(void)
 static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static struct sigaction earlier[sizeof crashes / sizeof *crashes];
 
-/* Lets the thread write for a moment, then lets the earlier action take place. Async-signal-safe.
- */
+/* Lets the thread write for a moment, then lets the earlier action take place.
+ * Async-signal-safe. */
 static void on_crash(int number, siginfo_t *info, void *context)
 {
     int saved = errno;

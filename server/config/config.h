@@ -1,6 +1,5 @@
 /* Config: the operator's settings. One table drives flags, environment, file, --help and
- * validation.
- */
+ * validation. */
 #ifndef SERVER_CONFIG_CONFIG_H
 #define SERVER_CONFIG_CONFIG_H
 

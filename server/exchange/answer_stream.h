@@ -43,8 +43,8 @@ struct server_answer_encoder {
     /* Writes the text of the exchange's state; called up to three times, with the same outcome. The
      * exchange is the request's or, for a stream, one that only has the server and the state. */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
-    size_t *held; /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream
-                     counts them */
+    /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream counts them */
+    size_t *held;
 };
 
 /* Replies with the encoder's text as JSON, or with a problem. `writer` is empty, of

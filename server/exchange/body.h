@@ -23,9 +23,8 @@ struct server_body {
     size_t refused;                   /* bytes that the budget did not give */
     struct server_inflater *inflater; /* the body comes packed; NULL: it does not */
     const char *fault;                /* why it can't be unpacked, a sentence; NULL: it can */
-    enum proto_problem_code
-        /* a limit was passed on the way: the rest is dropped, and the answer is given at its end */
-        failure;
+    /* a limit was passed on the way: the rest is dropped, and the answer is given at its end */
+    enum proto_problem_code failure;
 };
 
 /* Refuses a declared length that is over the limit or has no chance in the budget, before a byte

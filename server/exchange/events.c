@@ -9,9 +9,8 @@
 #include "gd/control.h"
 
 #define PROGRESS_NS UINT64_C(100000000) /* between two messages of a stream, unless it is woken */
-#define HEARTBEAT_NS                                                                               \
-    UINT64_C(15000000000) /* without a message: proxies and clients take longer silence for a      \
-                             broken line */
+/* without a message: proxies and clients take longer silence for a broken line */
+#define HEARTBEAT_NS UINT64_C(15000000000)
 #define LOOK_NS      UINT64_C(1000000000) /* between two looks at the sockets of paused readers */
 #define MESSAGE_MOST 65536                /* bytes */
 

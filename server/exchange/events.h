@@ -1,8 +1,8 @@
 /* Events: answers that come as things happen, each to a client that watches: server-sent events, or
  * an answer's own text.
  *
- *     stream = server_stream_open(events, &source);      a handler; exchange->response.stream =
- * stream server_stream_attach(stream, reader);              the transport, when it begins to send
+ *     stream = server_stream_open(events, &source);      a handler, into exchange->response.stream
+ *     server_stream_attach(stream, reader);              the transport, when it begins to send
  *     read = server_stream_read(stream, bytes, size);    ... whenever it can write
  *     server_events_wake(events, source.user);           whoever has news
  *     server_stream_close(stream);                       with the exchange

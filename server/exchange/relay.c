@@ -146,8 +146,8 @@ struct server_stream *server_relay_open(struct server_relay *relay)
 
 /* --- the writer's end ------------------------------------------------------------------------- */
 
-/* Under the lock. What waits is moved to the front before the buffer would grow by what was taken.
- */
+/* Under the lock. What waits is moved to the front before the buffer would grow by what was
+ * taken. */
 static void relay_append(struct server_relay *relay, const char *text, size_t size)
 {
     struct proto_writer *waiting = &relay->waiting;

@@ -47,8 +47,8 @@ void server_relay_write(struct server_relay *relay, const char *text, size_t siz
  * room, or nobody reads. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job);
 
-/* Blocks while too much waits. False: the client has gone, the answer was cut, or the daemon ends.
- */
+/* Blocks while too much waits. False: the client has gone, the answer was cut, or the daemon
+ * ends. */
 bool server_relay_block(struct server_relay *relay);
 
 /* Nothing more comes; not whole: the client is to see that it was cut. */

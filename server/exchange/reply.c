@@ -299,8 +299,8 @@ static void name_packed_form(struct server_response *response)
     header->size = strlen(header->value);
 }
 
-/* The client has the body already: the answer goes without, under the tag of the form that he has.
- */
+/* The client has the body already: the answer goes without, under the tag of the form that he
+ * has. */
 static void reply_known(struct server_exchange *exchange, enum server_etag_form form)
 {
     struct server_response *response = &exchange->response;

@@ -45,8 +45,8 @@ void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 /* A static file, in its compressed form where the client takes it. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
 
-/* What the writer holds, perhaps nothing, then the lent bytes, which are neither copied nor packed.
- */
+/* What the writer holds, perhaps nothing, then the lent bytes, which are neither copied nor
+ * packed. */
 void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *head, const struct server_lent *lent);
 

@@ -67,8 +67,8 @@ struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache);
 void server_mesh_cache_close(struct server_mesh_cache *fields);
 void server_mesh_cache_release(struct server_mesh_cache *fields);
 
-/* The whole fields of single points, each pinned, in an array for free(); NULL if there are none.
- */
+/* The whole fields of single points, each pinned, in an array for free(); NULL if there are
+ * none. */
 const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cache *fields,
                                                           uint32_t *count);
 

@@ -3,8 +3,8 @@
  * DESIGN. One mutex guards the list, which is in the order of opening. A deadline is atomic; its
  * low bits name the phase. The connection's HTTP thread sets it; the thread here reads it, and
  * replaces it only if it is unchanged. A connection leaves the list before the library closes its
- * socket, so the descriptor that is shut down under the mutex is never that of another connection.
- */
+ * socket, so the descriptor that is shut down under the mutex is never that of another
+ * connection. */
 #include "server/http/connections.h"
 
 #include <linux/tcp.h>
@@ -85,9 +85,7 @@ static uint64_t deadline_earlier(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* --- deadlines
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- deadlines -------------------------------------------------------------------------------- */
 
 /* Under the mutex. False: the connection's thread has set another deadline. */
 static bool connection_shut(struct server_connection *connection, uint64_t deadline_ns)
@@ -172,9 +170,7 @@ void server_connections_check(struct server_connections *connections, uint64_t n
     pthread_mutex_unlock(&connections->mutex);
 }
 
-/* --- the reserve
- * --------------------------------------------------------------------------------------------------
- */
+/* --- the reserve ------------------------------------------------------------------------------ */
 
 /* How many connections more are open than leave `free` places, those that are leaving aside. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
@@ -266,9 +262,7 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
     if (done) connections_complain(connections, now_ns);
 }
 
-/* --- the thread
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the thread ------------------------------------------------------------------------------- */
 
 /* Notes whether clients read. True: the client has read nothing for a while, and could. */
 static bool connection_stalls(struct server_connection *connection, uint64_t now_ns)
@@ -364,9 +358,7 @@ server_connections_statistics(struct server_connections *connections)
                                                   .refusals = atomic_load(&connections->refusals)};
 }
 
-/* --- one connection
- * -----------------------------------------------------------------------------------------------
- */
+/* --- one connection --------------------------------------------------------------------------- */
 
 static void connection_set(struct server_connection *connection, enum phase phase,
                            uint64_t deadline_ns)

@@ -1,11 +1,13 @@
 /* Connections: the deadlines of all open connections, and a thread that shuts late sockets down.
  *
  * The HTTP library has a timer for silence only: a client that sends a byte now and then keeps its
- * connection for ever. So each phase of a connection has an absolute deadline here: head    30 s
- * from the opening of the connection, or from the request line of a later request body    30 s, and
- * longer as long as the client sends 4 KiB/s on average; 30 s without a byte work    none: jobs
- * have deadlines of their own answer  30 s, and longer as long as it takes at 16 KiB/s; the client
- * acknowledges 8 KiB/s in any 30 s idle    30 s
+ * connection for ever. So each phase of a connection has an absolute deadline here:
+ *     head    30 s from the opening of the connection, or from the request line of a later request
+ *     body    30 s, and longer as long as the client sends 4 KiB/s on average; 30 s without a byte
+ *     work    none: jobs have deadlines of their own
+ *     answer  30 s, and longer as long as it takes at 16 KiB/s; the client acknowledges 8 KiB/s in
+ *             any 30 s
+ *     idle    30 s
  *
  * An eighth of all places is a reserve for new clients. While less is free, the thread shuts down
  * connections that wait for their clients, of the addresses that have most of them: heads older
@@ -54,17 +56,15 @@ void server_connections_check(struct server_connections *connections, uint64_t n
  * whenever a connection is opened while the reserve is not. Thread-safe. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
 
-/* Connections between a request line and the last byte of its answer. Thread-safe. O(connections).
- */
+/* Connections between a request line and the last byte of its answer. Thread-safe.
+ * O(connections). */
 uint32_t server_connections_active(struct server_connections *connections);
 
 /* Thread-safe. NULL: zeros. */
 struct server_connections_statistics
 server_connections_statistics(struct server_connections *connections);
 
-/* --- one connection
- * -----------------------------------------------------------------------------------------------
- */
+/* --- one connection --------------------------------------------------------------------------- */
 
 /* `client`: its address; NULL: none. NULL without memory. */
 struct server_connection *server_connection_open(struct server_connections *connections,

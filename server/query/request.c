@@ -10,9 +10,9 @@
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
-#define KIND_SEGMENT     1                    /* of the path */
-#define PARSED_UNCOUNTED SERVER_REQUEST_SMALL /* bytes: a shorter text's document is not counted   \
-                                               */
+#define KIND_SEGMENT 1 /* of the path */
+/* bytes: a shorter text's document is not counted */
+#define PARSED_UNCOUNTED SERVER_REQUEST_SMALL
 /* bytes: after a larger document, freed memory goes back to the system */
 #define PARSED_TRIMMED ((size_t)16 << 20)
 

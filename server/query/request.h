@@ -42,8 +42,8 @@ bool server_request_write(struct server_exchange *exchange,
 void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange));
 
-#define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread may make */
-#define SERVER_REQUEST_SMALL      ((size_t)16 << 10) /* bytes of JSON that an HTTP thread may parse */
+#define SERVER_REQUEST_SHORT_LIST 16                 /* items of a list that an HTTP thread makes */
+#define SERVER_REQUEST_SMALL      ((size_t)16 << 10) /* bytes of JSON that an HTTP thread parses */
 
 /* Holds the memory of a document that is parsed from this text, until server_request_end_parsing,
  * which follows when the document is freed. insufficient_memory. */

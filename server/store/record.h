@@ -99,8 +99,8 @@ bool server_record_equal(const struct server_record *a, const struct server_reco
 enum server_part { SERVER_PART_FILE, SERVER_PART_ATTACHMENT, SERVER_PARTS };
 
 struct server_object {
-    char
-        id[SERVER_OBJECT]; /* SHA-256 of the bytes; for a tenant followed by a dot and the tenant */
+    /* SHA-256 of the bytes; for a tenant followed by a dot and the tenant */
+    char id[SERVER_OBJECT];
     uint64_t size;
 };
 

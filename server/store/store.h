@@ -9,8 +9,8 @@
  *
  * Threads. One thread at a time calls stage, put, keep, remove, tidy and note_uses (under the
  * registry's writer lock), one at a time each and follow (under its follower's lock), and one
- * thread await. Any thread calls fetch, verify, damaged and health. each comes before all others.
- */
+ * thread await. Any thread calls fetch, verify, damaged and health. each comes before all
+ * others. */
 #ifndef SERVER_STORE_STORE_H
 #define SERVER_STORE_STORE_H
 

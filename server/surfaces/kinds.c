@@ -1,6 +1,6 @@
 /* The kinds of surfaces: see kind.h. Each reads the file, then builds the object, in steps. A step
- * takes memory from the budget before it is used, and runs again with more if that was too little.
- */
+ * takes memory from the budget before it is used, and runs again with more if that was too
+ * little. */
 #include "server/surfaces/kinds.h"
 
 #include <stdio.h>
@@ -74,8 +74,8 @@ static enum gd_status step_run_growing(struct build *build, const struct step *s
     return status;
 }
 
-/* Leaves the bytes of the object in SERVER_BUDGET_FLIGHT, if there is one, and gives the rest back.
- */
+/* Leaves the bytes of the object in SERVER_BUDGET_FLIGHT, if there is one, and gives the rest
+ * back. */
 static enum gd_status build_end(struct build *build, enum gd_status status, size_t object_size)
 {
     server_budget_give(build->builder->budget, SERVER_BUDGET_FLIGHT,

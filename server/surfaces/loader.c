@@ -126,8 +126,8 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
 
 /* --- loads under way -------------------------------------------------------------------------- */
 
-/* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is not.
- */
+/* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is
+ * not. */
 static bool load_park(struct server_loader *loader, const struct server_record *record,
                       struct server_job *job)
 {

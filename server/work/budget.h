@@ -48,8 +48,8 @@ struct server_reclaimer {
     void *user;
 };
 
-/* Answers together leave one half of the budget to the other classes; small answers, one quarter.
- */
+/* Answers together leave one half of the budget to the other classes; small answers, one
+ * quarter. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 

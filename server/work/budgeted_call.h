@@ -1,7 +1,8 @@
 /* Budgeted call: one long call of the engine, in a reused workspace and within the memory budget.
  *
- *     const struct server_budgeted_call call = {.make = build, .user = &wanted, .control = …,
- * .grant = bytes}; enum gd_status status = server_budgeted_call_run(workspaces, &call);
+ *     const struct server_budgeted_call call = {
+ *         .make = build, .user = &wanted, .control = …, .grant = bytes};
+ *     enum gd_status status = server_budgeted_call_run(workspaces, &call);
  *
  * DESIGN. Nobody knows the memory of a call before the call ends. So a call gets a grant that most
  * calls of its kind need, taken from the budget before the call starts. A call that fails for lack
@@ -14,8 +15,8 @@
  * longest idle one first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT, those of an
  * idle one SERVER_BUDGET_WORKSPACES.
  *
- * One mutex guards the stack; workspaces are destroyed without it. All functions are thread-safe.
- */
+ * One mutex guards the stack; workspaces are destroyed without it. All functions are
+ * thread-safe. */
 #ifndef SERVER_WORK_BUDGETED_CALL_H
 #define SERVER_WORK_BUDGETED_CALL_H
 
@@ -39,8 +40,8 @@ struct server_budgeted_call {
     /* Makes the call under `control`. On success `*kept` is the size of its result in bytes. */
     enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
     void *user;
-    struct gd_control
-        control;    /* without budget and workspace, which server_budgeted_call_run sets */
+    /* without budget and workspace, which server_budgeted_call_run sets */
+    struct gd_control control;
     size_t grant;   /* bytes that most such calls need */
     size_t aside;   /* bytes that the call allocates beside its budget */
     bool is_modest; /* uses free memory only: reclaims nothing, and makes one attempt */

@@ -31,8 +31,8 @@ enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_R
 struct server_job {
     struct server_job *next;
     uint64_t deadline_ns; /* on the clock of gd_now_ns() */
-    /* Whose share of the workers it uses; outlives the job. NULL: that of the job that submits it
-     */
+    /* Whose share of the workers it uses; outlives the job. NULL: that of the job that submits
+       it */
     const char *tenant;
     struct server_lane *lane; /* of the workers */
     bool is_patient;          /* no client waits for it on a connection */
@@ -86,8 +86,8 @@ bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane,
 void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane,
                              struct server_job *job);
 
-/* Takes the next job, which counts as running until server_lanes_end. NULL: none for this worker.
- */
+/* Takes the next job, which counts as running until server_lanes_end. NULL: none for this
+ * worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
 /* Records that a job of that lane and kind has run for `ns`. */

@@ -67,8 +67,8 @@ static struct server_job *list_remove(struct server_job **list, const struct ser
 static _Thread_local struct server_priority
     priority; /* of the thread's job; all zero between jobs */
 
-/* Runs a job, perhaps within a longer one (server_workers_yield), whose priority returns after it.
- */
+/* Runs a job, perhaps within a longer one (server_workers_yield), whose priority returns after
+ * it. */
 static void workers_run(struct server_workers *workers, struct server_job *job)
 {
     const struct server_priority outer = priority;
@@ -138,8 +138,8 @@ static void workers_run_background(struct server_workers *workers)
     workers->is_hosting = false;
 }
 
-/* Runs the next job, if there is one, and returns whether there was. Releases the lock meanwhile.
- */
+/* Runs the next job, if there is one, and returns whether there was. Releases the lock
+ * meanwhile. */
 static bool workers_run_next(struct server_workers *workers)
 {
     struct server_job *job = server_lanes_take(&workers->lanes, false);

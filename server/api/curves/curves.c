@@ -529,8 +529,8 @@ static bool curves_prepare(struct server_query *query, struct proto_problem *pro
     return true;
 }
 
-/* The least distance is symmetric. The Hausdorff distance needs the field of the other curve too.
- */
+/* The least distance is symmetric. The Hausdorff distance needs the field of the other curve
+ * too. */
 static enum server_query_turn curves_answer(struct server_query *query,
                                             const struct gd_field *field,
                                             struct server_monitor *part,

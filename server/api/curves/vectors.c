@@ -48,9 +48,9 @@ struct trace_query {
     struct gd_point start;
     double snap;                     /* how far it was moved; NAN: not at all */
     struct gd_direction *directions; /* of trace */
-    struct gd_vector
-        *segments;  /* of exp, by vectors.first; after a vector's first one only angles */
-    bool has_paths; /* in the answer */
+    /* of exp, by vectors.first; after a vector's first one only angles */
+    struct gd_vector *segments;
+    bool has_paths;              /* in the answer */
     uint32_t count, trace_count; /* wanted, and finished */
     struct gd_trace *traces;     /* without paths, each has its last point only */
 };

@@ -1,5 +1,5 @@
-/* Evaluation: distances, nearest members, paths and gradients of points, from a field or to a set.
- */
+/* Evaluation: distances, nearest members, paths and gradients of points, from a field or to a
+ * set. */
 #include "server/query/handlers.h"
 
 #include <math.h>

@@ -23,7 +23,7 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"
 
-#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* to search them takes half as long as a field */
+#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* searching them takes half as long as a field */
 #define BYTES_A_COLUMN 16                          /* of an evaluation, see gd_field_distances */
 #define BYTES_AN_EDGE  96                          /* without wedges, see gd_field_distances_only */
 #define BYTES_A_ROW    ((size_t)1 << 20)           /* on a mesh of any size */

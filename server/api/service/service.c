@@ -46,8 +46,8 @@ void server_handle_get_livez(struct server_exchange *exchange)
 }
 
 /* A read-only store leaves the daemon ready, since it still answers queries. So does a shared store
- * that is unreachable: other daemons are in no better state, and surfaces in memory still answer.
- */
+ * that is unreachable: other daemons are in no better state, and surfaces in memory still
+ * answer. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->host->api->registry);

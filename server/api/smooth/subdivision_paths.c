@@ -1,7 +1,6 @@
 /* Geodesics of a subdivision surface, by a worker: distance and shortest path between two places,
  * on the discretization of a level; traces from a place, on a discretization or on the smooth
- * surface.
- */
+ * surface. */
 #include "server/api/smooth/smooth.h"
 
 #include <math.h>

@@ -65,8 +65,8 @@ struct server_pg_attempt {
 };
 
 /* The loop's outcome DONE commits the transaction, STALE retries it, and PRECONDITION ends it
- * because of another's change. UNAVAILABLE in the end: nothing changed, or it is unknown for now.
- */
+ * because of another's change. UNAVAILABLE in the end: nothing changed, or it is unknown for
+ * now. */
 struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool);
 
 /* Attempts without a transaction, repeated if the connection is lost, for `patience_ns` at most,
