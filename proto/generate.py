@@ -112,10 +112,21 @@ def check_references(document):
             resolve(document, value["$ref"])
         except LookupError:
             yield f"{place}: {value['$ref']} does not exist"
+        if "/properties/" in value["$ref"]:
+            yield f"{place}: {value['$ref']} points into a schema, which code generators refuse; name the part"
     for kind, components in document["components"].items():
         for name in components:
             if f"#/components/{kind}/{name}" not in used and kind != "securitySchemes":  # those are named, not referenced
                 yield f"#/components/{kind}/{name} is not used"
+
+
+def check_enumerations(document):
+    """YAML 1.1 reads the bare words off, on, yes and no as booleans."""
+    for place, value in values(document):
+        if isinstance(value, dict) and value.get("type") == "string":
+            for word in [*value.get("enum", []), *([value["const"]] if "const" in value else [])]:
+                if not isinstance(word, str):
+                    yield f"{place}: {word!r} is no string; quote it"
 
 
 def check_closed_objects(document):
@@ -184,6 +195,7 @@ def check_operations(document):
 def check_document(document):
     """Complaints about the document, one string each."""
     yield from check_references(document)
+    yield from check_enumerations(document)
     yield from check_closed_objects(document)
     yield from check_operations(document)
 

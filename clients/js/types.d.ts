@@ -1233,39 +1233,49 @@ export type DomainCurve = ({
   range?: Interval;
 });
 
+/** Degree of the spline. */
+export type SplineDegree = number;
+
+/** Count of one spline over all knot lines; more than the degree. By default as many as the tolerance needs. */
+export type SplineControlPoints = number;
+
+/** Relative error of the length. */
+export type LengthTolerance = number;
+
+/** Answer every local minimum that was found. */
+export type AllMinima = boolean;
+
+/** Number of points in the answer's `points`. */
+export type PathSamples = number;
+
 export type GeodesicRequest = {
   from: Place;
   to: Place;
-  /** Of the spline. */
-  degree?: number;
-  /** One spline of so many over all knot lines, more than the degree. By default as many as the tolerance needs. */
-  control_points?: number;
-  /** Error of the length, relative. */
-  tolerance?: number;
-  /** Answer every local minimum that was found. */
-  all_minima?: boolean;
-  /** Points of the answer's `points`. */
-  samples?: number;
+  degree?: SplineDegree;
+  control_points?: SplineControlPoints;
+  tolerance?: LengthTolerance;
+  all_minima?: AllMinima;
+  samples?: PathSamples;
 };
 
 export type PointCurveRequest = {
   point: Place;
   curve: DomainCurve;
-  degree?: GeodesicRequest["degree"];
-  control_points?: GeodesicRequest["control_points"];
-  tolerance?: GeodesicRequest["tolerance"];
-  all_minima?: GeodesicRequest["all_minima"];
-  samples?: GeodesicRequest["samples"];
+  degree?: SplineDegree;
+  control_points?: SplineControlPoints;
+  tolerance?: LengthTolerance;
+  all_minima?: AllMinima;
+  samples?: PathSamples;
 };
 
 export type NurbsCurveDistanceRequest = {
   a: DomainCurve;
   b: DomainCurve;
-  degree?: GeodesicRequest["degree"];
-  control_points?: GeodesicRequest["control_points"];
-  tolerance?: GeodesicRequest["tolerance"];
-  all_minima?: GeodesicRequest["all_minima"];
-  samples?: GeodesicRequest["samples"];
+  degree?: SplineDegree;
+  control_points?: SplineControlPoints;
+  tolerance?: LengthTolerance;
+  all_minima?: AllMinima;
+  samples?: PathSamples;
 };
 
 export type GeodesicEnd = {

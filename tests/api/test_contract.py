@@ -34,6 +34,14 @@ def differences(shown, answered, place=""):
         yield f"{place}: {str(shown)[:100]} in the contract, {str(answered)[:100]} in the answer"
 
 
+def objects(node):
+    """Every object of a JSON document."""
+    if isinstance(node, dict):
+        yield node
+    for item in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        yield from objects(item)
+
+
 class Examples(TestCase):
     @classmethod
     def setUpClass(cls):
@@ -116,6 +124,18 @@ class Examples(TestCase):
                     item[method].pop("x-handler", None)
                     item[method]["security"] = published["paths"][path][method].get("security")
         self.assertEqual(published["paths"], own["paths"])
+
+
+    def test_enumerations_of_strings_hold_strings(self):
+        """YAML 1.1 reads the bare word off as false."""
+        schemas = [value for value in objects(self.daemon.get("/openapi.json").json) if value.get("type") == "string" and "enum" in value]
+        self.assertEqual([schema for schema in schemas if not all(isinstance(word, str) for word in schema["enum"])], [])
+        self.assertTrue(any("off" in schema["enum"] for schema in schemas))
+
+    def test_references_name_components(self):
+        """Some code generators refuse a reference into a schema."""
+        references = {value["$ref"] for value in objects(self.daemon.get("/openapi.json").json) if isinstance(value.get("$ref"), str)}
+        self.assertEqual([reference for reference in references if reference.count("/") != 3], [])
 
 
 class Checker(unittest.TestCase):
