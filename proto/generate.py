@@ -129,11 +129,36 @@ def check_enumerations(document):
                     yield f"{place}: {word!r} is no string; quote it"
 
 
-def check_closed_objects(document):
-    for place, value in values(document):
-        if isinstance(value, dict) and value.get("type") == "object" and "properties" in value:
-            if value.get("additionalProperties") is not False:
-                yield f"{place}: additionalProperties is not false"
+def reachable(document, node, found):
+    """Adds the schemas that the node refers to, directly or not, to `found`: reference to schema."""
+    for _, value in values(node):
+        reference = value.get("$ref") if isinstance(value, dict) else None
+        if isinstance(reference, str) and reference not in found:
+            found[reference] = resolve(document, reference)
+            reachable(document, found[reference], found)
+    return found
+
+
+def object_schemas(nodes):
+    for place, node in nodes.items():
+        for inner, value in values(node, place):
+            if isinstance(value, dict) and "object" in value.get("type", "") and "properties" in value:
+                yield inner, value
+
+
+def check_objects(document):
+    """Requests are closed: an unknown member is refused. Answers are open: a new member breaks no client."""
+    requests, answers = {}, {}
+    for path, item, method, operation in operations(document):
+        place = f"{method} {path}"
+        requests[place] = [item.get("parameters", []), operation.get("parameters", []), operation.get("requestBody", {})]
+        answers[place] = operation.get("responses", {})
+    for nodes, is_closed in ((requests, True), (answers, False)):
+        for place, value in object_schemas({**nodes, **reachable(document, list(nodes.values()), {})}):
+            if is_closed and value.get("additionalProperties") is not False:
+                yield f"{place}: a request, and additionalProperties is not false"
+            if not is_closed and "additionalProperties" in value:
+                yield f"{place}: an answer, and it has additionalProperties"
             for name in value.get("required", []):
                 if name not in value["properties"]:
                     yield f"{place}: required {name} is no property"
@@ -196,7 +221,7 @@ def check_document(document):
     """Complaints about the document, one string each."""
     yield from check_references(document)
     yield from check_enumerations(document)
-    yield from check_closed_objects(document)
+    yield from check_objects(document)
     yield from check_operations(document)
 
 

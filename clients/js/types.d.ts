@@ -98,9 +98,9 @@ export type CompactPoints = string;
 
 /** All that is known of a point: `vertex`, or `edge` and `t`, when it lies on one (`face` is the lowest-numbered face there then), `snap_distance` when it was snapped. */
 export type PointAnswer = {
-  face?: Index;
-  barycentric?: Vector;
-  xyz?: Vector;
+  face: Index;
+  barycentric: Vector;
+  xyz: Vector;
   vertex?: Index;
   edge?: Edge;
   t?: number;
@@ -125,23 +125,23 @@ export type Distance = (number | null);
 export type Reason = "no_path";
 
 export type DistanceAnswer = {
-  distance?: Distance;
+  distance: Distance;
   reason?: Reason;
-  from?: PointAnswer;
-  to?: PointAnswer;
+  from: PointAnswer;
+  to: PointAnswer;
   /** When the request has such points. */
   via?: PointAnswer[];
 };
 
 export type PathAnswer = {
-  distance?: Distance;
+  distance: Distance;
   reason?: Reason;
-  from?: PointAnswer;
-  to?: PointAnswer;
+  from: PointAnswer;
+  to: PointAnswer;
   /** When the request has such points. */
   via?: PointAnswer[];
   /** `null` when there is none. */
-  path?: (Path | null);
+  path: (Path | null);
 };
 
 export type MatrixRequest = {
@@ -156,7 +156,7 @@ export type MatrixPoints = Point[];
 
 export type MatrixAnswer = {
   /** A row per source, in the order of the request, with a distance per target. */
-  distances?: Array<Distance[]>;
+  distances: Array<Distance[]>;
   /** Only when a distance is `null`: rows of the same shape, with the reason where the distance is `null`, and `null` elsewhere. `no_path`: the two points lie on different components. `beyond_max_distance`: they are farther apart. */
   reasons?: ("no_path" | "beyond_max_distance" | null)[][];
 };
@@ -353,7 +353,7 @@ export type CurvePlaces = ({
 
 /** `closest` with `min`; `a_to_b`, `b_to_a` and `farthest` with `hausdorff`. */
 export type CurveDistanceAnswer = {
-  distance?: Distance;
+  distance: Distance;
   reason?: Reason;
   closest?: CurvePlaces;
   a_to_b?: Distance;
@@ -362,7 +362,7 @@ export type CurveDistanceAnswer = {
     a_to_b: CurvePlaces;
     b_to_a: CurvePlaces;
   };
-  path?: (Path | null);
+  path: (Path | null);
 };
 
 export type SetDistanceRequest = {
@@ -384,11 +384,11 @@ export type ResultsAnswer = {
 };
 
 export type Result = {
-  distance?: Distance;
+  distance: Distance;
   /** `no_path`: no member lies on the point's component. `beyond_max_distance`: the field ends before it. */
   reason?: ("no_path" | "beyond_max_distance");
   /** The nearest member; `null` when there is no distance. Of several that are as near it is one. */
-  nearest?: ({
+  nearest: ({
     index: Index;
     label: (string | null);
     point: PointAnswer;
@@ -406,21 +406,21 @@ export type FieldRequest = {
 };
 
 export type Field = {
-  id?: FieldId;
+  id: FieldId;
   /** Those that are kept of it; with `max_distance` perhaps those of a field of the same set that reaches farther. */
-  wedges?: number;
+  wedges: number;
   /** What these take in memory. */
-  bytes?: number;
+  bytes: number;
   /** What they took to compute, in all. */
-  build_ms?: number;
+  build_ms: number;
   /** The largest distance; `null` when it is beyond `max_distance`, or so close below that it can not be told. */
-  max?: (number | null);
+  max: (number | null);
   reason?: "beyond_max_distance";
   /** Where it is; it may lie inside a face. */
-  farthest?: (PointAnswer | null);
+  farthest: (PointAnswer | null);
   /** Members of the set. */
-  members?: number;
-  max_distance?: (number | null);
+  members: number;
+  max_distance: (number | null);
 };
 
 export type BoundaryList = {
@@ -468,9 +468,9 @@ export type VoronoiRequest = {
 
 export type VoronoiAnswer = {
   /** By vertex index the nearest member, by its number; null at a vertex that no path reaches or no face refers to. */
-  labels?: (number | null)[];
+  labels: (number | null)[];
   /** In order of their members. */
-  bisectors?: Bisector[];
+  bisectors: Bisector[];
 };
 
 export type Bisector = {
@@ -495,21 +495,21 @@ export type CutRequest = {
 
 export type CutAnswer = {
   /** There are more components than before. */
-  separates?: boolean;
-  pieces?: CutPiece[];
+  separates: boolean;
+  pieces: CutPiece[];
   /** How far the curve was moved at most. */
-  largest_shift?: number;
+  largest_shift: number;
 };
 
 export type CutPiece = {
   name?: Name;
   vertices?: number;
-  faces?: number;
-  area?: number;
+  faces: number;
+  area: number;
   /** For each vertex of the piece the parent's, null for a new one; the parent's come first, in order. Not with `select_only`. */
   vertex_map?: (Index | null)[];
   /** For each face of the piece the parent's that it lies in, in ascending order. */
-  face_map?: Index[];
+  face_map: Index[];
 };
 
 /** A direction at a point: an angle, a vector of any length, or an object with either, as answers have it (of both the angle counts). A vector is projected: in a face at right angles to it, at a vertex along its normal. What leads over the boundary is refused. */
@@ -541,8 +541,8 @@ export type TracedPath = {
 };
 
 export type TraceAnswer = {
-  start?: PointAnswer;
-  paths?: TracedPath[];
+  start: PointAnswer;
+  paths: TracedPath[];
 };
 
 /** `direction` and `length`, or `segments`, or any vector that `log` answers, as it is. `exp` traces the segments of a vector that has both; `transport` and `combine` use its direction and length. The direction of a vector of length 0 may be `null`. The length `null` says that no path leads there. `reason` and `cut_locus` change nothing. */
@@ -580,12 +580,12 @@ export type ExpRequest = {
 };
 
 export type ExpAnswer = {
-  start?: PointAnswer;
-  vectors?: TangentVector[];
+  start: PointAnswer;
+  vectors: TangentVector[];
   /** `null` for a vector to which no path leads. */
-  points?: (PointAnswer | null)[];
+  points: (PointAnswer | null)[];
   /** `null` for a vector to which no path leads. */
-  paths?: (TracedPath | null)[];
+  paths: (TracedPath | null)[];
 };
 
 export type LogRequest = {
@@ -595,8 +595,8 @@ export type LogRequest = {
 };
 
 export type LogAnswer = {
-  from?: PointAnswer;
-  vectors?: (TangentVector | null)[];
+  from: PointAnswer;
+  vectors: (TangentVector | null)[];
 };
 
 export type TransportRequest = {
@@ -609,12 +609,12 @@ export type TransportRequest = {
 };
 
 export type TransportAnswer = {
-  from?: PointAnswer;
-  to?: PointAnswer;
-  distance?: (number | null);
+  from: PointAnswer;
+  to: PointAnswer;
+  distance: (number | null);
   reason?: "no_path";
   /** `null` when there is no path. */
-  vectors?: (TangentVector[] | null);
+  vectors: (TangentVector[] | null);
 };
 
 export type MeanRequest = {
@@ -625,12 +625,12 @@ export type MeanRequest = {
 };
 
 export type MeanAnswer = {
-  point?: PointAnswer;
-  residual?: number;
-  spread?: number;
-  iterations?: number;
-  converged?: boolean;
-  cut_locus?: boolean;
+  point: PointAnswer;
+  residual: number;
+  spread: number;
+  iterations: number;
+  converged: boolean;
+  cut_locus: boolean;
 };
 
 /** At most one of `samples`, `tolerance` and `spacing`. */
@@ -688,8 +688,8 @@ export type SplineRequest = {
 };
 
 export type SplineAnswer = {
-  path?: Path;
-  segments?: Array<{
+  path: Path;
+  segments: Array<{
     control_points: [PointAnswer, PointAnswer, PointAnswer, PointAnswer];
     /** Between its ends. */
     distance: number;
@@ -697,9 +697,9 @@ export type SplineAnswer = {
     cut_locus: boolean;
   }>;
   /** Of the points; of a closed curve the first one's again, after a whole round. */
-  parameters?: number[];
+  parameters: number[];
   /** One a point. */
-  joints?: Array<{
+  joints: Array<{
     tangent: TangentVector;
     angle_jump: number;
     speed_jump: number;
@@ -730,6 +730,7 @@ export type CurveOperationRequest = {
   tolerance?: number;
 };
 
+/** The members depend on the operation. */
 export type CurveOperationAnswer = {
   path?: Path;
   /** Of `resample`. */
@@ -755,7 +756,7 @@ export type SamplingAnswer = {
   /** With `geometry=xyz` as [x,y,z]. */
   points?: (PointAnswer | Vector)[];
   /** Entry i is the covering radius of points 0 to i: how far the surface's farthest point is from the nearest of them, which is the distance of point i + 1 to those before it. It never grows; null as long as a component has no point. */
-  radii?: (number | null)[];
+  radii: (number | null)[];
 };
 
 export type Isoline = {
@@ -784,8 +785,8 @@ export type Arc = ({
 });
 
 export type WedgesAnswer = {
-  edge?: Edge;
-  wedges?: Array<{
+  edge: Edge;
+  wedges: Array<{
     b0: number;
     b1: number;
     /** Distance of the pseudo-source to the wedge's beginning. */
@@ -987,26 +988,26 @@ export type LimitEvaluateRequest = {
 };
 
 export type LimitEvaluateAnswer = {
-  points?: Array<{
-    xyz?: Vector;
-    normal?: (Vector | null);
-    du?: (Vector | null);
-    dv?: (Vector | null);
-    duu?: (Vector | null);
-    duv?: (Vector | null);
-    dvv?: (Vector | null);
-    curvatures?: ([number, number] | null);
+  points: Array<{
+    xyz: Vector;
+    normal: (Vector | null);
+    du: (Vector | null);
+    dv: (Vector | null);
+    duu: (Vector | null);
+    duv: (Vector | null);
+    dvv: (Vector | null);
+    curvatures: ([number, number] | null);
     /** Only there when it is true. */
     singular?: boolean;
   }>;
 };
 
 export type LimitFootAnswer = {
-  face?: Index;
+  face: Index;
   corner?: Index;
-  uv?: [number, number];
-  xyz?: Vector;
-  distance?: number;
+  uv: [number, number];
+  xyz: Vector;
+  distance: number;
 };
 
 /** One of `directions` and `fan`. */
@@ -1024,10 +1025,10 @@ export type LimitTraceRequest = {
 };
 
 export type LimitTraceAnswer = {
-  start?: LimitPoint;
+  start: LimitPoint;
   /** Unless it is smooth. */
   level?: Count;
-  paths?: Array<{
+  paths: Array<{
     length: number;
     points?: LimitPoints;
     end_direction: LimitDirection;
@@ -1052,15 +1053,15 @@ export type LimitPairRequest = {
 };
 
 export type LimitPairAnswer = {
-  distance?: (number | null);
+  distance: (number | null);
   reason?: "no_path";
   error_estimate?: number;
   /** The path is a geodesic of the limit surface. */
   relaxed?: boolean;
   mesh_distance?: number;
-  level?: Count;
-  from?: LimitPoint;
-  to?: LimitPoint;
+  level: Count;
+  from: LimitPoint;
+  to: LimitPoint;
   path?: ({
     length: number;
     points?: LimitPoints;
@@ -1078,11 +1079,11 @@ export type DiscretizeRequest = {
 
 export type VertexPlaces = {
   /** The surface that the mesh was made of, in the version that it had then. */
-  subdivision?: {
+  subdivision: {
     name: Name;
     etag: string;
   };
-  places?: Array<[number, number, number, number]>;
+  places: Array<[number, number, number, number]>;
 };
 
 export type NurbsFile = ({
@@ -1175,13 +1176,13 @@ export type NurbsList = {
 
 export type VertexParameters = {
   /** The surface that the mesh was made of, in the version that it had then. */
-  nurbs?: {
+  nurbs: {
     name: Name;
     etag: string;
   };
   /** Of u and of v; `null`: the direction is not closed. */
-  periods?: [(number | null), (number | null)];
-  uv?: Place[];
+  periods: [(number | null), (number | null)];
+  uv: Place[];
 };
 
 export type EvaluateRequest = {
@@ -1189,16 +1190,16 @@ export type EvaluateRequest = {
 };
 
 export type EvaluateAnswer = {
-  points?: Array<{
-    xyz?: Vector;
-    normal?: (Vector | null);
-    du?: Vector;
-    dv?: Vector;
-    duu?: Vector;
-    duv?: Vector;
-    dvv?: Vector;
-    gaussian_curvature?: (number | null);
-    mean_curvature?: (number | null);
+  points: Array<{
+    xyz: Vector;
+    normal: (Vector | null);
+    du: Vector;
+    dv: Vector;
+    duu: Vector;
+    duv: Vector;
+    dvv: Vector;
+    gaussian_curvature: (number | null);
+    mean_curvature: (number | null);
   }>;
 };
 
@@ -1207,9 +1208,9 @@ export type FootRequest = {
 };
 
 export type FootAnswer = {
-  uv?: Place;
-  xyz?: Vector;
-  distance?: number;
+  uv: Place;
+  xyz: Vector;
+  distance: number;
 };
 
 /** A curve in the domain: one of `polyline`, `bspline` and `iso`. Its parameter is along a polyline the number of the corner, of a B-spline that of its knots, of an iso line the other coordinate. A curve whose ends are one place of the surface is closed in any case. */
@@ -1288,19 +1289,19 @@ export type GeodesicEnd = {
 };
 
 export type GeodesicAnswer = {
-  length?: number;
+  length: number;
   /** Absent where the length is 0. */
   degree?: number;
   /** From 0 to the number of pieces. Where two pieces meet the knot has the multiplicity of the degree, at a pole one more. */
-  knots?: number[];
-  control_points?: Place[];
+  knots: number[];
+  control_points: Place[];
   /** At even parameters of the spline, from its beginning to its end. */
   points?: (Vector | {
     uv: Place;
     xyz: Vector;
   })[];
   /** `from` and `to` of `geodesic`, `curve` of `point-curve-distance`, `a` and `b` of `curve-distance`. */
-  ends?: {
+  ends: {
     from?: GeodesicEnd;
     to?: GeodesicEnd;
     curve?: GeodesicEnd;
@@ -1308,20 +1309,20 @@ export type GeodesicAnswer = {
     b?: GeodesicEnd;
   };
   /** Norm of the gradient of the length, relative. */
-  residual?: number;
+  residual: number;
   /** Of the length, in its unit. */
-  error_estimate?: number;
+  error_estimate: number;
   /** Integral of its square along the path: 0 for an exact geodesic. */
-  geodesic_curvature?: number;
+  geodesic_curvature: number;
   /** How uneven the speed is: (2 E - L^2) / L^2 with the energy E. */
-  speed_defect?: number;
-  iterations?: Count;
+  speed_defect: number;
+  iterations: Count;
   /** The tolerance is met. */
-  converged?: boolean;
+  converged: boolean;
   /** Proved to be a local minimum. */
-  is_minimum?: boolean;
-  boundary_contact?: boolean;
-  warnings?: ("not_converged" | "boundary_contact" | "curve_corner" | "through_pole" | "not_minimal")[];
+  is_minimum: boolean;
+  boundary_contact: boolean;
+  warnings: ("not_converged" | "boundary_contact" | "curve_corner" | "through_pole" | "not_minimal")[];
   /** With `all_minima`: the local minima by length, each in the form of this answer. */
   minima?: GeodesicAnswer[];
 };

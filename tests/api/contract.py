@@ -1,8 +1,8 @@
 """The contract, proto/openapi.yaml, as something that requests can be made of and answers be held against.
 
 An answer is right when its operation documents the status, the media type, the problem's code, the headers and the body, and nothing of
-them is missing that it promises. Objects are closed in the document (proto/generate.py sees to it), so a member that is not documented is
-a fault. Needs Debian's python3-yaml and python3-jsonschema.
+them is missing that it promises. Answers are open in the document. Here they are closed: a member that is not documented is a fault. A
+required member may be missing only where the request could leave it out by `fields`. Needs Debian's python3-yaml and python3-jsonschema.
 """
 import functools
 import gzip
@@ -47,6 +47,19 @@ def thinned(value):
     return value
 
 
+def checked(node, optional):
+    """A copy of a schema whose objects are closed, and do not require the members that `optional` names."""
+    if isinstance(node, list):
+        return [checked(item, optional) for item in node]
+    if not isinstance(node, dict):
+        return node
+    copy = {key: checked(value, optional) for key, value in node.items()}
+    if isinstance(node.get("properties"), dict) and "type" in node:
+        copy.setdefault("additionalProperties", False)
+        copy["required"] = [name for name in node.get("required", ()) if name not in optional]
+    return copy
+
+
 def shown(document, content):
     """The values of the examples of a media type or a parameter."""
     if "example" in content:
@@ -84,6 +97,10 @@ class Operation:
         schemas = [parameter["schema"] for parameter in self.parameters if parameter["in"] == "query" and parameter["name"] == name]
         return [word for schema in schemas for word in schema.get("items", schema).get("enum", ())]
 
+    def left_out(self, target):
+        """Names of the members that a request to the target may leave out of its answer. The lines of a batch have `fields` of their own."""
+        return tuple(self.words("fields")) if "fields=" in target.partition("?")[2] else ()
+
     def examples(self, document):
         """(media type, bytes) of each request body that is shown."""
         for kind, content in (self.body or {}).get("content", {}).items():
@@ -100,6 +117,7 @@ class Contract:
         self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}
+        self.names_of_fields = tuple(sorted({word for each in self.operations for word in each.words("fields")}))
         self.schemas = {}
 
     def operation(self, method, target):
@@ -109,12 +127,13 @@ class Contract:
         method = method.lower()
         return self.by_place.get((found, method)) or (self.by_place.get((found, "get")) if method == "head" else None)
 
-    def invalid(self, value, schema, place):
-        """What is wrong about a value, if anything."""
+    def invalid(self, value, schema, place, optional=()):
+        """What is wrong about a value, if anything. `optional`: names of members that may be missing."""
         from jsonschema import Draft202012Validator, exceptions
-        key = json.dumps(schema, sort_keys=True)
+        key = json.dumps(schema, sort_keys=True) + " ".join(optional)
         if key not in self.schemas:
-            self.schemas[key] = Draft202012Validator({"components": self.document["components"], **schema})
+            schemas = {"components": {"schemas": self.document["components"]["schemas"]}, **schema}
+            self.schemas[key] = Draft202012Validator(checked(schemas, optional))
         error = exceptions.best_match(self.schemas[key].iter_errors(value))
         if error:
             where = "/".join(str(part) for part in error.absolute_path)
@@ -129,7 +148,7 @@ class Contract:
         response = operation.response(answer.status)
         if response is None:
             return [f"{place}: {operation.name} does not document that status ({answer.body[:200]!r})"]
-        return [*self.faults_of_headers(response, answer, place), *self.faults_of_body(operation, response, method, answer, place, is_thin)]
+        return [*self.faults_of_headers(response, answer, place), *self.faults_of_body(operation, response, method, target, answer, place, is_thin)]
 
     def shown_answers(self, operation, answer):
         """The JSON documents that the contract shows of such an answer."""
@@ -169,7 +188,7 @@ class Contract:
             value = int(sent[name]) if header["schema"].get("type") == "integer" and sent[name].isdigit() else sent[name]
             yield from self.invalid(value, header["schema"], f"{place}: header {name}")
 
-    def faults_of_body(self, operation, response, method, answer, place, is_thin):
+    def faults_of_body(self, operation, response, method, target, answer, place, is_thin):
         if method == "HEAD" or answer.status in (204, 304) or "content" not in response:
             if answer.body:
                 yield f"{place}: a body where none is documented ({answer.body[:100]!r})"
@@ -179,22 +198,24 @@ class Contract:
         if content is None:
             yield f"{place}: {kind} is not documented, {', '.join(response['content'])} is"
             return
-        yield from self.faults_of_content(operation, content.get("schema", {}), kind, answer, place, is_thin)
+        yield from self.faults_of_content(operation, content.get("schema", {}), kind, target, answer, place, is_thin)
 
-    def faults_of_content(self, operation, schema, kind, answer, place, is_thin):
+    def faults_of_content(self, operation, schema, kind, target, answer, place, is_thin):
         body = gzip.decompress(answer.body) if answer.headers.get("Content-Encoding") == "gzip" else answer.body
         if is_thin and len(body) > THIN_BYTES:
             return
+        optional = operation.left_out(target)
         if kind in JSON_TYPES:
             values = [json.loads(body)]
         elif kind == "application/x-ndjson":
             values, schema = [json.loads(line) for line in body.splitlines()], schema["contentSchema"]
+            optional = self.names_of_fields
         elif kind.startswith("text/"):
             values = [body.decode()]
         else:
             return
         for value in thinned(values) if is_thin else values:
-            yield from self.invalid(value, schema, place)
+            yield from self.invalid(value, schema, place, optional)
         if kind == "application/problem+json":
             yield from self.faults_of_problem(operation, values[0], answer, place)
         elif schema == {"$ref": "#/components/schemas/Job"}:
@@ -217,7 +238,8 @@ class Contract:
         if content is None:
             yield f"{place}: {operation.name} does not document the job's {job['response']['status']} {job['response']['media_type']}"
         elif job["response"]["media_type"] in JSON_TYPES:
-            yield from self.invalid(thinned(job["result"]), content["schema"], f"{place}, the job's result")
+            # a job's `request` has no query
+            yield from self.invalid(thinned(job["result"]), content["schema"], f"{place}, the job's result", tuple(operation.words("fields")))
 
 
 @functools.cache

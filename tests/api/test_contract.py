@@ -141,28 +141,38 @@ class Examples(TestCase):
 class Checker(unittest.TestCase):
     """It sees what it is there to see: an answer that is right by the document is wrong by one that differs a little."""
 
-    ANSWER = b'{"distance":1,"from":{"face":0,"barycentric":[1,0,0],"xyz":[0,0,0],"vertex":0}}'
+    POINT = b'{"face":0,"barycentric":[1,0,0],"xyz":[0,0,0],"vertex":0}'
+    ANSWER = b'{"distance":1,"from":' + POINT + b',"to":' + POINT + b"}"
+    TARGET = "/v1/meshes/x/distance?from=v:0&to=v:1"
 
     class Answer:
         status, headers, body = 200, {"Content-Type": "application/json", "ETag": '"x"'}, b""
         json = property(lambda self: json.loads(self.body))
 
-    def faults(self, change=lambda document: None, body=ANSWER, status=200, headers=()):
+    def faults(self, change=lambda document: None, body=ANSWER, status=200, headers=(), target=TARGET):
         document = json.loads(json.dumps(contract.load().document))
         change(document)
         answer = self.Answer()
         answer.status, answer.body, answer.headers = status, body, {**self.Answer.headers, **dict(headers)}
-        return contract.Contract(document).faults("GET", "/v1/meshes/x/distance?from=v:0&to=v:1", answer)
+        return contract.Contract(document).faults("GET", target, answer)
 
     def test_what_is_right(self):
         self.assertEqual(self.faults(), [])
 
     def test_a_field_that_is_not_documented(self):
-        self.assertRegex(self.faults(body=b'{"distance":1,"colour":2}')[0], "colour")
+        self.assertRegex(self.faults(body=self.ANSWER.replace(b'"distance":1', b'"distance":1,"colour":2'))[0], "colour")
         self.assertRegex(self.faults(lambda document: document["components"]["schemas"]["PointAnswer"]["properties"].pop("vertex"))[0], "vertex")
 
     def test_a_type(self):
-        self.assertRegex(self.faults(body=b'{"distance":"1"}')[0], "/distance")
+        self.assertRegex(self.faults(body=self.ANSWER.replace(b'"distance":1', b'"distance":"1"'))[0], "/distance")
+
+    def test_a_required_member(self):
+        """`fields` leaves out members of the answer itself, none of the points in it."""
+        projected = self.TARGET + "&fields=distance,from"
+        for body in (b'{"distance":1}', b'{"distance":1,"from":' + self.POINT + b"}"):
+            self.assertRegex(self.faults(body=body)[0], "required")
+            self.assertEqual(self.faults(body=body, target=projected), [])
+        self.assertRegex(self.faults(body=b'{"distance":1,"from":{"xyz":[0,0,0]}}', target=projected)[0], "required")
 
     def test_a_status(self):
         self.assertRegex(self.faults(status=299)[0], "status")
