@@ -51,7 +51,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers contract-linter web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture exactness coverage lint format check-layers clean
+.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers contract-linter contract-generators web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture exactness coverage lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile docker/packages.mk | expand -t 22
@@ -90,7 +90,7 @@ serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
 test: PACKAGES += debhelper dh-python lintian pkg-config haproxy postgresql python3-kubernetes # wanted by tests only
-test: setup-test nurbs-peers contract-linter web-peers ## set up and run all tests
+test: setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
@@ -113,6 +113,13 @@ contract-linter: ## a linter of OpenAPI documents, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/linter/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/linter; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/linter $(CONTRACT_LINTER) \
 	        >/dev/null 2>&1 && touch $(BUILD)/linter/complete || echo "npm could not install $(CONTRACT_LINTER): the contract is not linted by it"; fi
+
+# They read the contract only. Without npm or a network, tests/api/test_contract_generators.py is skipped.
+CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3
+contract-generators: ## code generators that read the contract, for the tests (wants npm)
+	@if [ ! -e $(BUILD)/generators/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/generators; \
+	    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/generators $(CONTRACT_GENERATORS) \
+	        >/dev/null 2>&1 && touch $(BUILD)/generators/complete || echo "npm could not install $(CONTRACT_GENERATORS): tests with them are skipped"; fi
 
 # Likewise: playwright-core and axe-core, for tests/web.
 web-peers:
