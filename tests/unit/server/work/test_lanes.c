@@ -8,7 +8,7 @@
 
 static struct server_lanes lanes;
 static struct server_job jobs[1000];
-static char names[1000][8];
+static char names[1000][16];
 
 static int set_up(void **state)
 {
