@@ -6,16 +6,31 @@
 #include "proto/member.h"
 #include "proto/problem.h"
 
-bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
-                      struct proto_problem *problem)
+static bool page_parse(const struct proto_parameters *parameters, const char *const *names,
+                       struct proto_page *out, struct proto_problem *problem)
 {
-    static const char *const names[] = {"limit", "after", NULL};
     uint64_t limit = PROTO_PAGE_DEFAULT;
     if (!proto_parameters_check(parameters, names, problem)) return false;
     if (!proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem))
         return false;
     *out = (struct proto_page){.limit = (uint32_t)limit,
                                .after = parameters->get(parameters->user, "after")};
+    return true;
+}
+
+bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
+                      struct proto_problem *problem)
+{
+    static const char *const names[] = {"limit", "after", NULL};
+    return page_parse(parameters, names, out, problem);
+}
+
+bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
+                            struct proto_problem *problem)
+{
+    static const char *const names[] = {"limit", "after", "prefix", NULL};
+    if (!page_parse(parameters, names, out, problem)) return false;
+    out->prefix = parameters->get(parameters->user, "prefix");
     return true;
 }
 

@@ -16,11 +16,17 @@ struct proto_page {
     uint32_t limit; /* 1 to PROTO_PAGE_MOST */
     /* items that follow this one; NULL: from the first. Lives as long as the query string */
     const char *after;
+    /* begin of the names of all items; NULL: any name. Lives as long as the query string */
+    const char *prefix;
 };
 
 /* Reads limit and after, and refuses any other parameter. invalid_request. */
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
                       struct proto_problem *problem);
+
+/* The same for a list of names, which has `prefix`, too. */
+bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
+                            struct proto_problem *problem);
 
 /* The cursor `after` of a list that is numbered: -1 for none. invalid_request. */
 bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto_problem *problem);

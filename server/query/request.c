@@ -63,6 +63,15 @@ bool server_request_page(struct server_exchange *exchange, struct proto_page *pa
     return false;
 }
 
+bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    if (proto_page_parse_names(&parameters, page, &problem)) return true;
+    server_reply_problem(exchange, &problem);
+    return false;
+}
+
 static void reply_store_unavailable(struct server_exchange *exchange, const char *what)
 {
     struct proto_problem problem;

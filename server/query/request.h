@@ -21,6 +21,9 @@ bool server_request_is_plain(struct server_exchange *exchange);
 /* The page of a list that the parameters ask for. False: a problem is replied. */
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
 
+/* The same of a list of names, which `prefix` may narrow. */
+bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page);
+
 /* The record of the surface that the path names, retained. False: a problem is replied. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
 

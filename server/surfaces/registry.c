@@ -302,15 +302,22 @@ static uint32_t slots_after(const struct slots *all, const struct server_key *ke
 }
 
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
-                              uint32_t most, struct server_listed *out)
+                              const char *prefix, uint32_t most, struct server_listed *out)
 {
-    const struct server_key from = {after->tenant, after->kind, after->name ? after->name : ""};
+    const char *name = after->name ? after->name : "", *begin = prefix ? prefix : "";
+    const struct server_key from = {after->tenant, after->kind, name};
+    const struct server_key first = {after->tenant, after->kind, begin};
     const struct slots *all = &registry->all;
     uint32_t listed = 0;
     pthread_rwlock_rdlock(&registry->lock);
-    for (uint32_t at = slots_after(all, &from); listed < most && at < all->count; at++) {
+    /* In byte order the names that begin with `begin` follow each other. */
+    uint32_t at =
+        strcmp(name, begin) < 0 ? slots_lower_bound(all, &first) : slots_after(all, &from);
+    for (; listed < most && at < all->count; at++) {
         const struct server_record *record = all->slots[at]->record;
-        if (record->kind != from.kind || strcmp(record->tenant, from.tenant) != 0) break;
+        if (record->kind != from.kind || strcmp(record->tenant, from.tenant) != 0 ||
+            strncmp(record->name, begin, strlen(begin)) != 0)
+            break;
         out[listed++] = slot_share(all->slots[at]);
     }
     pthread_rwlock_unlock(&registry->lock);

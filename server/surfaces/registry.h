@@ -86,9 +86,10 @@ bool server_registry_use(struct server_registry *registry, const struct server_k
                          struct server_surface **out);
 
 /* Up to `most` surfaces of the tenant and kind of `after`, with names after its name (NULL: from
- * the first), in byte order, each retained; returns how many. */
+ * the first) that begin with `prefix` (NULL: any), in byte order, each retained; returns how many.
+ */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
-                              uint32_t most, struct server_listed *out);
+                              const char *prefix, uint32_t most, struct server_listed *out);
 
 /* All surfaces in the order of their keys, each retained until the next call:
  *

@@ -6,6 +6,7 @@ import re
 import unittest
 
 from harness import SQUARE, TETRAHEDRON, TestCase, sample
+from nurbs import TORUS
 
 FORMATS = ("obj", "ply", "off", "stl", "glb", "gltf")
 IN_FLOATS = ("stl", "glb", "gltf")
@@ -174,6 +175,20 @@ class Read(TestCase):
     def test_list_after_a_name_that_does_not_exist(self):
         names = [mesh["name"] for mesh in self.daemon.get("/v1/meshes?after=bb").json["meshes"]]
         self.assertEqual(names, ["c", "d", "e"])
+
+    def test_list_by_prefix(self):
+        """Surfaces of each kind, whole and by pages."""
+        for kind, file in (("meshes", TETRAHEDRON), ("subdivisions", TETRAHEDRON), ("nurbs", json.dumps(TORUS).encode())):
+            for name in ("x-1", "x-2", "x-3", "xy", "y"):
+                self.assertEqual(self.daemon.request("PUT", f"/v1/{kind}/{name}", file, {"Content-Type": "application/octet-stream"}).status, 201)
+            for query, expected in (("prefix=x-", ["x-1", "x-2", "x-3"]), ("prefix=x-&after=x-1", ["x-2", "x-3"]), ("prefix=x-2", ["x-2"]),
+                                    ("prefix=x-4", []), ("prefix=x&after=c", ["x-1", "x-2", "x-3", "xy"])):
+                page = self.daemon.get(f"/v1/{kind}?{query}").json
+                self.assertEqual(([each["name"] for each in page[kind]], page["next"]), (expected, None), query)
+            page = self.daemon.get(f"/v1/{kind}?prefix=x-&limit=2").json
+            self.assertEqual(([each["name"] for each in page[kind]], page["next"]), (["x-1", "x-2"], "x-2"))
+            for name in ("x-1", "x-2", "x-3", "xy", "y"):
+                self.daemon.request("DELETE", f"/v1/{kind}/{name}")
 
     def test_unknown_and_odd_names(self):
         for name in ("nobody", "a/b", "%61b"):

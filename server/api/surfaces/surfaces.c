@@ -38,11 +38,11 @@ static bool list_surfaces(struct server_exchange *exchange, uint32_t most)
 {
     struct proto_page page;
     struct server_listed listed[PROTO_PAGE_MOST + 1];
-    if (!server_request_page(exchange, &page)) return true;
+    if (!server_request_page_of_names(exchange, &page)) return true;
     const struct server_key after = {exchange->tenant, server_request_kind(exchange), page.after};
     uint32_t wanted = page.limit < most ? page.limit : most;
-    uint32_t count =
-        server_registry_list(exchange->host->api->registry, &after, wanted + 1, listed);
+    uint32_t count = server_registry_list(exchange->host->api->registry, &after, page.prefix,
+                                          wanted + 1, listed);
     bool is_whole = page.limit <= most || count <= most;
     if (is_whole) reply_page(exchange, page.limit, listed, count);
     for (uint32_t i = 0; i < count; i++) server_listed_release(&listed[i]);

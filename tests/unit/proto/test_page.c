@@ -17,6 +17,17 @@ static void reads_limit_and_after(void **state)
     assert_string_equal(page.after, "cow");
 }
 
+static void reads_a_prefix_of_names_only(void **state)
+{
+    (void)state;
+    struct proto_page page;
+    struct proto_problem problem;
+    struct proto_parameters parameters = QUERY("prefix", "co");
+    assert_false(proto_page_parse(&parameters, &page, &problem));
+    assert_true(proto_page_parse_names(&parameters, &page, &problem));
+    assert_string_equal(page.prefix, "co");
+}
+
 static void refuses_bad_pages(void **state)
 {
     (void)state;
@@ -34,6 +45,7 @@ static void refuses_bad_pages(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(reads_limit_and_after),
+                                       cmocka_unit_test(reads_a_prefix_of_names_only),
                                        cmocka_unit_test(refuses_bad_pages)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -70,7 +70,7 @@ static uint32_t list(struct fixture *fixture, const char *after, uint32_t most,
                      struct server_listed *out)
 {
     const struct server_key key = mesh_key(after);
-    return server_registry_list(fixture->registry, &key, most, out);
+    return server_registry_list(fixture->registry, &key, NULL, most, out);
 }
 
 /* The surface of that name, which is in memory, retained; or NULL. */
@@ -153,6 +153,31 @@ static void lists_in_order(void **state)
     assert_string_equal(listed[0].record->name, "m");
     server_listed_release(&listed[0]);
     assert_int_equal(list(fixture, "z", 10, listed), 0);
+}
+
+static void lists_by_prefix(void **state)
+{
+    struct fixture *fixture = *state;
+    static const char *const names[] = {"a", "b", "ba", "bb", "c"};
+    static const struct {
+        const char *after, *prefix;
+        uint32_t most, count;
+        const char *first;
+    } cases[] = {
+        {NULL, "b", 10, 3, "b"}, {NULL, "b", 2, 2, "b"},    {"a", "b", 10, 3, "b"},
+        {"b", "b", 10, 2, "ba"}, {"ba", "b", 10, 1, "bb"},  {"bb", "b", 10, 0, NULL},
+        {"c", "b", 10, 0, NULL}, {NULL, "bc", 10, 0, NULL}, {NULL, "", 10, 5, "a"},
+    };
+    struct server_listed listed[10];
+    for (size_t i = 0; i < COUNT(names); i++) put(fixture, names[i], "1");
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        const struct server_key key = mesh_key(cases[i].after);
+        uint32_t count =
+            server_registry_list(fixture->registry, &key, cases[i].prefix, cases[i].most, listed);
+        assert_int_equal(count, cases[i].count);
+        if (count) assert_string_equal(listed[0].record->name, cases[i].first);
+        while (count) server_listed_release(&listed[--count]);
+    }
 }
 
 static void preconditions_decide(void **state)
@@ -469,6 +494,7 @@ int main(void)
         TEST(keeps_by_name),
         TEST(what_is_held_outlives_its_name),
         TEST(lists_in_order),
+        TEST(lists_by_prefix),
         TEST(preconditions_decide),
         TEST(replacing_ends_the_fields),
         TEST(tells_what_is_gone_with_its_last_name),
