@@ -129,6 +129,26 @@ static bool prepare_coding(struct server_exchange *exchange, struct proto_proble
         "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
 }
 
+/* The characters of paths that the command line of a shell takes as they are. */
+#define PLAIN_PATH "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-/"
+
+/* Rejects an HTML form where the body is a file. */
+static bool check_media_type(const struct server_exchange *exchange, struct proto_problem *problem)
+{
+    static const char form[] = "multipart/";
+    const struct proto_route *route = exchange->match.route;
+    const char *type = server_exchange_header(exchange, "Content-Type"), *path = exchange->path;
+    bool is_plain = path[strspn(path, PLAIN_PATH)] == '\0';
+    if ((route->handle != server_handle_create_surface &&
+         route->handle != server_handle_put_surface) ||
+        !type || strncasecmp(type, form, strlen(form)) != 0)
+        return true;
+    return proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+                             "the body is the file itself, not a form: send it with "
+                             "curl -X %s --data-binary @FILE http://HOST%s",
+                             exchange->method, is_plain ? path : route->path);
+}
+
 static bool prepare_body(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct proto_route *route = exchange->match.route;
@@ -140,6 +160,7 @@ static bool prepare_body(struct server_exchange *exchange, struct proto_problem 
     if (!exchange->has_body)
         return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
                                  "send the request body with a Content-Length, or chunked");
+    if (!check_media_type(exchange, problem)) return false;
     if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
     if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
         limit = BATCH_BODY_LIMIT;

@@ -196,6 +196,15 @@ static enum gd_status mesh_connect_growing(struct mesh_build *build)
     return most > cost ? step_run(&build->base, &step, most) : status;
 }
 
+/* Appends the remedy, unless the engine named it. */
+static void mesh_suggest_split(struct proto_problem *problem)
+{
+    size_t length = strlen(problem->detail);
+    if (!strstr(problem->detail, "repair=split"))
+        snprintf(problem->detail + length, sizeof problem->detail - length,
+                 "; upload with ?repair=split to separate them");
+}
+
 static enum gd_status mesh_build(const struct server_builder *builder,
                                  const struct server_record *record, const void *bytes,
                                  struct server_built *out, struct proto_problem *problem)
@@ -214,7 +223,10 @@ static enum gd_status mesh_build(const struct server_builder *builder,
     if (!status) status = mesh_connect_growing(&build);
     gd_polygons_free(&build.polygons);
     *out = (struct server_built){build.mesh, status ? 0 : gd_mesh_memsize(build.mesh)};
-    return build_end(&build.base, status, out->size);
+    status = build_end(&build.base, status, out->size);
+    if (status == GD_NON_MANIFOLD_EDGE || status == GD_NON_MANIFOLD_VERTEX)
+        mesh_suggest_split(problem);
+    return status;
 }
 
 static void mesh_release(void *object)

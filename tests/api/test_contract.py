@@ -3,6 +3,7 @@
 A new operation takes part when its parameters and its body have examples (contract_scene.py tells on what they have to work).
 """
 import json
+import re
 import unittest
 
 import contract
@@ -112,6 +113,28 @@ class Examples(TestCase):
                     self.assertEqual(send(self.daemon, ask).status, 400, ask)
 
         self.each(check)
+
+    def test_booleans_of_queries(self):
+        """A parameter that takes true and false is described as a boolean, and takes nothing else."""
+        def check(operation):
+            for parameter in operation.parameters:
+                name, schema = parameter["name"], parameter["schema"]
+                self.assertFalse({"true", "false"} & set(schema.get("enum", ())), name)
+                if parameter["in"] != "query" or schema.get("type") != "boolean":
+                    continue
+                seen.add(name)
+                ask = self.scene.ask(operation)
+                ask = ask._replace(target="&".join(part for part in re.split("[?&]", ask.target) if not part.startswith(f"{name}=")).replace("&", "?", 1))
+                ask = ask.plus(query="format=obj") if name == "mesh" else ask
+                for word in ("true", "false"):
+                    self.right(operation, ask.plus(query=f"{name}={word}"))
+                for word in ("1", "True", "yes", ""):
+                    answer = send(self.daemon, ask.plus(query=f"{name}={word}"))
+                    self.assertEqual((answer.status, answer.json.get("parameter")), (400, name))
+
+        seen = set()
+        self.each(check)
+        self.assertGreaterEqual(seen, {"arcs", "edges", "legend", "mesh", "triangulate"})
 
     def test_it_is_what_the_daemon_publishes(self):
         published = self.daemon.get("/openapi.json").json

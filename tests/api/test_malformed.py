@@ -65,6 +65,7 @@ FILES = [
     ("JSON with two coordinates", b'{"vertices": [[0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', None),
 ]
 
+FORM = {"Content-Type": "multipart/form-data; boundary=x"}
 DISTANCE = f"{ROOT}/square/distance"
 NEAREST = f"{ROOT}/square/nearest"
 PAIR = {"from": {"vertex": 0}, "to": {"vertex": 2}}
@@ -99,6 +100,9 @@ REQUESTS = [
     ("name that starts with a dot", "PUT", ROOT + "/.hidden", SQUARE, {}, *INVALID),
     ("name with a space", "PUT", ROOT + "/a%20b", SQUARE, {}, *INVALID),
     ("name of 129 characters", "PUT", ROOT + "/" + "n" * 129, SQUARE, {}, *INVALID),
+    ("mesh in a form", "PUT", ROOT + "/x", b"--x--", FORM, *MEDIA_TYPE),
+    ("new mesh in a form", "POST", ROOT, b"--x--", FORM, *MEDIA_TYPE),
+    ("surface in a form", "PUT", "/v1/nurbs/x", b"--x--", FORM, *MEDIA_TYPE),
     ("unknown upload option", "PUT", ROOT + "/x?colour=red", SQUARE, {}, *INVALID),
     ("unknown format", "PUT", ROOT + "/x?format=dwg", SQUARE, {}, *INVALID),
     ("option with an unknown word", "PUT", ROOT + "/x?triangulate=maybe", SQUARE, {}, *INVALID),
@@ -189,6 +193,17 @@ class Malformed(TestCase):
                 if reason:
                     self.assertEqual(problem["reason"], reason)
         self.assert_problem(self.daemon.get(f"{ROOT}/bad"), 404, "not_found")
+
+    def test_a_problem_names_the_remedy(self):
+        crowded = SQUARE + b"v 0 0 1\nf 1 3 5\n"
+        for query, file, remedy in (("", crowded, "?repair=split"), ("", BOW_TIE, "?repair=split"), ("?weld=0", crowded, "?repair=split")):
+            problem = self.assert_problem(self.daemon.put("bad", file, query), 422, "invalid_mesh")
+            self.assertIn(remedy, problem["detail"])
+            self.assertEqual(self.daemon.put("mended", file, (query or "?") + "&repair=split").status // 100, 2)
+        form = self.daemon.request("PUT", f"{ROOT}/bad", b"--x--", FORM)
+        self.assertIn(f"curl -X PUT --data-binary @FILE http://HOST{ROOT}/bad", form.json["detail"])
+        odd = self.daemon.request("PUT", f"{ROOT}/a;b", b"--x--", FORM)
+        self.assertNotIn(";b", odd.json["detail"])
 
     def test_requests(self):
         for name, method, path, body, headers, status, code in REQUESTS:
