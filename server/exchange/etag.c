@@ -6,12 +6,18 @@
 
 #include "server/exchange/exchange.h"
 
-#define BLANKS " \t"
+#define BLANKS          " \t"
+#define FORM_CHARACTERS "abcdefghijklmnopqrstuvwxyz0123456789"
+#define FORMAT_SUFFIX   "." SERVER_FORMAT_VERSION
 
 _Static_assert(SERVER_ETAG_LINES >= SERVER_EXCHANGE_HEADERS,
                "all headers of a request may be of one name");
 
-enum comparison { STRONG, WEAK };
+/* How the tags of a list are compared: by strong or weak comparison, and with which tags. */
+struct comparison {
+    bool is_weak;
+    bool with_all; /* with all tags of the resource, not only the representation's */
+};
 
 /* One tag of a list: `W/"text"` or `"text"`. */
 struct tag {
@@ -35,38 +41,53 @@ static bool next_tag(const char **list, struct tag *out)
     return true;
 }
 
-static enum server_etag_form compare(const struct tag *listed, const char *etag)
+static bool ends_with(const char *text, size_t size, const char *suffix)
 {
-    size_t size = strlen(etag);
-    if (listed->size < size || memcmp(listed->text, etag, size) != 0) return SERVER_ETAG_NONE;
-    if (listed->size == size) return SERVER_ETAG_PLAIN;
-    bool is_packed =
-        listed->size - size == strlen(SERVER_ETAG_PACKED_SUFFIX) &&
-        memcmp(listed->text + size, SERVER_ETAG_PACKED_SUFFIX, listed->size - size) == 0;
-    return is_packed ? SERVER_ETAG_PACKED : SERVER_ETAG_NONE;
+    size_t length = strlen(suffix);
+    return size > length && memcmp(text + size - length, suffix, length) == 0;
 }
 
-/* Is the line "*", which any resource is like? */
+/* True for "-csv.1". */
+static bool is_form(const char *text, size_t size)
+{
+    if (!ends_with(text, size, FORMAT_SUFFIX) || *text != '-') return false;
+    size_t letters = size - 1 - strlen(FORMAT_SUFFIX);
+    return letters && strspn(text + 1, FORM_CHARACTERS) == letters;
+}
+
+static enum server_etag_form compare(const struct tag *listed, const char *etag, bool with_all)
+{
+    bool is_packed = ends_with(listed->text, listed->size, SERVER_ETAG_PACKED_SUFFIX);
+    size_t size = listed->size - (is_packed ? strlen(SERVER_ETAG_PACKED_SUFFIX) : 0);
+    size_t expected = with_all ? strcspn(etag, "-") : strlen(etag);
+    if (size < expected || memcmp(listed->text, etag, expected) != 0) return SERVER_ETAG_NONE;
+    if (size > expected && !(with_all && is_form(listed->text + expected, size - expected)))
+        return SERVER_ETAG_NONE;
+    return is_packed ? SERVER_ETAG_PACKED : SERVER_ETAG_PLAIN;
+}
+
+/* True for a line "*", which matches every existing resource. */
 static bool is_any(const char *line)
 {
     line += strspn(line, BLANKS);
     return *line == '*' && line[1 + strspn(line + 1, BLANKS)] == '\0';
 }
 
-/* What can't be read ends a line. */
+/* A syntax error ends the line. */
 static enum server_etag_form find_in_line(const char *line, const char *etag,
-                                          enum comparison comparison)
+                                          struct comparison comparison)
 {
     struct tag listed;
     enum server_etag_form form = is_any(line) ? SERVER_ETAG_PLAIN : SERVER_ETAG_NONE;
     while (!form && next_tag(&line, &listed)) {
-        if (!listed.is_weak || comparison == WEAK) form = compare(&listed, etag);
+        if (!listed.is_weak || comparison.is_weak)
+            form = compare(&listed, etag, comparison.with_all);
     }
     return form;
 }
 
 static enum server_etag_form find(const char *const *lines, const char *etag,
-                                  enum comparison comparison)
+                                  struct comparison comparison)
 {
     enum server_etag_form form = SERVER_ETAG_NONE;
     for (; etag && *lines && !form; lines++) form = find_in_line(*lines, etag, comparison);
@@ -75,19 +96,33 @@ static enum server_etag_form find(const char *const *lines, const char *etag,
 
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag)
 {
-    return !precondition->if_match[0] || find(precondition->if_match, etag, STRONG);
+    return !precondition->if_match[0] ||
+           find(precondition->if_match, etag, (struct comparison){.with_all = true});
 }
 
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag)
 {
-    return find(precondition->if_none_match, etag, WEAK);
+    return find(precondition->if_none_match, etag, (struct comparison){.is_weak = true});
 }
 
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag)
 {
     return server_precondition_matches(precondition, etag) &&
-           !server_precondition_known(precondition, etag);
+           !find(precondition->if_none_match, etag,
+                 (struct comparison){.is_weak = true, .with_all = true});
+}
+
+void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form)
+{
+    const char *const parts[] = {etag, "-", form, FORMAT_SUFFIX};
+    size_t size = 0;
+    for (int i = 0; i < (form ? 4 : 1); i++) {
+        size_t length = strnlen(parts[i], SERVER_ETAG_TEXT - 1 - size);
+        memcpy(out + size, parts[i], length);
+        size += length;
+    }
+    out[size] = '\0';
 }
 
 static void collect(const struct server_exchange *exchange, const char *name, const char **lines)

@@ -1,15 +1,25 @@
-/* Entity tags: lists of them as clients send them, and what they demand. RFC 9110, 8.8.3 and 13.
+/* Entity tags and the preconditions of requests. RFC 9110, 8.8.3 and 13.
  *
- * A resource has one tag, "abc". An answer that goes out packed is another representation of it,
- * whose tag is "abc-gzip": so that a strong tag never names two sequences of bytes. A client may
- * name the resource by either. */
+ * A strong tag never names two sequences of bytes, so each representation has its own:
+ *     abc               the resource (a mesh, a NURBS surface, a page), and its description
+ *     abc-csv.1         an answer computed from it, in the form "csv" of format version 1
+ *     abc-csv.1-gzip    the same answer, packed
+ * Base tags contain no "-". The conditions compare tags as follows:
+ *     If-None-Match of GET and HEAD    weak, with the selected representation, packed or not
+ *     If-Match                         strong, with the resource and all its representations
+ *     If-None-Match of other methods   weak, with the resource and all its representations
+ * Conditions on dates and ranges are ignored: no resource has a date, and no range is served. */
 #ifndef SERVER_EXCHANGE_ETAG_H
 #define SERVER_EXCHANGE_ETAG_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Part of the tags of computed answers. Increment it with every change of an answer's bytes. */
+#define SERVER_FORMAT_VERSION "1"
+
 #define SERVER_ETAG_PACKED_SUFFIX "-gzip"
+#define SERVER_ETAG_TEXT          64 /* of a representation, with the NUL */
 #define SERVER_ETAG_LINES         64 /* of one header: as many as a request may have headers */
 
 struct server_exchange;
@@ -25,16 +35,19 @@ struct server_precondition server_precondition_read(const struct server_exchange
 
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
 
-/* Does If-Match hold for a resource of that entity tag (without quotes, strong; NULL: there is no
- * such resource)? By strong comparison: a weak tag equals nothing. */
+/* Writes the tag of the representation in that form ("json": lower case letters and digits), or
+ * with NULL the resource's own tag `etag`. Tags are without quotes here and below. */
+void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form);
+
+/* True if there is no If-Match, or if it lists a tag of the resource. `etag` is the resource's tag
+ * or that of one of its representations; NULL: the resource does not exist. */
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag);
 
-/* Which form of the resource If-None-Match lists, the first of them. By weak comparison: W/"a"
- * equals "a". */
+/* Returns which of the representation's tags If-None-Match lists first; `etag` is the plain one. */
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag);
 
-/* Do both allow a change, or a query by POST? */
+/* True if both conditions allow a change of the resource, or a query by POST. */
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag);
 
 #endif

@@ -62,13 +62,11 @@ void server_reply_header(struct server_exchange *exchange, const char *name, con
     response->headers[response->header_count++].name = name;
 }
 
-void server_reply_tag(struct server_exchange *exchange, const char *etag)
+void server_reply_tag(struct server_exchange *exchange, const char *etag, const char *form)
 {
-    char quoted[SERVER_HEADER_VALUE];
-    size_t size = strnlen(etag, sizeof quoted - 3);
-    quoted[0] = '"';
-    memcpy(quoted + 1, etag, size);
-    memcpy(quoted + 1 + size, "\"", 2);
+    char quoted[SERVER_ETAG_TEXT + 2] = "\"";
+    server_etag_write(quoted + 1, etag, form);
+    strcat(quoted, "\"");
     add_header(&exchange->response, "ETag", quoted);
 }
 
@@ -279,7 +277,7 @@ static struct server_response_header *response_header(struct server_response *re
     return NULL;
 }
 
-/* The resource's entity tag, without quotes; false: the answer has none. */
+/* Copies the answer's entity tag without quotes; false: it has none. */
 static bool read_tag(struct server_response *response, char tag[SERVER_HEADER_VALUE])
 {
     const struct server_response_header *quoted = response_header(response, "ETag");
@@ -299,19 +297,29 @@ static void name_packed_form(struct server_response *response)
     header->size = strlen(header->value);
 }
 
-/* The client has the body already: the answer goes without, under the tag of the form that he
- * has. */
+/* A 304 carries no metadata of the body (RFC 9110, 15.4.5). */
+static void drop_content_headers(struct server_response *response)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < response->header_count; i++)
+        if (strncmp(response->headers[i].name, "Content-", strlen("Content-")) != 0)
+            response->headers[kept++] = response->headers[i];
+    response->header_count = kept;
+}
+
+/* Makes the answer a 304 with the tag that the client has. */
 static void reply_known(struct server_exchange *exchange, enum server_etag_form form)
 {
     struct server_response *response = &exchange->response;
     server_reply_drop_body(exchange);
+    drop_content_headers(response);
     response->status = 304;
     response->media_type = NULL;
     if (form == SERVER_ETAG_PACKED) name_packed_form(response);
 }
 
-/* RFC 9110, 13.2.2, of a GET that would be answered with 200, or is with 304: what If-Match and
- * If-None-Match make of it. */
+/* Evaluates the conditions of a GET or HEAD with the status 200 or 304, in the order of RFC 9110,
+ * 13.2.2: If-Match, then If-None-Match. Answers with other statuses ignore them (13.2.1). */
 static void apply_conditions(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;

@@ -14,8 +14,8 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
 void server_reply_header(struct server_exchange *exchange, const char *name, const char *format,
                          ...) __attribute__((format(printf, 3, 4)));
 
-/* Adds the entity tag, which comes without quotes. */
-void server_reply_tag(struct server_exchange *exchange, const char *etag);
+/* Adds the entity tag of the representation in that form of the resource `etag` (etag.h). */
+void server_reply_tag(struct server_exchange *exchange, const char *etag, const char *form);
 
 /* What the writer holds, as JSON or as another static media type; the writer is freed. A writer
  * that failed gives its problem. */

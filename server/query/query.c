@@ -263,6 +263,15 @@ static bool form_read_mesh(struct server_query *query, const struct proto_parame
                                 "this format can't have the mesh with it; glb and obj can");
 }
 
+/* Returns the name of the answer's form in its entity tag. */
+static const char *form_name(const struct server_query *query)
+{
+    if (query->kind->reply) return query->kind->reply_form;
+    if (query->form == SERVER_FORM_JSON) return "json";
+    if (query->form == SERVER_FORM_BYTES) return "float64";
+    return query->kind->forms[query->form - SERVER_FORM_FIRST].name;
+}
+
 /* The kind's parameters, and those of its forms. */
 static const char *const *form_parameters(const char *const *names, const struct server_form *forms,
                                           const char *out[MOST_PARAMETERS])
@@ -323,12 +332,13 @@ static void query_reply_encoded(struct server_query *query, unsigned status)
 static void query_reply(struct server_query *query)
 {
     unsigned status = query->kind->status ? query->kind->status(query) : 200;
-    server_reply_tag(query->exchange, query->surface->record->etag);
+    server_reply_tag(query->exchange, query->surface->record->etag, form_name(query));
     if (query->kind->reply) {
         query->kind->reply(query);
         return;
     }
-    if (query->kind->forms) server_reply_header(query->exchange, "Vary", "Accept");
+    if (query->kind->forms || query->kind->bytes)
+        server_reply_header(query->exchange, "Vary", "Accept");
     if (query->form == SERVER_FORM_BYTES) {
         query_reply_bytes(query);
         return;
@@ -398,10 +408,13 @@ static bool query_is_known(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
     const char *etag = query->surface->record->etag;
+    char tag[SERVER_ETAG_TEXT];
     if (!query->kind->reply || !exchange->has_conditions) return false;
     const struct server_precondition precondition = server_precondition_read(exchange);
-    if (!server_precondition_known(&precondition, etag)) return false;
-    server_reply_tag(exchange, etag);
+    server_etag_write(tag, etag, form_name(query));
+    if (!server_precondition_known(&precondition, tag)) return false;
+    server_reply_tag(exchange, etag, form_name(query));
+    server_reply_header(exchange, "Vary", "Accept-Encoding");
     server_reply_empty(exchange, 304);
     return true;
 }

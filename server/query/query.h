@@ -39,7 +39,7 @@ enum server_query_turn {
 
 /* A form of an answer besides JSON: a file for another program, by ?format= or by Accept. */
 struct server_form {
-    const char *name; /* in ?format=, and the file's suffix; NULL ends a list */
+    const char *name; /* in ?format= and the tag, and the file's suffix; NULL ends a list */
     const char *media_type;
     bool has_mesh; /* ?mesh=true adds the mesh */
 };
@@ -108,6 +108,7 @@ struct server_query_kind {
                                      struct server_monitor *part, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
     void (*reply)(struct server_query *query); /* for an answer that is no JSON */
+    const char *reply_form;                    /* in the tag of such an answer: "png" */
     /* Writes the answer as float64 to `out`, unless that is NULL, and returns its bytes. */
     size_t (*bytes)(const struct server_query *query, void *out);
     /* Writes the answer in the query's form; the exchange's `held` counts it. False with the

@@ -67,7 +67,7 @@ void server_surface_resource_reply(struct server_exchange *exchange, unsigned st
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
     server_surface_resource_describe(&writer, listed);
-    server_reply_tag(exchange, listed->record->etag);
+    server_reply_tag(exchange, listed->record->etag, NULL);
     server_reply_json(exchange, status, &writer);
 }
 

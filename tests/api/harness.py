@@ -16,6 +16,7 @@ import time
 import unittest
 import weakref
 
+FORMAT_VERSION = "1"  # SERVER_FORMAT_VERSION of server/exchange/etag.h
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 START_SECONDS = 20  # sanitizers are slow to start
 PATIENCE_SECONDS = 60
@@ -48,6 +49,11 @@ def sample(name, **parameters):
 def header_fields(keywords):
     """If_None_Match="*" as a keyword is the header If-None-Match."""
     return {name.replace("_", "-"): value for name, value in keywords.items()}
+
+
+def form_tag(etag, form):
+    """The ETag of a computed answer in that form; `etag` is the ETag of the mesh."""
+    return f'{etag[:-1]}-{form}.{FORMAT_VERSION}"'
 
 
 def hold_against_contract(method, path, answer):

@@ -8,17 +8,17 @@ import signal
 import threading
 import unittest
 
-from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, header_fields, sample
+from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, form_tag, header_fields, sample
 from stored import Stored
 from test_batches import begin, results, wait
 
 
 class Conditions(TestCase):
     def test_reading_what_is_known_already(self):
-        etag = self.daemon.put("known", SQUARE).headers["ETag"]
-        for path in ("", "/content", "/content?format=ply", "/distance?from=v:0&to=v:2", "/path?from=v:0&to=v:2",
-                     "/nearest?point=p:0,0,1"):
-            url = f"/v1/meshes/known{path}"
+        mesh = self.daemon.put("known", SQUARE).headers["ETag"]
+        for path, form in (("", None), ("/content", "obj"), ("/content?format=ply", "ply"), ("/distance?from=v:0&to=v:2", "json"),
+                           ("/path?from=v:0&to=v:2", "json"), ("/nearest?point=p:0,0,1", "json")):
+            url, etag = f"/v1/meshes/known{path}", form_tag(mesh, form) if form else mesh
             self.assertEqual(self.daemon.get(url).headers["ETag"], etag, path)
             for known in (etag, f"W/{etag}", f'"other", {etag}', f'W/"x" , W/{etag}', "*"):
                 answer = self.daemon.get(url, If_None_Match=known)
@@ -35,7 +35,7 @@ class Conditions(TestCase):
             self.assert_problem(self.daemon.get(url, If_Match='"other"'), 412, "precondition_failed")
 
     def test_an_error_is_an_error_whatever_the_conditions(self):
-        etag = self.daemon.put("wrong", SQUARE).headers["ETag"]
+        etag = form_tag(self.daemon.put("wrong", SQUARE).headers["ETag"], "json")
         answer = self.daemon.get("/v1/meshes/wrong/distance?from=v:0&to=v:9", If_None_Match=etag)
         self.assert_problem(answer, 400, "invalid_request")
         self.assert_problem(self.daemon.get("/v1/meshes/nobody", If_None_Match="*"), 404, "not_found")

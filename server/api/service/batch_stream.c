@@ -218,7 +218,7 @@ static struct server_exchange *stream_detach(struct batch *batch, struct server_
         server_exchange_destroy(rest);
         return NULL;
     }
-    server_reply_tag(exchange, batch->surface->record->etag);
+    server_reply_tag(exchange, batch->surface->record->etag, "ndjson");
     server_reply_coding(exchange, is_packed);
     server_reply_stream(exchange, 200, NDJSON, stream);
     return rest;
@@ -273,7 +273,7 @@ static void batch_reply(struct batch *batch)
         server_reply_empty(exchange, 200);
         return;
     }
-    server_reply_tag(exchange, batch->surface->record->etag);
+    server_reply_tag(exchange, batch->surface->record->etag, "ndjson");
     server_reply_text(exchange, 200, NDJSON, &batch->writer);
 }
 

@@ -340,16 +340,9 @@ static size_t reading_bytes(const struct server_query *query, void *out)
     return (size_t)reading->count * format->numbers * sizeof *at;
 }
 
-/* JSON and bytes share one ETag. */
-static unsigned reading_status(struct server_query *query)
-{
-    server_reply_header(query->exchange, "Vary", "Accept");
-    return 200;
-}
-
 #define READING_STEPS                                                                              \
     .size = sizeof(struct reading), .parse = reading_parse, .solve = reading_solve,                \
-    .bytes = reading_bytes, .status = reading_status
+    .bytes = reading_bytes
 
 static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
 {

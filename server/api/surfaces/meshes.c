@@ -64,7 +64,7 @@ static bool content_send(struct server_exchange *exchange)
     }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
-    server_reply_tag(exchange, record->etag);
+    server_reply_tag(exchange, record->etag, gd_format_name(content->format));
     server_reply_header(exchange, "Vary", "Accept");
     server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
                         record->name, gd_format_name(content->format));
@@ -73,15 +73,17 @@ static bool content_send(struct server_exchange *exchange)
 }
 
 /* Replies 304 if the client has the file: then the mesh need not be loaded. */
-static bool content_is_known(struct server_exchange *exchange)
+static bool content_is_known(struct server_exchange *exchange, enum gd_format format)
 {
+    char tag[SERVER_ETAG_TEXT];
     const struct server_precondition precondition = server_precondition_read(exchange);
     struct server_listed listed;
     if (!precondition.if_none_match[0]) return false;
     if (!server_request_record(exchange, &listed)) return true;
-    bool is_known = server_precondition_known(&precondition, listed.record->etag);
+    server_etag_write(tag, listed.record->etag, gd_format_name(format));
+    bool is_known = server_precondition_known(&precondition, tag);
     if (is_known) {
-        server_reply_tag(exchange, listed.record->etag);
+        server_reply_tag(exchange, listed.record->etag, gd_format_name(format));
         server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
         server_reply_empty(exchange, 304);
     }
@@ -99,7 +101,7 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return;
     }
-    if (content_is_known(exchange)) return;
+    if (content_is_known(exchange, format)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct content *content = malloc(sizeof *content);
@@ -130,7 +132,7 @@ void server_handle_list_boundaries(struct server_exchange *exchange)
     if (!surface) return;
     server_reply_writer(exchange, &writer);
     proto_boundaries_encode(&writer, surface->mesh, after, page.limit);
-    server_reply_tag(exchange, surface->record->etag);
+    server_reply_tag(exchange, surface->record->etag, "json");
     server_reply_json(exchange, 200, &writer);
     server_surface_release(surface);
 }

@@ -155,18 +155,20 @@ static void picture_handle(struct server_exchange *exchange, const struct format
 
 void server_handle_picture_png(struct server_exchange *exchange)
 {
-    static const struct format png = {.kind = {.name = "picture.png", PICTURE_STEPS},
-                                      .media_type = "image/png",
-                                      .render = gd_picture_png};
+    static const struct format png = {
+        .kind = {.name = "picture.png", .reply_form = "png", PICTURE_STEPS},
+        .media_type = "image/png",
+        .render = gd_picture_png};
     picture_handle(exchange, &png);
 }
 
 void server_handle_picture_svg(struct server_exchange *exchange)
 {
     /* opened as a page, it may show the image that it embeds and nothing else */
-    static const struct format svg = {.kind = {.name = "picture.svg", PICTURE_STEPS},
-                                      .media_type = "image/svg+xml",
-                                      .policy = "default-src 'none'; img-src data:; sandbox",
-                                      .render = gd_picture_svg};
+    static const struct format svg = {
+        .kind = {.name = "picture.svg", .reply_form = "svg", PICTURE_STEPS},
+        .media_type = "image/svg+xml",
+        .policy = "default-src 'none'; img-src data:; sandbox",
+        .render = gd_picture_svg};
     picture_handle(exchange, &svg);
 }

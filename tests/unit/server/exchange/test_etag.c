@@ -96,6 +96,57 @@ static void the_packed_form_is_the_same_resource(void **state)
     for (size_t i = 0; i < COUNT(others); i++) assert_int_equal(known(others[i]), SERVER_ETAG_NONE);
 }
 
+static enum server_etag_form known_as(const char *list, const char *etag)
+{
+    return server_precondition_known(&(struct server_precondition){.if_none_match = {list}}, etag);
+}
+
+static void tags_of_forms(void **state)
+{
+    (void)state;
+    char csv[SERVER_ETAG_TEXT], own[SERVER_ETAG_TEXT];
+    server_etag_write(csv, "a", "csv");
+    server_etag_write(own, "a", NULL);
+    assert_string_equal(csv, "a-csv." SERVER_FORMAT_VERSION);
+    assert_string_equal(own, "a");
+}
+
+/* If-None-Match of a GET names one representation. */
+static void a_form_is_known_by_its_own_tag(void **state)
+{
+    (void)state;
+    static const char *const others[] = {"\"a\"",       "\"a-gzip\"",      "\"a-json.1\"",
+                                         "\"a-csv.0\"", "\"a-csv.1-gzi\"", "\"a-csv\""};
+    assert_int_equal(known_as("\"a-csv.1\"", "a-csv.1"), SERVER_ETAG_PLAIN);
+    assert_int_equal(known_as("W/\"a-csv.1-gzip\"", "a-csv.1"), SERVER_ETAG_PACKED);
+    assert_int_equal(known_as("\"a-csv.1\"", "a"), SERVER_ETAG_NONE);
+    for (size_t i = 0; i < COUNT(others); i++)
+        assert_int_equal(known_as(others[i], "a-csv.1"), SERVER_ETAG_NONE);
+}
+
+/* If-Match, and If-None-Match of changes, name the resource by any of its tags. */
+static void every_form_names_the_resource(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"\"a\"", "\"a-gzip\"", "\"a-json.1\"",
+                                        "\"a-float64.1-gzip\""};
+    static const char *const others[] = {"\"a-\"",       "\"a-.1\"",      "\"a-json\"",
+                                         "\"a-json.2\"", "\"a-JSON.1\"",  "\"a-x-json.1\"",
+                                         "\"b-json.1\"", "\"aa-json.1\"", "\"ajson.1\"",
+                                         "\"-json.1\"",  "\"a-json.1.1\""};
+    for (size_t i = 0; i < COUNT(names); i++) {
+        assert_true(holds(names[i], NULL, "a"));
+        assert_true(holds(names[i], NULL, "a-csv.1")); /* the base of the tag counts */
+        assert_false(holds(NULL, names[i], "a"));
+    }
+    for (size_t i = 0; i < COUNT(others); i++) {
+        assert_false(holds(others[i], NULL, "a"));
+        assert_true(holds(NULL, others[i], "a"));
+    }
+    assert_false(holds("W/\"a-json.1\"", NULL, "a"));
+    assert_false(holds(NULL, "W/\"a-json.1\"", "a"));
+}
+
 static void read_from_a_request(void **state)
 {
     (void)state;
@@ -120,6 +171,9 @@ int main(void)
         cmocka_unit_test(any_with_blanks_around_it),
         cmocka_unit_test(several_lines_are_one_list),
         cmocka_unit_test(the_packed_form_is_the_same_resource),
+        cmocka_unit_test(tags_of_forms),
+        cmocka_unit_test(a_form_is_known_by_its_own_tag),
+        cmocka_unit_test(every_form_names_the_resource),
         cmocka_unit_test(read_from_a_request),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
