@@ -40,7 +40,7 @@ static bool hand_on(void *user, const char *text, size_t size)
     return server_relay_block(stream->relay);
 }
 
-static void streams_destroy(struct answer_stream *stream)
+static void answer_stream_destroy(struct answer_stream *stream)
 {
     struct server_answer_streams *streams = stream->exchange->host->streams;
     proto_writer_free(&stream->writer);
@@ -51,12 +51,12 @@ static void streams_destroy(struct answer_stream *stream)
     atomic_fetch_sub(&streams->count, 1);
 }
 
-static void streams_produce(struct answer_stream *stream)
+static void answer_stream_produce(struct answer_stream *stream)
 {
     stream->encode(stream->exchange, &stream->writer);
     proto_writer_flush(&stream->writer);
     server_relay_end(stream->relay, !stream->writer.failure);
-    streams_destroy(stream);
+    answer_stream_destroy(stream);
 }
 
 static void *streams_work(void *user)
@@ -71,7 +71,7 @@ static void *streams_work(void *user)
         }
         streams->first = stream->next;
         pthread_mutex_unlock(&streams->lock);
-        streams_produce(stream);
+        answer_stream_produce(stream);
         pthread_mutex_lock(&streams->lock);
     }
     pthread_mutex_unlock(&streams->lock);
@@ -142,9 +142,10 @@ static bool take_place(struct server_answer_streams *streams)
 }
 
 /* Takes a place. NULL without one, or without memory. */
-static struct answer_stream *
-streams_create(struct server_host *host,
-               void (*encode)(struct server_exchange *, struct proto_writer *), bool is_packed)
+static struct answer_stream *answer_stream_create(struct server_host *host,
+                                                  void (*encode)(struct server_exchange *,
+                                                                 struct proto_writer *),
+                                                  bool is_packed)
 {
     static const struct server_transport none = {0};
     if (!take_place(host->streams)) return NULL;
@@ -162,7 +163,7 @@ streams_create(struct server_host *host,
     proto_writer_expect(&stream->writer, SERVER_RELAY_BLOCK);
     stream->relay = server_relay_create(host, is_packed);
     if (stream->relay && !stream->writer.failure) return stream;
-    streams_destroy(stream);
+    answer_stream_destroy(stream);
     return NULL;
 }
 
@@ -181,16 +182,16 @@ static bool take_state(struct answer_stream *stream, struct server_exchange *fro
 }
 
 /* False: the state is still the exchange's. */
-static bool streams_start(struct server_exchange *exchange, unsigned status, size_t size,
-                          const struct server_answer_encoder *encoder)
+static bool answer_stream_start(struct server_exchange *exchange, unsigned status, size_t size,
+                                const struct server_answer_encoder *encoder)
 {
     bool is_packed = server_reply_takes_gzip(exchange);
-    struct answer_stream *stream = streams_create(exchange->host, encoder->encode, is_packed);
+    struct answer_stream *stream = answer_stream_create(exchange->host, encoder->encode, is_packed);
     if (!stream) return false;
     struct server_stream *client = server_relay_open(stream->relay);
     if (!client || !take_state(stream, exchange, encoder->held)) {
         server_stream_close(client);
-        streams_destroy(stream);
+        answer_stream_destroy(stream);
         return false;
     }
     streams_submit(exchange->host->streams, stream);
@@ -207,7 +208,7 @@ struct counting {
     enum gd_status status;
 };
 
-static bool streams_count(void *user, const char *text, size_t size)
+static bool counting_check(void *user, const char *text, size_t size)
 {
     struct counting *counting = user;
     const struct gd_control control = server_exchange_control(&counting->monitor);
@@ -221,7 +222,7 @@ static bool encode_small(struct server_exchange *exchange, struct proto_writer *
                          const struct server_answer_encoder *encoder, size_t *size)
 {
     struct counting counting = {.monitor = {.exchange = exchange}};
-    const struct proto_writer_sink sink = {streams_count, &counting, SERVER_ANSWER_STREAM_FROM};
+    const struct proto_writer_sink sink = {counting_check, &counting, SERVER_ANSWER_STREAM_FROM};
     struct proto_problem problem;
     writer->sink = &sink;
     encoder->encode(exchange, writer);
@@ -248,7 +249,7 @@ void server_answer_reply(struct server_exchange *exchange, unsigned status,
     size_t size = 0;
     bool is_text = !can_stream(exchange);
     if (!is_text && !encode_small(exchange, writer, encoder, &size)) {
-        if (streams_start(exchange, status, size, encoder)) return;
+        if (answer_stream_start(exchange, status, size, encoder)) return;
         is_text = true;
         proto_writer_expect(writer, size);
     }

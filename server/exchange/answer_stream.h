@@ -7,7 +7,7 @@
  * Meanwhile the budget counts the relay's buffer and the handler's state as an answer's.
  *
  * A pool of SERVER_ANSWER_STREAMS threads with small stacks serves the streams, one each. They are
- * started with the daemon, since the sandbox allows no new threads later (seccomp.h). When all are
+ * started with the daemon, since the sandbox allows no new threads later (sandbox.h). When all are
  * taken, and for jobs, HEAD and HTTP/1.0, an answer is held as a text. */
 #ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
 #define SERVER_EXCHANGE_ANSWER_STREAM_H
@@ -41,7 +41,7 @@ server_answer_streams_load(const struct server_answer_streams *streams);
 
 struct server_answer_encoder {
     /* Writes the text of the exchange's state; called up to three times, with the same outcome. The
-     * exchange is the request's or, for a stream, one that only has the server and the state. */
+     * exchange is the request's or, for a stream, one that has only the host and the state. */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
     /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream counts them */
     size_t *held;
