@@ -17,7 +17,7 @@ LDFLAGS  += -pthread $(SAN)
 ROOMS   ?= base mesh io wedge field line query transport render cut nurbs subdiv
 ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
 ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
-PROTO_C   := $(wildcard proto/*.c)
+PROTO_C   := $(wildcard proto/*/*.c)
 SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/*/*.c server/*/*/*.c))
 no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)),$(if $(filter test_%,$(notdir $(source))),,$(source))))
 SAMPLES_C := $(call no_main,tests/samples/*.c)
@@ -171,7 +171,7 @@ format: ## format all C and C++
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
 
 lint: check-layers check-pages ## formatting, layers, the contract, the pages' types, and a build by the other compiler
-	python3 proto/generate.py check proto/openapi.yaml proto/problem.h
+	python3 proto/generate.py check proto/openapi.yaml proto/json/problem.h
 	python3 clients/js/generate.py | diff clients/js/types.d.ts -
 	clang-format --dry-run -Werror $$(git ls-files '*.c' '*.h' '*.cc')
 	$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/clang CC=clang CXX=clang++ WARN="$(WARN) -Werror" build test-build

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
 
-    generate.py routes openapi.yaml              the route table, C, for proto/route.h
+    generate.py routes openapi.yaml              the route table, C, for proto/http/route.h
     generate.py handlers openapi.yaml            the handlers' declarations, C, for server/query/handlers.h
-    generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/asset.h
+    generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/http/asset.h
     generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
 
 Each of them refuses a document that breaks a rule of check_document.
@@ -297,7 +297,7 @@ def route_row(path, item, method, operation):
 
 def print_routes(document):
     routes = sorted((route for route in operations(document) if route[2] != "head"), key=literals_first)
-    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/route.h"\n\n#include "generated/handlers.h"\n')
+    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/http/route.h"\n\n#include "generated/handlers.h"\n')
     print("const struct proto_route proto_routes[] = {")
     for path, item, method, operation in routes:
         print(route_row(path, item, method, operation))
@@ -369,7 +369,7 @@ def print_assets(document, arguments):
     text = json.dumps(published(document), ensure_ascii=False, separators=(",", ":"))
     assets = [("/openapi.json", text.encode("utf-8")), *static_files(arguments)]
     rows = []
-    print('/* Made by generate.py from openapi.yaml and the pages of the viewer. */\n#include "proto/asset.h"\n')
+    print('/* Made by generate.py from openapi.yaml and the pages of the viewer. */\n#include "proto/http/asset.h"\n')
     for number, (path, data) in enumerate(assets):
         compressed = gzip.compress(data, compresslevel=9, mtime=0)
         compressed = compressed if len(compressed) < len(data) else None

@@ -33,10 +33,13 @@ PUBLIC = {
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}
 
+# formats of JSON; requests and answers of any kind; values that many requests share; one file for each family of queries
+PROTO = {"json": 10, "http": 11, "values": 12, "queries": 13}
+
 SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "exchange": 3, "http": 4, "store": 3, "store/local": 4, "store/postgres": 4, "fields": 3,
           "surfaces": 5, "jobs": 6, "query": 7, "api/surfaces": 8, "api/distances": 8, "api/curves": 8, "api/smooth": 8, "api/service": 8, "": 9}
 
-RANK = {f"engine/{room}": rank for room, rank in ENGINE.items()} | {"proto": 10} | {f"server/{room}".rstrip("/"): 20 + rank for room, rank in SERVER.items()}
+RANK = {f"engine/{room}": rank for room, rank in ENGINE.items()} | {f"proto/{room}": rank for room, rank in PROTO.items()} | {f"server/{room}".rstrip("/"): 20 + rank for room, rank in SERVER.items()}
 
 # libraries and the server's struct, and the folders (or files) that alone may include them
 BOUNDARY = {
@@ -68,7 +71,7 @@ def room_of(path):
     if path.parts[:2] == ("engine", "include"):
         return ROOM_OF_HEADER.get("gd/" + path.name, f"gd/{path.name}")
     folder = path.parent.as_posix()
-    return folder if folder in RANK else "proto" if path.parts[0] == "proto" else None
+    return folder if folder in RANK else None
 
 
 def existing(*paths):

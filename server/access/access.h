@@ -7,9 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "proto/problem.h"
-#include "proto/route.h"
-#include "proto/writer.h"
+#include "proto/json/problem.h"
+#include "proto/http/route.h"
+#include "proto/json/writer.h"
 #include "server/access/credentials.h"
 
 struct server_access;

@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include "proto/problem.h"
+#include "proto/json/problem.h"
 #include "server/config/config.h"
 
 /* Headers; NULL where absent. */

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 
 /* Compresses, fast rather than small. False without memory, or when `out` fails: its maximum limits
  * the result. */

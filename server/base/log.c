@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "proto/number.h"
+#include "proto/json/number.h"
 #include "server/base/thread.h"
 
 #define LINE_ROOM     (SERVER_LOG_LINE - 2) /* a brace and a newline end the line */

@@ -16,7 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 
 #define SERVER_ANSWER_STREAMS     32

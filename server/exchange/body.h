@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "proto/problem.h"
+#include "proto/json/problem.h"
 #include "server/work/budget.h"
 
 #define SERVER_BODY_CHUNKED UINT64_MAX

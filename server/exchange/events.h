@@ -21,7 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 
 struct server_events;
 struct server_stream;

@@ -22,8 +22,8 @@
 #include <stdint.h>
 
 #include "gd/control.h"
-#include "proto/options.h"
-#include "proto/route.h"
+#include "proto/http/options.h"
+#include "proto/http/route.h"
 #include "server/access/access.h"
 #include "server/exchange/body.h"
 #include "server/work/workers.h"

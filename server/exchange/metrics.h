@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 #include "gd/status.h"
-#include "proto/route.h"
-#include "proto/writer.h"
+#include "proto/http/route.h"
+#include "proto/json/writer.h"
 
 struct server_metrics;
 

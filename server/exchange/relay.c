@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 #include "server/exchange/events.h"
 #include "server/base/gzip.h"
 #include "server/exchange/reply.h"

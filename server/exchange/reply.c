@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "proto/accept.h"
+#include "proto/http/accept.h"
 #include "server/exchange/etag.h"
 #include "server/exchange/events.h"
 #include "server/base/gzip.h"

@@ -2,8 +2,8 @@
 #ifndef SERVER_EXCHANGE_REPLY_H
 #define SERVER_EXCHANGE_REPLY_H
 
-#include "proto/asset.h"
-#include "proto/writer.h"
+#include "proto/http/asset.h"
+#include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 
 /* Begins the text of an answer: of --max-answer bytes at most, in the memory budget from its first

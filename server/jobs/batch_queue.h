@@ -1,4 +1,4 @@
-/* Batch queue: batches (proto/many.h) as rows: what they ask, and each item's lease and answer.
+/* Batch queue: batches (proto/queries/many.h) as rows: what they ask, and each item's lease and answer.
  * Whichever daemon has time claims the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled

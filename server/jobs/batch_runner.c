@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/many.h"
+#include "proto/queries/many.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/thread.h"

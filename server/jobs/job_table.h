@@ -25,7 +25,7 @@
 #ifndef SERVER_JOBS_JOB_TABLE_H
 #define SERVER_JOBS_JOB_TABLE_H
 
-#include "proto/job.h"
+#include "proto/http/job.h"
 #include "server/exchange/exchange.h"
 
 struct server_deferred_job;

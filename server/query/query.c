@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "proto/accept.h"
+#include "proto/http/accept.h"
 #include "server/exchange/answer_stream.h"
 #include "server/exchange/etag.h"
 #include "server/exchange/reply.h"

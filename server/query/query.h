@@ -22,10 +22,10 @@
 
 #include <jansson.h>
 
-#include "proto/options.h"
-#include "proto/points.h"
-#include "proto/set.h"
-#include "proto/writer.h"
+#include "proto/http/options.h"
+#include "proto/values/points.h"
+#include "proto/values/set.h"
+#include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 #include "server/surfaces/catalogue.h"
 #include "server/surfaces/surface.h"

@@ -2,8 +2,8 @@
 #ifndef SERVER_QUERY_REQUEST_H
 #define SERVER_QUERY_REQUEST_H
 
-#include "proto/decode.h"
-#include "proto/page.h"
+#include "proto/json/decode.h"
+#include "proto/http/page.h"
 #include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "proto/flat_strip.h"
+#include "proto/values/flat_strip.h"
 #include "server/query/api.h"
 
 #define WHAT "the file"

@@ -32,7 +32,7 @@ bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
                                struct server_answer_file *out, struct proto_problem *problem);
 
-/* The same for a path and the faces that it crosses, laid flat and drawn (proto/flat_strip.h). */
+/* The same for a path and the faces that it crosses, laid flat and drawn (proto/values/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
                                struct server_answer_file *out, struct proto_problem *problem);
 

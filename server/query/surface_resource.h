@@ -3,7 +3,7 @@
 #ifndef SERVER_QUERY_SURFACE_RESOURCE_H
 #define SERVER_QUERY_SURFACE_RESOURCE_H
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 

@@ -13,7 +13,7 @@
 
 #include <stdbool.h>
 
-#include "proto/mesh.h"
+#include "proto/values/mesh.h"
 
 #define SERVER_TENANT   64 /* bytes at most, without the NUL */
 #define SERVER_KEY_WORD 16 /* of the word of a kind */

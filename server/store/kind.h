@@ -9,8 +9,8 @@
 #include <stddef.h>
 
 #include "gd/status.h"
-#include "proto/options.h"
-#include "proto/writer.h"
+#include "proto/http/options.h"
+#include "proto/json/writer.h"
 
 #define SERVER_OPTIONS      256 /* bytes of a text of options, with the NUL */
 #define SERVER_OPTIONS_MOST 8   /* pairs */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 #include "server/base/sha256.h"
 
 #define FIRST_CAPACITY     8

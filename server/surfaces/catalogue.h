@@ -11,7 +11,7 @@
 
 #include <stdatomic.h>
 
-#include "proto/field.h"
+#include "proto/queries/field.h"
 #include "server/access/credentials.h"
 #include "server/store/record.h"
 #include "server/work/budget.h"

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 
 #include "gd/io.h"
-#include "proto/decode.h"
-#include "proto/mesh.h"
-#include "proto/subdivision.h"
+#include "proto/json/decode.h"
+#include "proto/values/mesh.h"
+#include "proto/queries/subdivision.h"
 #include "server/store/kind.h"
 
 /* Weak: a test has a table of its own. */

@@ -4,7 +4,7 @@
 
 #include "gd/subdivision.h"
 #include "gd/tessellation.h"
-#include "proto/nurbs.h"
+#include "proto/queries/nurbs.h"
 #include "server/surfaces/discretizations.h"
 #include "server/surfaces/surface.h"
 

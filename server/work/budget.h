@@ -15,8 +15,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "proto/problem.h"
-#include "proto/writer.h"
+#include "proto/json/problem.h"
+#include "proto/json/writer.h"
 
 enum server_budget_class {
     SERVER_BUDGET_MESHES,

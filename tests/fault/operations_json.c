@@ -1,10 +1,10 @@
-/* JSON decoded: jansson takes its memory by way of proto/parse.h. */
+/* JSON decoded: jansson takes its memory by way of proto/json/parse.h. */
 #include "tests/fault/operations.h"
 
 #include <string.h>
 
-#include "proto/decode.h"
-#include "proto/set.h"
+#include "proto/json/decode.h"
+#include "proto/values/set.h"
 
 static const char text[] =
     "{\"points\":[{\"xyz\":[0.1234567890123456789,1e-300,-2.5],\"max_snap\":"

@@ -4,9 +4,9 @@
  * in the domain of its surface. */
 #include <math.h>
 
-#include "proto/decode.h"
-#include "proto/geodesic_like.h"
-#include "proto/nurbs.h"
+#include "proto/json/decode.h"
+#include "proto/queries/geodesic_like.h"
+#include "proto/queries/nurbs.h"
 #include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -7,14 +7,14 @@
 
 #include "gd/mesh.h"
 #include "gd/query.h"
-#include "proto/accept.h"
-#include "proto/batch.h"
-#include "proto/decode.h"
-#include "proto/matrix.h"
-#include "proto/mesh.h"
-#include "proto/pair.h"
-#include "proto/point.h"
-#include "proto/writer.h"
+#include "proto/http/accept.h"
+#include "proto/queries/batch.h"
+#include "proto/json/decode.h"
+#include "proto/queries/matrix.h"
+#include "proto/values/mesh.h"
+#include "proto/queries/pair.h"
+#include "proto/values/point.h"
+#include "proto/json/writer.h"
 #include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "gd/field.h"
-#include "proto/decode.h"
-#include "proto/evaluation.h"
-#include "proto/field.h"
+#include "proto/json/decode.h"
+#include "proto/queries/evaluation.h"
+#include "proto/queries/field.h"
 #include "tests/fuzz/promise.h"
 
 /* that are answered: each member has a field of its own here */

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "gd/limit.h"
-#include "proto/subdivision.h"
-#include "proto/writer.h"
+#include "proto/queries/subdivision.h"
+#include "proto/json/writer.h"
 #include "tests/fuzz/promise.h"
 
 enum { MOST_FACES = 1000, PLACES = 8 };

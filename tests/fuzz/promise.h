@@ -3,8 +3,8 @@
 #ifndef FUZZ_PROMISE_H
 #define FUZZ_PROMISE_H
 
-#include "proto/problem.h"
-#include "proto/writer.h"
+#include "proto/json/problem.h"
+#include "proto/json/writer.h"
 
 void promise(int holds);
 

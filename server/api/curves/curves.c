@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "proto/curve_distance.h"
-#include "proto/curve_operation.h"
-#include "proto/cut.h"
-#include "proto/spline.h"
+#include "proto/queries/curve_distance.h"
+#include "proto/queries/curve_operation.h"
+#include "proto/queries/cut.h"
+#include "proto/values/spline.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/derived_mesh.h"

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "proto/evaluation.h"
-#include "proto/member.h"
-#include "proto/trace.h"
-#include "proto/vector.h"
+#include "proto/queries/evaluation.h"
+#include "proto/json/member.h"
+#include "proto/queries/trace.h"
+#include "proto/values/vector.h"
 #include "server/query/pair_search.h"
 #include "server/query/query.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "proto/evaluation.h"
+#include "proto/queries/evaluation.h"
 #include "server/query/query.h"
 
 /* What an HTTP thread may evaluate: so many points, or so many paths on meshes of so many faces. */

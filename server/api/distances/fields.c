@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/page.h"
+#include "proto/http/page.h"
 #include "server/fields/cache.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"

@@ -4,9 +4,9 @@
 
 #include <stdlib.h>
 
-#include "proto/isoline.h"
-#include "proto/path.h"
-#include "proto/voronoi.h"
+#include "proto/queries/isoline.h"
+#include "proto/values/path.h"
+#include "proto/queries/voronoi.h"
 #include "server/query/query.h"
 #include "server/query/result.h"
 

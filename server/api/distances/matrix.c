@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/matrix.h"
+#include "proto/queries/matrix.h"
 #include "server/fields/cache.h"
 #include "server/query/pair_search.h"
 #include "server/query/query.h"

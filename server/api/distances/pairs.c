@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-#include "proto/pair.h"
+#include "proto/queries/pair.h"
 #include "server/fields/cache.h"
 #include "server/query/pair_search.h"
 #include "server/query/result.h"

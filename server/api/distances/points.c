@@ -6,9 +6,9 @@
 #include <stdlib.h>
 
 #include "gd/sampling.h"
-#include "proto/mean.h"
-#include "proto/nearest.h"
-#include "proto/sampling.h"
+#include "proto/queries/mean.h"
+#include "proto/queries/nearest.h"
+#include "proto/queries/sampling.h"
 #include "server/query/query.h"
 
 /* --- nearest ---------------------------------------------------------------------------------- */

@@ -15,9 +15,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include "proto/accept.h"
-#include "proto/batch.h"
-#include "proto/decode.h"
+#include "proto/http/accept.h"
+#include "proto/queries/batch.h"
+#include "proto/json/decode.h"
 #include "server/exchange/relay.h"
 #include "server/exchange/reply.h"
 #include "server/query/query.h"

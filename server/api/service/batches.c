@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/many.h"
-#include "proto/page.h"
+#include "proto/queries/many.h"
+#include "proto/http/page.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/batch_runner.h"
 #include "server/jobs/job_id.h"

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-#include "proto/accept.h"
-#include "proto/job.h"
-#include "proto/page.h"
+#include "proto/http/accept.h"
+#include "proto/http/job.h"
+#include "proto/http/page.h"
 #include "server/exchange/events.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/job_table.h"

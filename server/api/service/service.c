@@ -1,7 +1,7 @@
 /* What the daemon says about itself, and its static pages. */
 #include "server/query/handlers.h"
 
-#include "proto/service.h"
+#include "proto/http/service.h"
 #include "server/base/version.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/batch_runner.h"

@@ -2,8 +2,8 @@
  * nearest to a point of space. Each has one flow and, for each kind of surface, its steps. */
 #include "server/api/smooth/smooth.h"
 
-#include "proto/jet.h"
-#include "proto/limit_jet.h"
+#include "proto/queries/jet.h"
+#include "proto/queries/limit_jet.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/surfaces/kinds.h"

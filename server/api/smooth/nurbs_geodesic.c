@@ -2,7 +2,7 @@
  * curves. */
 #include "server/query/handlers.h"
 
-#include "proto/geodesic_like.h"
+#include "proto/queries/geodesic_like.h"
 #include "server/query/query.h"
 #include "server/surfaces/kinds.h"
 

@@ -5,9 +5,9 @@
 
 #include <math.h>
 
-#include "proto/limit_pair.h"
-#include "proto/limit_trace.h"
-#include "proto/member.h"
+#include "proto/queries/limit_pair.h"
+#include "proto/queries/limit_trace.h"
+#include "proto/json/member.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/surfaces/kinds.h"

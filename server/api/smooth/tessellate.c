@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/discretization.h"
-#include "proto/tessellation.h"
+#include "proto/queries/discretization.h"
+#include "proto/queries/tessellation.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/derived_mesh.h"

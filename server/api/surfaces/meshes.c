@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "gd/io.h"
-#include "proto/page.h"
+#include "proto/http/page.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"

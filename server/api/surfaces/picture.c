@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "proto/accept.h"
-#include "proto/picture.h"
+#include "proto/http/accept.h"
+#include "proto/queries/picture.h"
 #include "server/exchange/reply.h"
 #include "server/query/pair_search.h"
 #include "server/query/query.h"

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/page.h"
+#include "proto/http/page.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"

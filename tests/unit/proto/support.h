@@ -13,10 +13,10 @@
 #include <string.h>
 
 #include "gd/mesh.h"
-#include "proto/decode.h"
-#include "proto/options.h"
-#include "proto/problem.h"
-#include "proto/writer.h"
+#include "proto/json/decode.h"
+#include "proto/http/options.h"
+#include "proto/json/problem.h"
+#include "proto/json/writer.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/accept.h"
+#include "proto/http/accept.h"
 
 static void weighs_media_types(void **state)
 {

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/asset.h"
+#include "proto/http/asset.h"
 
 static void finds_exact_paths_only(void **state)
 {

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/batch.h"
+#include "proto/queries/batch.h"
 
 /* --- lines ------------------------------------------------------------------------------------ */
 

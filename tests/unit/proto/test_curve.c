@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "proto/curve.h"
+#include "proto/values/curve.h"
 
 /* Decodes and locates a curve of the tetrahedron. */
 static bool locate(const char *text, struct proto_located_curve *out, struct proto_problem *problem)

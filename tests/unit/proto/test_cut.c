@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/cut.h"
+#include "proto/queries/cut.h"
 
 DECODER(decode, struct proto_cut, proto_cut_decode)
 

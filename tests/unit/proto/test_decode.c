@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "proto/decode.h"
+#include "proto/json/decode.h"
 
 static json_t *document_of(const char *text)
 {

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "gd/point.h"
-#include "proto/direction.h"
+#include "proto/values/direction.h"
 
 static bool decode(const char *text, struct proto_direction *out, struct proto_problem *problem)
 {

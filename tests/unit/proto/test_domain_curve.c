@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/domain_curve.h"
+#include "proto/values/domain_curve.h"
 
 static struct gd_parametric *new_torus(void)
 {

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/evaluation.h"
+#include "proto/queries/evaluation.h"
 
 /* --- the request ------------------------------------------------------------------------------ */
 

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "proto/field.h"
-#include "proto/page.h"
+#include "proto/queries/field.h"
+#include "proto/http/page.h"
 
 DECODER(decode_whole, struct proto_field_request, proto_field_decode)
 

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/geodesic_like.h"
+#include "proto/queries/geodesic_like.h"
 
 static bool read(const char *text, const struct proto_geodesic_form *form,
                  struct proto_geodesic *out, struct proto_problem *problem)

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/isoline.h"
+#include "proto/queries/isoline.h"
 
 /* --- the request ------------------------------------------------------------------------------ */
 

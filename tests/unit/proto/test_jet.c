@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/jet.h"
+#include "proto/queries/jet.h"
 
 static struct gd_parametric *new_sheet(void)
 {

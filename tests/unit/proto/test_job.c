@@ -1,7 +1,7 @@
 #include "support.h"
 
-#include "proto/job.h"
-#include "proto/page.h"
+#include "proto/http/job.h"
+#include "proto/http/page.h"
 
 static const struct proto_job_header headers[] = {{"ETag", "\"a\""}, {"Location", "/v1/meshes/a"}};
 

@@ -2,10 +2,10 @@
 
 #include <math.h>
 
-#include "proto/discretization.h"
-#include "proto/limit_jet.h"
-#include "proto/limit_pair.h"
-#include "proto/limit_trace.h"
+#include "proto/queries/discretization.h"
+#include "proto/queries/limit_jet.h"
+#include "proto/queries/limit_pair.h"
+#include "proto/queries/limit_trace.h"
 
 /* A triangle and a square. */
 static struct gd_subdivision *new_surface(void)

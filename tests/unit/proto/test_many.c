@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/many.h"
+#include "proto/queries/many.h"
 
 static struct proto_many many_of(const char *text)
 {

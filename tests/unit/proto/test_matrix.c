@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/matrix.h"
+#include "proto/queries/matrix.h"
 
 /* --- the request ------------------------------------------------------------------------------ */
 

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/mean.h"
+#include "proto/queries/mean.h"
 
 DECODER(decode, struct proto_mean, proto_mean_decode)
 

@@ -1,7 +1,7 @@
 #include "support.h"
 
-#include "proto/mesh.h"
-#include "proto/page.h"
+#include "proto/values/mesh.h"
+#include "proto/http/page.h"
 
 /* --- name ------------------------------------------------------------------------------------- */
 

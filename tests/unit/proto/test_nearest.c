@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/nearest.h"
+#include "proto/queries/nearest.h"
 
 static bool decode(const char *text, struct proto_nearest *out, struct proto_problem *problem)
 {

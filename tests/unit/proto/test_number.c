@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "proto/number.h"
+#include "proto/json/number.h"
 
 static uint64_t bits_of(double value)
 {

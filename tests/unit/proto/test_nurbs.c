@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/nurbs.h"
+#include "proto/queries/nurbs.h"
 
 #define KNOTS  "\"knotsU\":[0,0,1,1],\"knotsV\":[0,0,1,1]"
 #define POINTS "\"controlPoints\":[[[0,0,0],[0,1,0]],[[1,0,0],[1,1,1]]]"

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/page.h"
+#include "proto/http/page.h"
 
 static void reads_limit_and_after(void **state)
 {

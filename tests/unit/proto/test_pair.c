@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/pair.h"
+#include "proto/queries/pair.h"
 #include "tests/support/test.h"
 
 /* --- the request ------------------------------------------------------------------------------ */

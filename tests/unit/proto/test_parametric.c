@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/parametric.h"
+#include "proto/values/parametric.h"
 
 static bool read(const char *text, struct gd_parametric **out, const char **shape,
                  struct proto_problem *problem)

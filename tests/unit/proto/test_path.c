@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/path.h"
+#include "proto/values/path.h"
 
 static void encodes_by_geometry(void **state)
 {

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/picture.h"
+#include "proto/queries/picture.h"
 
 static struct proto_picture parsed(struct proto_parameters parameters)
 {

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/point.h"
+#include "proto/values/point.h"
 
 /* --- from JSON -------------------------------------------------------------------------------- */
 

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/points.h"
+#include "proto/values/points.h"
 
 static bool decode(const char *text, uint32_t most, struct proto_points *points,
                    struct proto_problem *problem)

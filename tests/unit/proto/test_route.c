@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/route.h"
+#include "proto/http/route.h"
 
 static const struct proto_route routes[] = {
     {.method = PROTO_METHOD_GET, .path = "/", .segments = {NULL}},

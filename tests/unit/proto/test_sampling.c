@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/sampling.h"
+#include "proto/queries/sampling.h"
 
 DECODER(decode, struct proto_sampling, proto_sampling_decode)
 

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/service.h"
+#include "proto/http/service.h"
 
 static void describes_the_daemon(void **state)
 {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "proto/set.h"
+#include "proto/values/set.h"
 
 /* Decodes and locates a set of the tetrahedron; NULL with the problem. */
 static struct proto_located_set *locate(const char *text, struct proto_problem *problem)

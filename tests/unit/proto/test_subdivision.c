@@ -1,7 +1,7 @@
 #include "support.h"
 
-#include "proto/subdivision.h"
-#include "proto/usd.h"
+#include "proto/queries/subdivision.h"
+#include "proto/values/usd.h"
 
 static void reads_options(void **state)
 {

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "proto/trace.h"
+#include "proto/queries/trace.h"
 
 DECODER(decode, struct proto_trace, proto_trace_decode)
 

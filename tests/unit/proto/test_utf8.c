@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/utf8.h"
+#include "proto/json/utf8.h"
 
 static void knows_characters(void **state)
 {

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/uv.h"
+#include "proto/values/uv.h"
 
 static void pairs_are_read(void **state)
 {

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/vector.h"
+#include "proto/values/vector.h"
 
 DECODER(decode_exp, struct proto_exp, proto_exp_decode)
 DECODER(decode_log, struct proto_log, proto_log_decode)

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/voronoi.h"
+#include "proto/queries/voronoi.h"
 
 DECODER(decode_whole, struct proto_voronoi, proto_voronoi_decode)
 

@@ -1,6 +1,6 @@
 #include "tests/unit/server/records.h"
 
-#include "proto/writer.h"
+#include "proto/json/writer.h"
 #include "server/surfaces/catalogue.h"
 
 #include <malloc.h>

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "proto/decode.h"
+#include "proto/json/decode.h"
 #include "server/surfaces/catalogue.h"
 
 static struct gd_mesh *mesh;

@@ -1,0 +1,73 @@
+/* Job: an operation whose answer is kept for a client that comes back for it, as it is told of. */
+#ifndef PROTO_JOB_H
+#define PROTO_JOB_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/json/writer.h"
+
+/* X(NAME, name) */
+#define PROTO_JOB_STATES(X)                                                                        \
+    X(QUEUED, queued)                                                                              \
+    X(RUNNING, running)                                                                            \
+    X(DONE, done)                                                                                  \
+    X(FAILED, failed)                                                                              \
+    X(CANCELLED, cancelled)
+
+enum proto_job_state {
+#define PROTO_JOB_ENUM(NAME, name) PROTO_JOB_##NAME,
+    PROTO_JOB_STATES(PROTO_JOB_ENUM)
+#undef PROTO_JOB_ENUM
+        PROTO_JOB_STATE_COUNT
+};
+
+/* "queued" and so on. Static string. */
+const char *proto_job_state_name(enum proto_job_state state);
+
+/* True when the state is the last. */
+bool proto_job_has_ended(enum proto_job_state state);
+
+struct proto_job_header {
+    const char *name, *value;
+};
+
+/* What the operation answered. */
+struct proto_job_answer {
+    unsigned status;
+    const char *media_type; /* NULL: there is no body */
+    const char *body;
+    size_t size;
+    const struct proto_job_header *headers;
+    uint32_t header_count;
+};
+
+struct proto_job {
+    const char *id;
+    const char *request; /* "POST /v1/meshes/bunny/matrix" */
+    enum proto_job_state state;
+    double progress;                       /* [0,1] */
+    int64_t created;                       /* seconds since 1970-01-01T00:00:00Z */
+    const struct proto_job_answer *answer; /* NULL: none, or not yet */
+};
+
+/* How much of a job is told: BRIEF leaves the body of its answer out, EVENT that of a result but
+ * not that of a problem. */
+enum proto_job_detail { PROTO_JOB_BRIEF, PROTO_JOB_EVENT, PROTO_JOB_FULL };
+
+void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
+                      enum proto_job_detail detail);
+
+/* The same as FULL up to where the body of its answer stands, then PROTO_JOB_TAIL follows. False,
+ * with nothing written, when no body stands there as it is. */
+bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job);
+#define PROTO_JOB_TAIL "}"
+
+/* The job as a server-sent event: "done" when it has ended, however it did, else "progress". */
+void proto_job_encode_event(struct proto_writer *writer, const struct proto_job *job);
+
+/* The id of the event "done", which a client that reconnects sends back as Last-Event-ID. */
+#define PROTO_JOB_LAST_EVENT "done"
+
+#endif

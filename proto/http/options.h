@@ -1,0 +1,63 @@
+/* Options: the query string, and what every query takes from it: fields, geometry, timeout_ms. */
+#ifndef PROTO_OPTIONS_H
+#define PROTO_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "proto/json/problem.h"
+
+/* A view of a decoded query string; its owner lends it for a call. Names and values are
+ * NUL-terminated and percent-decoded. */
+struct proto_parameters {
+    /* Value of the first parameter of that name; "" for a parameter without a value; NULL when
+     * there is none. */
+    const char *(*get)(void *user, const char *name);
+    /* Calls visit(context, name) once for each parameter, repeated ones included, until it returns
+     * false. */
+    void (*each)(void *user, bool (*visit)(void *context, const char *name), void *context);
+    void *user;
+};
+
+/* Each parameter's name is one of `allowed` (NULL-terminated, at most 32 of them; NULL: none is)
+ * and stands once; else invalid_request with the parameter. */
+bool proto_parameters_check(const struct proto_parameters *parameters, const char *const *allowed,
+                            struct proto_problem *problem);
+
+/* Value of a parameter that must be there and not be empty; else NULL and invalid_request. Lives as
+ * long as the query string. */
+const char *proto_parameters_require(const struct proto_parameters *parameters, const char *name,
+                                     struct proto_problem *problem);
+
+/* A decimal integer in [least, most]; `*out` is untouched when the parameter is absent. */
+bool proto_parameters_integer(const struct proto_parameters *parameters, const char *name,
+                              uint64_t least, uint64_t most, uint64_t *out,
+                              struct proto_problem *problem);
+
+/* One word of `words` (NULL-terminated): `*out` is its number; untouched when the parameter is
+ * absent. */
+bool proto_parameters_choice(const struct proto_parameters *parameters, const char *name,
+                             const char *const *words, unsigned *out,
+                             struct proto_problem *problem);
+
+enum proto_geometry { PROTO_GEOMETRY_FULL, PROTO_GEOMETRY_XYZ, PROTO_GEOMETRY_NONE };
+
+struct proto_options {
+    uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */
+    enum proto_geometry geometry;
+    uint64_t timeout_ms; /* 0: not said; not yet capped */
+};
+
+/* Of the fields that are wanted, those of `members`, which are parts of the field `whole`: all of
+ * them where it alone is named; 0: none is wanted. */
+uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
+
+/* Reads the options that all queries have in common and refuses every other parameter but the
+ * query's own `names` (NULL-terminated; NULL: it has none). `fields`: the names of the answer's
+ * top-level fields (NULL-terminated, at most 32); NULL: the answer is no JSON, and timeout_ms the
+ * only option. invalid_request with the parameter. */
+bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
+                         const char *const *names, struct proto_options *out,
+                         struct proto_problem *problem);
+
+#endif

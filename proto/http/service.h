@@ -1,0 +1,36 @@
+/* Service: what the daemon says about itself: GET /v1, /livez, /readyz. */
+#ifndef PROTO_SERVICE_H
+#define PROTO_SERVICE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/http/route.h"
+#include "proto/json/writer.h"
+
+struct proto_service {
+    const char *version; /* of the program */
+    struct {
+        uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, max_answer_bytes,
+            workers;
+    } limits;
+    const struct proto_route *routes; /* their queries are the capabilities */
+    size_t route_count;
+};
+
+/* Writes {"version", "limits", "capabilities"}. */
+void proto_service_encode(struct proto_writer *writer, const struct proto_service *service);
+
+enum proto_health {
+    PROTO_HEALTH_OK,
+    PROTO_HEALTH_STARTING,
+    PROTO_HEALTH_DRAINING,
+    PROTO_HEALTH_READ_ONLY,
+    PROTO_HEALTH_DEGRADED
+};
+
+/* Writes {"status": "ok"|"starting"|"draining"|"read_only"|"degraded", "reason"}; without a reason
+ * when that is NULL. */
+void proto_health_encode(struct proto_writer *writer, enum proto_health health, const char *reason);
+
+#endif

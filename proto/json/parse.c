@@ -1,0 +1,129 @@
+#include "proto/json/parse.h"
+
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A block of jansson's; the listed ones are those that a parser which runs in this thread has taken
+ * and not given back. */
+struct block {
+    /* NULL: the first; both unused when it is not listed */
+    _Alignas(max_align_t) struct block *previous;
+    struct block *next;
+};
+
+static _Thread_local struct {
+    bool is_on;
+    struct block *first;
+    jmp_buf escape; /* out of the parser */
+} parser;
+
+static void *take(size_t size)
+{
+    struct block *block = size <= SIZE_MAX - sizeof *block ? malloc(sizeof *block + size) : NULL;
+    if (!parser.is_on) return block ? block + 1 : NULL;
+    if (!block) longjmp(parser.escape, 1);
+    *block = (struct block){.next = parser.first};
+    if (block->next) block->next->previous = block;
+    parser.first = block;
+    return block + 1;
+}
+
+/* While a parser runs, it gives back nothing but its own. */
+static void give_back(void *bytes)
+{
+    if (!bytes) return;
+    struct block *block = (struct block *)bytes - 1;
+    if (parser.is_on) {
+        if (block->next) block->next->previous = block->previous;
+        *(block->previous ? &block->previous->next : &parser.first) = block->next;
+    }
+    free(block);
+}
+
+/* Before jansson takes anything. */
+__attribute__((constructor)) static void register_memory(void)
+{
+    json_set_alloc_funcs(take, give_back);
+}
+
+static void give_all_back(void)
+{
+    for (struct block *block = parser.first, *next; block; block = next) {
+        next = block->next;
+        free(block);
+    }
+}
+
+/* --- the text, piece by piece ----------------------------------------------------------------- */
+
+#define LOOK_BYTES 65536 /* between two looks at the control */
+
+struct source {
+    const char *text;
+    size_t size, at, looked_at;
+    bool in_string, is_escaped;
+    long depth;
+    const struct gd_control *control;
+    struct proto_parse_end *end;
+};
+
+/* Offset of the first bracket of the next piece that nests too deep, or of the piece's end. Whether
+ * the brackets match is the parser's concern. */
+static size_t first_too_deep(struct source *source, size_t end)
+{
+    size_t i = source->at;
+    for (; i < end; i++) {
+        char character = source->text[i];
+        if (source->is_escaped) {
+            source->is_escaped = false;
+        } else if (source->in_string) {
+            source->is_escaped = character == '\\';
+            source->in_string = character != '"';
+        } else if (character == '"') {
+            source->in_string = true;
+        } else if (character == '[' || character == '{') {
+            if (++source->depth > PROTO_PARSE_DEPTH) return i;
+        } else if (character == ']' || character == '}') {
+            source->depth--;
+        }
+    }
+    return i;
+}
+
+/* A json_load_callback_t: 0 is the end, (size_t)-1 ends the parser. */
+static size_t give_piece(void *buffer, size_t room, void *user)
+{
+    struct source *source = user;
+    size_t left = source->size - source->at, size = left < room ? left : room;
+    if (source->at >= source->looked_at) {
+        source->looked_at = source->at + LOOK_BYTES;
+        source->end->status = gd_control_check(source->control, 0);
+    }
+    size_t fine = first_too_deep(source, source->at + size);
+    if (fine < source->at + size) source->end->deep_at = fine + 1;
+    if (source->end->status || source->end->deep_at) return (size_t)-1;
+    memcpy(buffer, source->text + source->at, size);
+    source->at += size;
+    return size;
+}
+
+json_t *proto_parse(const char *text, size_t size, const struct gd_control *control,
+                    struct proto_parse_end *end)
+{
+    json_t *volatile document = NULL;
+    struct source source = {
+        .text = text, .size = size, .looked_at = LOOK_BYTES, .control = control, .end = end};
+    *end = (struct proto_parse_end){.status = GD_OK};
+    parser.first = NULL;
+    parser.is_on = true;
+    if (setjmp(parser.escape) == 0)
+        document = json_load_callback(
+            give_piece, &source, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &end->error);
+    else
+        end->status = GD_NO_MEMORY;
+    parser.is_on = false;
+    if (end->status == GD_NO_MEMORY) give_all_back();
+    return document;
+}

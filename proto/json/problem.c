@@ -1,0 +1,284 @@
+#include "proto/json/problem.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "proto/json/member.h"
+#include "proto/json/writer.h"
+
+/* --- the list --------------------------------------------------------------------------------- */
+
+static unsigned http_status(enum proto_problem_code code)
+{
+    switch (code) {
+    case PROTO_PROBLEM_NONE:
+        break;
+#define PROTO_PROBLEM_STATUS(status, NAME, name, title)                                            \
+    case PROTO_PROBLEM_##NAME:                                                                     \
+        return status;
+        PROTO_PROBLEM_MAP(PROTO_PROBLEM_STATUS)
+#undef PROTO_PROBLEM_STATUS
+    }
+    return 200;
+}
+
+const char *proto_problem_name(enum proto_problem_code code)
+{
+    switch (code) {
+    case PROTO_PROBLEM_NONE:
+        break;
+#define PROTO_PROBLEM_NAME(status, NAME, name, title)                                              \
+    case PROTO_PROBLEM_##NAME:                                                                     \
+        return #name;
+        PROTO_PROBLEM_MAP(PROTO_PROBLEM_NAME)
+#undef PROTO_PROBLEM_NAME
+    }
+    return "none";
+}
+
+static const char *title_of(enum proto_problem_code code)
+{
+    switch (code) {
+    case PROTO_PROBLEM_NONE:
+        break;
+#define PROTO_PROBLEM_TITLE(status, NAME, name, title)                                             \
+    case PROTO_PROBLEM_##NAME:                                                                     \
+        return title;
+        PROTO_PROBLEM_MAP(PROTO_PROBLEM_TITLE)
+#undef PROTO_PROBLEM_TITLE
+    }
+    return "No problem";
+}
+
+/* --- making one ------------------------------------------------------------------------------- */
+
+static void start(struct proto_problem *problem, enum proto_problem_code code, const char *format,
+                  va_list arguments)
+{
+    memset(problem, 0, sizeof *problem);
+    problem->code = code;
+    problem->status = http_status(code);
+    vsnprintf(problem->detail, sizeof problem->detail, format, arguments);
+}
+
+bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code,
+                       const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    start(problem, code, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+bool proto_problem_refuse(struct proto_problem *problem, const char *place, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    start(problem, PROTO_PROBLEM_INVALID_REQUEST, format, arguments);
+    va_end(arguments);
+    return proto_problem_at(problem, place);
+}
+
+static bool is_pointer(const char *place)
+{
+    return place[0] == '\0' || place[0] == '/';
+}
+
+bool proto_problem_at(struct proto_problem *problem, const char *place)
+{
+    problem->has_pointer = is_pointer(place);
+    char *to = problem->has_pointer ? problem->pointer : problem->parameter;
+    size_t size = problem->has_pointer ? sizeof problem->pointer : sizeof problem->parameter;
+    snprintf(to, size, "%s", place);
+    return false;
+}
+
+bool proto_problem_descend(struct proto_problem *problem, const char *member)
+{
+    if (!problem->has_pointer) return false;
+    size_t at = strlen(problem->pointer);
+    const size_t last = sizeof problem->pointer - 3; /* room for an escape and the NUL */
+    if (at < last) problem->pointer[at++] = '/';
+    for (; *member && at < last; member++) {
+        bool escaped = *member == '~' || *member == '/';
+        if (escaped) problem->pointer[at++] = '~';
+        problem->pointer[at++] = *member == '~' ? '0' : *member == '/' ? '1' : *member;
+    }
+    problem->pointer[at] = '\0';
+    return false;
+}
+
+bool proto_problem_limit(struct proto_problem *problem, uint64_t limit)
+{
+    problem->has_limit = true;
+    problem->limit = limit;
+    return false;
+}
+
+/* --- from the engine -------------------------------------------------------------------------- */
+
+static enum proto_problem_code code_of(enum gd_status status)
+{
+    switch (status) {
+    case GD_INVALID_ARGUMENT:
+    case GD_OUT_OF_RANGE:
+    case GD_UNREFERENCED_VERTEX:
+    case GD_NO_SUCH_EDGE:
+        return PROTO_PROBLEM_INVALID_REQUEST;
+    case GD_NOT_ON_SURFACE:
+        return PROTO_PROBLEM_POINT_NOT_ON_SURFACE;
+    case GD_UNRECOGNIZED:
+    case GD_TRUNCATED:
+    case GD_SYNTAX:
+    case GD_UNSUPPORTED:
+    case GD_INDEX:
+    case GD_EMPTY:
+    case GD_NON_FINITE:
+    case GD_EXTENT:
+    case GD_DEGENERATE_FACE:
+    case GD_DUPLICATE_FACE:
+    case GD_NON_MANIFOLD_EDGE:
+    case GD_NON_MANIFOLD_VERTEX:
+    case GD_NON_ORIENTABLE:
+    case GD_NOT_TRIANGLES:
+    case GD_NOT_TRIANGULABLE:
+        return PROTO_PROBLEM_INVALID_MESH;
+    case GD_NO_MEMORY:
+    case GD_BUDGET:
+        return PROTO_PROBLEM_INSUFFICIENT_MEMORY;
+    case GD_TOO_LARGE:
+        return PROTO_PROBLEM_TOO_LARGE;
+    case GD_CANCELLED:
+        return PROTO_PROBLEM_DRAINING;
+    case GD_DEADLINE:
+        return PROTO_PROBLEM_DEADLINE_EXCEEDED;
+    case GD_OK:
+    case GD_BEYOND_REACH:
+    case GD_INTERNAL:
+    case GD_RUNAWAY:
+        break;
+    }
+    return PROTO_PROBLEM_INTERNAL;
+}
+
+static bool set_internal(struct proto_problem *problem, enum gd_status status)
+{
+    return proto_problem_set(
+        problem, PROTO_PROBLEM_INTERNAL,
+        status == GD_RUNAWAY
+            ? "%s; please report it with the request"
+            : "%s and the answer was withheld: the mesh may have faces that are smaller or thinner "
+              "than "
+              "rounding; upload it with ?weld=TOLERANCE to join them, or report the request",
+        gd_status_sentence(status));
+}
+
+bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status,
+                               const struct gd_detail *detail)
+{
+    enum proto_problem_code code = code_of(status);
+    if (code == PROTO_PROBLEM_INTERNAL) return set_internal(problem, status);
+    const char *sentence = detail && detail->text[0] ? detail->text : gd_status_sentence(status);
+    proto_problem_set(problem, code, "%s", sentence);
+    if (code == PROTO_PROBLEM_INVALID_MESH) problem->reason = gd_status_name(status);
+    if (code == PROTO_PROBLEM_DRAINING) problem->retry_after = 1;
+    if (detail && detail->kind != GD_ELEMENT_NONE) {
+        problem->element = detail->kind;
+        problem->element_count = detail->count;
+        memcpy(problem->elements, detail->elements, sizeof problem->elements);
+    }
+    return false;
+}
+
+/* --- telling it ------------------------------------------------------------------------------- */
+
+static const char *element_name(enum gd_element element)
+{
+    switch (element) {
+    case GD_ELEMENT_NONE:
+        break;
+    case GD_ELEMENT_VERTEX:
+        return "vertex";
+    case GD_ELEMENT_EDGE:
+        return "edge";
+    case GD_ELEMENT_FACE:
+        return "face";
+    case GD_ELEMENT_LINE:
+        return "line";
+    case GD_ELEMENT_BYTE:
+        return "byte";
+    }
+    return "element";
+}
+
+static void encode_element(struct proto_writer *writer, enum gd_element element,
+                           const uint64_t id[2])
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, element_name(element));
+    if (element == GD_ELEMENT_EDGE) {
+        proto_write_array_begin(writer);
+        proto_write_uint(writer, id[0]);
+        proto_write_uint(writer, id[1]);
+        proto_write_array_end(writer);
+    } else {
+        proto_write_uint(writer, id[0]);
+    }
+    proto_write_object_end(writer);
+}
+
+static void encode_elements(struct proto_writer *writer, const struct proto_problem *problem)
+{
+    proto_write_key(writer, "elements");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < problem->element_count; i++)
+        encode_element(writer, problem->element, problem->elements[i]);
+    proto_write_array_end(writer);
+}
+
+void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem)
+{
+    char type[64];
+    snprintf(type, sizeof type, "urn:geodesicd:problem:%s", proto_problem_name(problem->code));
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "type", type);
+    proto_member_string(writer, "title", title_of(problem->code));
+    proto_member_uint(writer, "status", problem->status);
+    proto_member_string(writer, "detail", problem->detail);
+    proto_member_string(writer, "code", proto_problem_name(problem->code));
+    if (problem->has_pointer) proto_member_string(writer, "pointer", problem->pointer);
+    if (problem->parameter[0]) proto_member_string(writer, "parameter", problem->parameter);
+    if (problem->reason) proto_member_string(writer, "reason", problem->reason);
+    if (problem->has_limit) proto_member_uint(writer, "limit", problem->limit);
+    if (problem->element_count) encode_elements(writer, problem);
+    proto_write_object_end(writer);
+}
+
+bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem)
+{
+    switch (writer->failure) {
+    case PROTO_WRITER_FINE:
+        return true;
+    case PROTO_WRITER_NO_MEMORY:
+        return proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                                 "there is no memory for the answer; try again later");
+    case PROTO_WRITER_NO_ROOM:
+        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                          "other answers, which their clients have not read to the end, hold the "
+                          "memory that this one needs; try again in a moment");
+        problem->retry_after = 1;
+        return false;
+    case PROTO_WRITER_STOPPED:
+        return proto_problem_from_status(problem, GD_CANCELLED, NULL);
+    case PROTO_WRITER_TOO_LARGE:
+        break;
+    }
+    proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                      "the answer is larger than the %zu bytes that one may have; ask for less of "
+                      "it, with fields, geometry or fewer points, or have the operator raise "
+                      "--max-answer",
+                      writer->maximum);
+    return proto_problem_limit(problem, writer->maximum);
+}

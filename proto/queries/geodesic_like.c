@@ -1,0 +1,335 @@
+#include "proto/queries/geodesic_like.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+#include "proto/values/point.h"
+
+const struct proto_geodesic_form
+    proto_geodesic_between_points = {{"from", "to"}, {false, false}, {true, true}},
+    proto_geodesic_to_curve = {{"point", "curve"}, {false, true}, {false, true}},
+    proto_geodesic_between_curves = {{"a", "b"}, {true, true}, {true, true}};
+
+const char *const proto_geodesic_fields[] = {
+    "length",     "degree",    "knots",          "control_points",     "points",
+    "ends",       "residual",  "error_estimate", "geodesic_curvature", "speed_defect",
+    "iterations", "converged", "is_minimum",     "boundary_contact",   "warnings",
+    "minima",     NULL};
+
+/* --- the request ------------------------------------------------------------------------------ */
+
+void proto_geodesic_free(struct proto_geodesic *geodesic)
+{
+    for (int k = 0; k < 2; k++) proto_domain_curve_free(&geodesic->ends[k]);
+}
+
+/* A whole number from `least` to `most` that may be left out. */
+static bool decode_count(const json_t *document, const char *member, uint32_t least, uint32_t most,
+                         uint32_t *out, struct proto_problem *problem)
+{
+    uint32_t count;
+    if (!json_object_get(document, member)) return true;
+    if (!proto_decode_index(document, "", member, &count, problem)) return false;
+    *out = count;
+    if (count >= least && count <= most) return true;
+    proto_problem_refuse(problem, "", "%s is a whole number from %u to %u", member, least, most);
+    return proto_problem_descend(problem, member);
+}
+
+static bool decode_tolerance(const json_t *document, double *out, struct proto_problem *problem)
+{
+    if (!json_object_get(document, "tolerance")) return true;
+    if (!proto_decode_number(document, "", "tolerance", out, problem)) return false;
+    return (*out >= GD_GEODESIC_TOLERANCE_LEAST && *out <= 1) ||
+           proto_problem_refuse(problem, "/tolerance",
+                                "the tolerance is a part of the length, from %g to 1",
+                                GD_GEODESIC_TOLERANCE_LEAST);
+}
+
+static bool decode_options(const json_t *document, struct proto_geodesic *out,
+                           struct proto_problem *problem)
+{
+    struct gd_geodesic_options *options = &out->options;
+    if (!decode_count(document, "degree", GD_GEODESIC_DEGREE_LEAST, GD_GEODESIC_DEGREE_MOST,
+                      &options->degree, problem))
+        return false;
+    uint32_t degree = options->degree ? options->degree : GD_GEODESIC_DEGREE;
+    return decode_count(document, "control_points", degree + 1, GD_GEODESIC_CONTROL_POINTS_MOST,
+                        &options->control_points, problem) &&
+           decode_count(document, "samples", 2, PROTO_GEODESIC_SAMPLES_MOST, &out->samples,
+                        problem) &&
+           decode_tolerance(document, &options->tolerance, problem) &&
+           proto_decode_flag(document, "", "all_minima", &options->all_minima, problem);
+}
+
+bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
+                           struct proto_geodesic *out, struct proto_problem *problem)
+{
+    const char *const members[] = {form->ends[0], form->ends[1], "degree",  "control_points",
+                                   "tolerance",   "all_minima",  "samples", NULL};
+    struct proto_geodesic read = {.form = form, .samples = PROTO_GEODESIC_SAMPLES};
+    bool ok = proto_decode_object(document, "", members, problem) &&
+              decode_options(document, &read, problem);
+    for (int k = 0; k < 2 && ok; k++)
+        ok = form->is_curve[k]
+                 ? proto_domain_curve_decode(document, form->ends[k], &read.ends[k], problem)
+                 : proto_domain_curve_decode_point(document, form->ends[k], &read.ends[k], problem);
+    if (ok)
+        *out = read;
+    else
+        proto_geodesic_free(&read);
+    return ok;
+}
+
+/* --- the curve -------------------------------------------------------------------------------- */
+
+static bool is_same_place(const double a[2], const double b[2])
+{
+    return a[0] == b[0] && a[1] == b[1];
+}
+
+/* Does the piece go on where the one before ends? At a pole it need not. */
+static bool continues(const struct gd_geodesic *path, uint32_t piece)
+{
+    if (piece == 0) return false;
+    const struct gd_geodesic_piece *before = &path->pieces[piece - 1];
+    return is_same_place(before->points[before->count - 1], path->pieces[piece].points[0]);
+}
+
+static void encode_control_points(struct proto_writer *writer, const struct gd_geodesic *path)
+{
+    proto_write_key(writer, "control_points");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < path->piece_count; i++)
+        for (uint32_t k = continues(path, i); k < path->pieces[i].count; k++)
+            proto_write_numbers(writer, path->pieces[i].points[k], 2);
+    proto_write_array_end(writer);
+}
+
+/* Piece i on [i, i + 1]. Where two of them share a control point its knot has the multiplicity of
+ * the degree, else one more. */
+static void encode_knots(struct proto_writer *writer, const struct gd_geodesic *path)
+{
+    proto_write_key(writer, "knots");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < path->piece_count; i++) {
+        const struct gd_geodesic_piece *piece = &path->pieces[i];
+        bool is_last = i + 1 == path->piece_count;
+        if (i == 0) proto_write_number(writer, 0);
+        uint32_t shared = is_last || !continues(path, i + 1) ? 0 : 1;
+        for (uint32_t k = i == 0 ? 1 : piece->degree + 1;
+             k < piece->count + piece->degree + 1 - shared; k++)
+            proto_write_number(writer, piece->knots[k] + i);
+    }
+    proto_write_array_end(writer);
+}
+
+static void encode_sample(struct proto_writer *writer, const double uv[2], struct gd_vec3 xyz,
+                          enum proto_geometry geometry)
+{
+    if (geometry == PROTO_GEOMETRY_XYZ) {
+        proto_xyz_encode(writer, xyz);
+        return;
+    }
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "uv");
+    proto_write_numbers(writer, uv, 2);
+    proto_member_xyz(writer, "xyz", xyz);
+    proto_write_object_end(writer);
+}
+
+static double clamp(const struct gd_axis *axis, double t)
+{
+    return axis->closed ? t : fmin(fmax(t, axis->low), axis->high);
+}
+
+/* Of a place that may have left the domain by rounding. */
+static struct gd_vec3 position(const struct gd_parametric *surface, const double uv[2])
+{
+    struct gd_jet jet = {.x = {NAN, NAN, NAN}};
+    double u = clamp(gd_parametric_axis_u(surface), uv[0]),
+           v = clamp(gd_parametric_axis_v(surface), uv[1]);
+    (void)!gd_parametric_evaluate(surface, u, v, &jet);
+    return jet.x;
+}
+
+struct samples { /* all zero is an empty list */
+    double (*uv)[2];
+    struct gd_vec3 *xyz;
+    uint32_t count;
+};
+
+static enum gd_status sample(const struct gd_parametric *surface, const struct gd_geodesic *path,
+                             uint32_t count, struct samples *out)
+{
+    out->count = path->piece_count ? count : 1;
+    out->uv = malloc(out->count * sizeof *out->uv);
+    out->xyz = malloc(out->count * sizeof *out->xyz);
+    if (!out->uv || !out->xyz) return GD_NO_MEMORY;
+    if (path->piece_count) return gd_geodesic_sample(surface, path, count, out->uv, out->xyz);
+    memcpy(out->uv[0], path->meeting, sizeof path->meeting);
+    out->xyz[0] = position(surface, path->meeting);
+    return GD_OK;
+}
+
+static enum gd_status encode_points(struct proto_writer *writer,
+                                    const struct gd_parametric *surface,
+                                    const struct gd_geodesic *path, uint32_t count,
+                                    enum proto_geometry geometry)
+{
+    struct samples samples = {0};
+    enum gd_status status = sample(surface, path, count, &samples);
+    if (!status) {
+        proto_write_key(writer, "points");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < samples.count; i++)
+            encode_sample(writer, samples.uv[i], samples.xyz[i], geometry);
+        proto_write_array_end(writer);
+    }
+    free(samples.uv);
+    free(samples.xyz);
+    return status;
+}
+
+/* --- the ends --------------------------------------------------------------------------------- */
+
+/* Where the path has no direction, its length being 0, there is no angle. */
+static void encode_end(struct proto_writer *writer, const struct gd_domain_curve *curve,
+                       double parameter, double angle)
+{
+    double uv[2];
+    gd_domain_curve_at(curve, parameter, uv);
+    proto_write_object_begin(writer);
+    if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "parameter", parameter);
+    proto_write_key(writer, "uv");
+    proto_write_numbers(writer, uv, 2);
+    proto_member_xyz(writer, "xyz", position(gd_domain_curve_surface(curve), uv));
+    if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "angle", angle);
+    proto_write_object_end(writer);
+}
+
+static void encode_ends(struct proto_writer *writer, const struct proto_geodesic_answer *answer,
+                        const struct gd_geodesic *path)
+{
+    const struct proto_geodesic_form *form = answer->request->form;
+    const double parameters[2] = {path->from_parameter, path->to_parameter},
+                 angles[2] = {path->from_angle, path->to_angle};
+    proto_write_key(writer, "ends");
+    proto_write_object_begin(writer);
+    for (int k = 0; k < 2; k++) {
+        if (!form->is_told[k]) continue;
+        proto_write_key(writer, form->ends[k]);
+        encode_end(writer, answer->ends[k], parameters[k], path->piece_count ? angles[k] : NAN);
+    }
+    proto_write_object_end(writer);
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+static void encode_numbers(struct proto_writer *writer, const struct gd_geodesic *path,
+                           uint32_t fields)
+{
+    const struct {
+        const char *key;
+        double value;
+        uint32_t field;
+    } numbers[] = {{"residual", path->residual, PROTO_GEODESIC_FIELD_RESIDUAL},
+                   {"error_estimate", path->error, PROTO_GEODESIC_FIELD_ERROR},
+                   {"geodesic_curvature", path->curvature, PROTO_GEODESIC_FIELD_CURVATURE},
+                   {"speed_defect", path->speed_defect, PROTO_GEODESIC_FIELD_SPEED_DEFECT}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        if (!(fields & numbers[i].field)) continue;
+        proto_member_number(writer, numbers[i].key, numbers[i].value);
+    }
+    if (!(fields & PROTO_GEODESIC_FIELD_ITERATIONS)) return;
+    proto_member_uint(writer, "iterations", path->iterations);
+}
+
+static void encode_flag(struct proto_writer *writer, const char *key, bool value, bool is_wanted)
+{
+    if (!is_wanted) return;
+    proto_member_bool(writer, key, value);
+}
+
+static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
+{
+    static const struct {
+        uint32_t bit;
+        const char *name;
+    } names[] = {{GD_GEODESIC_NOT_CONVERGED, "not_converged"},
+                 {GD_GEODESIC_BOUNDARY_CONTACT, "boundary_contact"},
+                 {GD_GEODESIC_CURVE_CORNER, "curve_corner"},
+                 {GD_GEODESIC_THROUGH_POLE, "through_pole"},
+                 {GD_GEODESIC_NOT_MINIMAL, "not_minimal"}};
+    proto_write_key(writer, "warnings");
+    proto_write_array_begin(writer);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (warnings & names[i].bit) proto_write_string(writer, names[i].name);
+    proto_write_array_end(writer);
+}
+
+static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic *path,
+                           uint32_t fields)
+{
+    encode_numbers(writer, path, fields);
+    encode_flag(writer, "converged", !(path->warnings & GD_GEODESIC_NOT_CONVERGED),
+                fields & PROTO_GEODESIC_FIELD_CONVERGED);
+    encode_flag(writer, "is_minimum", path->is_minimum, fields & PROTO_GEODESIC_FIELD_IS_MINIMUM);
+    encode_flag(writer, "boundary_contact", path->warnings & GD_GEODESIC_BOUNDARY_CONTACT,
+                fields & PROTO_GEODESIC_FIELD_BOUNDARY_CONTACT);
+    if (fields & PROTO_GEODESIC_FIELD_WARNINGS) encode_warnings(writer, path->warnings);
+}
+
+/* The members of one path's object. */
+static enum gd_status encode_path(struct proto_writer *writer,
+                                  const struct proto_geodesic_answer *answer,
+                                  const struct gd_geodesic *path,
+                                  const struct proto_options *options)
+{
+    uint32_t fields = options->fields;
+    enum gd_status status = GD_OK;
+    if (fields & PROTO_GEODESIC_FIELD_LENGTH) proto_member_number(writer, "length", path->length);
+    if (fields & PROTO_GEODESIC_FIELD_DEGREE && path->piece_count)
+        proto_member_uint(writer, "degree", path->pieces[0].degree);
+    if (fields & PROTO_GEODESIC_FIELD_KNOTS) encode_knots(writer, path);
+    if (fields & PROTO_GEODESIC_FIELD_CONTROL_POINTS) encode_control_points(writer, path);
+    if (fields & PROTO_GEODESIC_FIELD_POINTS && options->geometry != PROTO_GEOMETRY_NONE)
+        status = encode_points(writer, gd_domain_curve_surface(answer->ends[0]), path,
+                               answer->request->samples, options->geometry);
+    if (fields & PROTO_GEODESIC_FIELD_ENDS) encode_ends(writer, answer, path);
+    encode_verdict(writer, path, fields);
+    return status;
+}
+
+static enum gd_status encode_minima(struct proto_writer *writer,
+                                    const struct proto_geodesic_answer *answer,
+                                    const struct proto_options *options)
+{
+    enum gd_status status = GD_OK;
+    proto_write_key(writer, "minima");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < answer->found->count && !status; i++) {
+        if (!answer->found->items[i].is_minimum) continue;
+        proto_write_object_begin(writer);
+        status = encode_path(writer, answer, &answer->found->items[i], options);
+        proto_write_object_end(writer);
+    }
+    proto_write_array_end(writer);
+    return status;
+}
+
+enum gd_status proto_geodesic_encode(struct proto_writer *writer,
+                                     const struct proto_geodesic_answer *answer,
+                                     const struct proto_options *options)
+{
+    proto_write_object_begin(writer);
+    enum gd_status status = encode_path(writer, answer, &answer->found->items[0], options);
+    if (!status && answer->request->options.all_minima &&
+        options->fields & PROTO_GEODESIC_FIELD_MINIMA)
+        status = encode_minima(writer, answer, options);
+    proto_write_object_end(writer);
+    return status;
+}

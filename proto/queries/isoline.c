@@ -1,0 +1,315 @@
+#include "proto/queries/isoline.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/direction.h"
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+#include "proto/json/number.h"
+#include "proto/values/point.h"
+
+#define TOLERANCE_OF_DIAGONAL (1.0 / 2000)
+
+const char *const proto_isolines_parameters[] = {"levels", "count", "tolerance", "arcs", NULL};
+const char *const proto_isolines_fields[] = {"isolines", NULL};
+
+void proto_isolines_free(struct proto_isolines *isolines)
+{
+    free(isolines->levels);
+    *isolines = (struct proto_isolines){0};
+}
+
+/* --- levels ----------------------------------------------------------------------------------- */
+
+static bool refuse_memory(struct proto_problem *problem)
+{
+    return proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                             "there is no memory for the levels; try again later");
+}
+
+static bool refuse_choice(const char *place, struct proto_problem *problem)
+{
+    return proto_problem_refuse(problem, place,
+                                "say which levels, or count, how many of them: one of both");
+}
+
+static bool check_count(const char *place, uint64_t count, struct proto_problem *problem)
+{
+    if (count == 0) return proto_problem_refuse(problem, place, "ask for at least one level");
+    if (count <= PROTO_ISOLINES_LEVELS) return true;
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "at most %d levels are taken here; ask for fewer", PROTO_ISOLINES_LEVELS);
+    proto_problem_at(problem, place);
+    return proto_problem_limit(problem, PROTO_ISOLINES_LEVELS);
+}
+
+static bool check_levels(const struct proto_isolines *isolines, struct proto_problem *problem)
+{
+    for (uint32_t i = 0; i < isolines->level_count; i++)
+        if (!(isolines->levels[i] >= 0))
+            return proto_problem_refuse(problem, isolines->place,
+                                        "a level is a distance: a number of at least 0");
+    return true;
+}
+
+static bool check_tolerance(const char *place, double tolerance, struct proto_problem *problem)
+{
+    return tolerance > 0 ||
+           proto_problem_refuse(problem, place, "the tolerance is a length of more than 0");
+}
+
+/* --- from the body ---------------------------------------------------------------------------- */
+
+static bool decode_levels(const json_t *document, struct proto_isolines *out,
+                          struct proto_problem *problem)
+{
+    const json_t *value = json_object_get(document, "levels");
+    out->place = "/levels";
+    if (!json_is_array(value))
+        return proto_problem_refuse(problem, out->place, "expected an array of numbers");
+    if (!check_count(out->place, json_array_size(value), problem)) return false;
+    out->level_count = (uint32_t)json_array_size(value);
+    out->levels = malloc(out->level_count * sizeof *out->levels);
+    if (!out->levels) return refuse_memory(problem);
+    return proto_decode_numbers(document, "", "levels", out->level_count, out->levels, problem) &&
+           check_levels(out, problem);
+}
+
+static bool decode_count(const json_t *document, struct proto_isolines *out,
+                         struct proto_problem *problem)
+{
+    out->place = "/count";
+    return proto_decode_index(document, "", "count", &out->level_count, problem) &&
+           check_count(out->place, out->level_count, problem);
+}
+
+static bool decode(const json_t *document, struct proto_isolines *out,
+                   struct proto_problem *problem)
+{
+    bool has_levels = json_object_get(document, "levels") != NULL,
+         has_count = json_object_get(document, "count");
+    if (has_levels == has_count) return refuse_choice("", problem);
+    if (!proto_decode_flag(document, "", "arcs", &out->wants_arcs, problem)) return false;
+    if (json_object_get(document, "tolerance") &&
+        (!proto_decode_number(document, "", "tolerance", &out->tolerance, problem) ||
+         !check_tolerance("/tolerance", out->tolerance, problem)))
+        return false;
+    return has_levels ? decode_levels(document, out, problem)
+                      : decode_count(document, out, problem);
+}
+
+bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
+                           struct proto_problem *problem)
+{
+    struct proto_isolines isolines = {0};
+    if (!proto_decode_object(document, "", proto_isolines_parameters, problem)) return false;
+    if (!decode(document, &isolines, problem)) {
+        proto_isolines_free(&isolines);
+        return false;
+    }
+    *out = isolines;
+    return true;
+}
+
+/* --- from the query string -------------------------------------------------------------------- */
+
+static bool parse_levels(const char *text, struct proto_isolines *out,
+                         struct proto_problem *problem)
+{
+    uint64_t count = 1;
+    out->place = "levels";
+    for (const char *c = text; *c; c++) count += *c == ',';
+    if (!check_count(out->place, count, problem)) return false;
+    out->levels = malloc(count * sizeof *out->levels);
+    if (!out->levels) return refuse_memory(problem);
+    for (; out->level_count < count; text++) {
+        size_t length = proto_number_parse(text, &out->levels[out->level_count++]);
+        text += length;
+        if (length == 0 || *text != (out->level_count < count ? ',' : '\0'))
+            return proto_problem_refuse(problem, out->place,
+                                        "expected numbers with commas between them: 0.5,1");
+    }
+    return check_levels(out, problem);
+}
+
+static bool parse_count(const struct proto_parameters *parameters, struct proto_isolines *out,
+                        struct proto_problem *problem)
+{
+    uint64_t count = 0;
+    out->place = "count";
+    if (!proto_parameters_integer(parameters, "count", 0, UINT32_MAX, &count, problem))
+        return false;
+    out->level_count = (uint32_t)count;
+    return check_count(out->place, count, problem);
+}
+
+static bool parse_tolerance(const struct proto_parameters *parameters, double *out,
+                            struct proto_problem *problem)
+{
+    const char *text = parameters->get(parameters->user, "tolerance");
+    double tolerance = 0;
+    if (!text) return true;
+    size_t length = proto_number_parse(text, &tolerance);
+    if (length == 0 || text[length] != '\0') tolerance = 0;
+    *out = tolerance;
+    return check_tolerance("tolerance", tolerance, problem);
+}
+
+static bool parse_arcs(const struct proto_parameters *parameters, bool *out,
+                       struct proto_problem *problem)
+{
+    static const char *const words[] = {"false", "true", NULL};
+    unsigned word = 0;
+    if (!proto_parameters_choice(parameters, "arcs", words, &word, problem)) return false;
+    *out = word == 1;
+    return true;
+}
+
+static bool parse(const struct proto_parameters *parameters, struct proto_isolines *out,
+                  struct proto_problem *problem)
+{
+    const char *levels = parameters->get(parameters->user, "levels");
+    bool has_count = parameters->get(parameters->user, "count") != NULL;
+    if ((levels != NULL) == has_count) return refuse_choice("levels", problem);
+    if (!parse_tolerance(parameters, &out->tolerance, problem)) return false;
+    if (!parse_arcs(parameters, &out->wants_arcs, problem)) return false;
+    return levels ? parse_levels(levels, out, problem) : parse_count(parameters, out, problem);
+}
+
+bool proto_isolines_parse(const struct proto_parameters *parameters, struct proto_isolines *out,
+                          struct proto_problem *problem)
+{
+    struct proto_isolines isolines = {0};
+    if (!parse(parameters, &isolines, problem)) {
+        proto_isolines_free(&isolines);
+        return false;
+    }
+    *out = isolines;
+    return true;
+}
+
+/* --- on the field ----------------------------------------------------------------------------- */
+
+static bool spread_levels(struct proto_isolines *isolines, double most,
+                          struct proto_problem *problem)
+{
+    isolines->levels = malloc(isolines->level_count * sizeof *isolines->levels);
+    if (!isolines->levels) return refuse_memory(problem);
+    for (uint32_t i = 0; i < isolines->level_count; i++)
+        isolines->levels[i] = most * (i + 1) / (isolines->level_count + 1);
+    return true;
+}
+
+bool proto_isolines_settle(struct proto_isolines *isolines,
+                           const struct proto_field_description *field,
+                           struct proto_problem *problem)
+{
+    double reach = field->max_distance > 0 ? field->max_distance : INFINITY;
+    if (!isolines->levels)
+        return spread_levels(isolines, isnan(field->max) ? reach : field->max, problem);
+    for (uint32_t i = 0; i < isolines->level_count; i++)
+        if (isolines->levels[i] > reach)
+            return proto_problem_refuse(
+                problem, isolines->place,
+                "the level %.17g is beyond the field's max_distance, %.17g, where it ends; ask "
+                "for lower ones, or for a field that goes farther",
+                isolines->levels[i], reach);
+    return true;
+}
+
+double proto_isolines_tolerance(const struct proto_isolines *isolines, const struct gd_mesh *mesh)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    return isolines->tolerance > 0
+               ? isolines->tolerance
+               : TOLERANCE_OF_DIAGONAL * gd_vec3_distance(summary->min, summary->max);
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+void proto_isolines_begin(struct proto_writer *writer)
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "isolines");
+    proto_write_array_begin(writer);
+}
+
+void proto_isolines_end(struct proto_writer *writer)
+{
+    proto_write_array_end(writer);
+    proto_write_object_end(writer);
+}
+
+void proto_isoline_begin(struct proto_writer *writer, double level)
+{
+    proto_write_object_begin(writer);
+    proto_member_number(writer, "level", level);
+    proto_write_key(writer, "lines");
+    proto_write_array_begin(writer);
+}
+
+void proto_isoline_end(struct proto_writer *writer)
+{
+    proto_write_array_end(writer);
+    proto_write_object_end(writer);
+}
+
+void proto_line_begin(struct proto_writer *writer, const struct gd_isoline_line *line)
+{
+    proto_write_object_begin(writer);
+    proto_member_bool(writer, "closed", line->closed);
+    proto_member_number(writer, "length", line->length);
+}
+
+void proto_line_end(struct proto_writer *writer)
+{
+    proto_write_object_end(writer);
+}
+
+void proto_line_list_begin(struct proto_writer *writer, const char *name)
+{
+    proto_write_key(writer, name);
+    proto_write_array_begin(writer);
+}
+
+void proto_line_list_end(struct proto_writer *writer)
+{
+    proto_write_array_end(writer);
+}
+
+/* From the arc's own axes to those that directions are counted from; in [0, 2 pi), and never -0. */
+static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
+{
+    struct gd_vec3 zero, quarter, x, y;
+    gd_isoline_arc_axes(mesh, arc, &x, &y);
+    gd_direction_axes(mesh, arc->face, &zero, &quarter);
+    double start =
+        fmod(arc->from + atan2(gd_vec3_dot(x, quarter), gd_vec3_dot(x, zero)), 2 * M_PI) + 0.0;
+    if (start < 0) start += 2 * M_PI;
+    return start < 2 * M_PI ? start : 0;
+}
+
+static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_isoline_arc *arc)
+{
+    double start = start_of(mesh, arc);
+    proto_member_xyz(writer, "centre", arc->centre);
+    proto_member_number(writer, "radius", arc->radius);
+    proto_member_number(writer, "start", start);
+    proto_member_number(writer, "end", start + (arc->to - arc->from));
+}
+
+void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                      const struct gd_isoline_arc *arc)
+{
+    proto_write_object_begin(writer);
+    proto_member_uint(writer, "face", arc->face.index);
+    if (arc->radius > 0) {
+        write_round(writer, mesh, arc);
+    } else {
+        proto_member_bool(writer, "straight", true);
+    }
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,142 @@
+#include "proto/queries/limit_trace.h"
+
+#include <math.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+
+const char *const proto_limit_trace_fields[] = {"start", "level", "paths", NULL};
+
+void proto_limit_trace_free(struct proto_limit_trace *trace)
+{
+    proto_trace_free(&trace->ways);
+}
+
+/* --- the request ------------------------------------------------------------------------------ */
+
+bool proto_limit_level_decode(const json_t *document, const struct gd_subdivision *surface,
+                              uint32_t *out, struct proto_problem *problem)
+{
+    uint32_t least = gd_limit_mesh_least_level(surface), level = gd_limit_mesh_usual_level(surface);
+    if (json_object_get(document, "level") &&
+        !proto_decode_index(document, "", "level", &level, problem))
+        return false;
+    if (level < least || level > GD_LIMIT_LEVEL_MOST)
+        return proto_problem_refuse(problem, "/level", "the level is a whole number from %u to %d",
+                                    least, GD_LIMIT_LEVEL_MOST);
+    *out = level;
+    return true;
+}
+
+static bool decode_length(const json_t *document, double *out, struct proto_problem *problem)
+{
+    double length;
+    if (!proto_decode_number(document, "", "length", &length, problem)) return false;
+    if (!(length >= 0)) return proto_problem_refuse(problem, "/length", "a length is 0 or more");
+    *out = length;
+    return true;
+}
+
+bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivision *surface,
+                              struct proto_limit_trace *out, struct proto_problem *problem)
+{
+    static const char *const members[] = {"start",       "directions", "fan",   "length",
+                                          "vertex_rule", "smooth",     "level", NULL};
+    struct proto_limit_trace trace = {0};
+    if (proto_decode_object(document, "", members, problem) &&
+        proto_limit_place_decode(document, "start", surface, &trace.start, problem) &&
+        decode_length(document, &trace.length, problem) &&
+        proto_trace_vertex_rule_decode(document, GD_VERTEX_RULE_NORMAL,
+                                       &trace.ways.options.vertex_rule, problem) &&
+        proto_decode_flag(document, "", "smooth", &trace.smooth, problem) &&
+        proto_limit_level_decode(document, surface, &trace.level, problem) &&
+        proto_trace_ways_decode(document, &trace.ways, problem)) {
+        trace.ways.options.step_limit = PROTO_TRACE_STEPS;
+        *out = trace;
+        return true;
+    }
+    proto_limit_trace_free(&trace);
+    return false;
+}
+
+struct gd_vec3 proto_limit_trace_direction(const struct proto_limit_trace *trace,
+                                           const struct gd_limit_jet *start, uint32_t i)
+{
+    const struct proto_direction *direction =
+        trace->ways.directions ? &trace->ways.directions[i] : NULL;
+    if (!direction) return gd_limit_direction(start, 2 * M_PI * i / trace->ways.count);
+    return direction->has_angle ? gd_limit_direction(start, direction->angle) : direction->xyz;
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+static void encode_end(struct proto_writer *writer, const struct gd_limit_jet *end,
+                       struct gd_vec3 direction, const char *reason)
+{
+    const struct gd_direction told = {.angle = gd_limit_angle(end, direction), .xyz = direction};
+    proto_write_key(writer, "end_direction");
+    proto_direction_encode(writer, &told);
+    proto_member_string(writer, "end_reason", reason);
+    proto_write_object_end(writer);
+}
+
+static void begin_path(struct proto_writer *writer, double length)
+{
+    proto_write_object_begin(writer);
+    proto_member_number(writer, "length", length);
+}
+
+static void encode_point(struct proto_writer *writer, const struct gd_limit_mesh *fine,
+                         const struct gd_point *point, enum proto_geometry geometry)
+{
+    struct gd_vec3 xyz = gd_point_position(gd_limit_mesh_mesh(fine), point);
+    if (geometry == PROTO_GEOMETRY_XYZ) {
+        proto_xyz_encode(writer, xyz);
+        return;
+    }
+    struct gd_limit_point place = gd_limit_mesh_place(fine, point);
+    proto_limit_place_encode(writer, &place, xyz);
+}
+
+void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_limit_mesh *fine,
+                                   const struct gd_trace *trace, const struct gd_limit_jet *end,
+                                   enum proto_geometry geometry)
+{
+    begin_path(writer, trace->path.length);
+    if (geometry != PROTO_GEOMETRY_NONE) {
+        proto_write_key(writer, "points");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < trace->path.count; i++)
+            encode_point(writer, fine, &trace->path.points[i], geometry);
+        proto_write_array_end(writer);
+    }
+    encode_end(writer, end, trace->direction.xyz, proto_trace_end_name(trace->end));
+}
+
+void proto_limit_steps_encode(struct proto_writer *writer, const struct gd_limit_step *steps,
+                              uint32_t count, enum proto_geometry geometry)
+{
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < count; i++) {
+        if (geometry == PROTO_GEOMETRY_XYZ)
+            proto_xyz_encode(writer, steps[i].position);
+        else
+            proto_limit_place_encode(writer, &steps[i].place, steps[i].position);
+    }
+    proto_write_array_end(writer);
+}
+
+void proto_limit_trace_encode_smooth(struct proto_writer *writer, const struct gd_limit_path *path,
+                                     const struct gd_limit_jet *end, enum proto_geometry geometry)
+{
+    static const char *const reasons[] = {[GD_LIMIT_END_LENGTH] = "length",
+                                          [GD_LIMIT_END_BOUNDARY] = "boundary",
+                                          [GD_LIMIT_END_SINGULAR] = "singular",
+                                          [GD_LIMIT_END_STEPS] = "step_limit"};
+    begin_path(writer, path->length);
+    if (geometry != PROTO_GEOMETRY_NONE) {
+        proto_write_key(writer, "points");
+        proto_limit_steps_encode(writer, path->steps, path->step_count, geometry);
+    }
+    encode_end(writer, end, path->direction, reasons[path->end]);
+}

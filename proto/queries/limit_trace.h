@@ -1,0 +1,59 @@
+/* Limit trace: geodesics of a subdivision surface from a place. The request is {"start",
+ * "directions" | "fan", "length", "vertex_rule"?, "smooth"?, "level"?}; the answer is
+ * {"start", "paths"}, and "level" unless it is smooth. */
+#ifndef PROTO_LIMIT_TRACE_H
+#define PROTO_LIMIT_TRACE_H
+
+#include "gd/limit_mesh.h"
+#include "gd/limit_path.h"
+#include "gd/trace.h"
+#include "proto/values/limit_place.h"
+#include "proto/http/options.h"
+#include "proto/queries/trace.h"
+
+struct proto_limit_trace { /* all zero is an empty one */
+    struct gd_limit_point start;
+    /* directions or fan, and options, which are without normals; not its start, not its length */
+    struct proto_trace ways;
+    double length;
+    bool smooth;
+    uint32_t level; /* of the mesh, if it isn't smooth */
+};
+
+/* A level that the mesh of this surface can have: the member if it is there, else the usual one.
+ * invalid_request. */
+bool proto_limit_level_decode(const json_t *document, const struct gd_subdivision *surface,
+                              uint32_t *out, struct proto_problem *problem);
+
+/* invalid_request, point_not_on_surface, too_large, insufficient_memory. Freed by
+ * proto_limit_trace_free. */
+bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivision *surface,
+                              struct proto_limit_trace *out, struct proto_problem *problem);
+void proto_limit_trace_free(struct proto_limit_trace *trace); /* a second time is harmless */
+
+/* The i-th direction as a vector of space, in the tangent plane of the start's jet but for vectors,
+ * which are as they came. */
+struct gd_vec3 proto_limit_trace_direction(const struct proto_limit_trace *trace,
+                                           const struct gd_limit_jet *start, uint32_t i);
+
+enum proto_limit_trace_field {
+    PROTO_LIMIT_TRACE_FIELD_START = 1 << 0,
+    PROTO_LIMIT_TRACE_FIELD_LEVEL = 1 << 1,
+    PROTO_LIMIT_TRACE_FIELD_PATHS = 1 << 2
+};
+extern const char *const proto_limit_trace_fields[]; /* NULL-terminated, for proto_options_parse */
+
+/* Writes {"length", "points", "end_direction", "end_reason"}: of a path on the mesh, whose points
+ * are told in space as they lie on the mesh; of one on the surface itself. `end`: the surface's jet
+ * where it ends. Points by the geometry as in a path (path.h). */
+void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_limit_mesh *fine,
+                                   const struct gd_trace *trace, const struct gd_limit_jet *end,
+                                   enum proto_geometry geometry);
+void proto_limit_trace_encode_smooth(struct proto_writer *writer, const struct gd_limit_path *path,
+                                     const struct gd_limit_jet *end, enum proto_geometry geometry);
+
+/* Writes an array of steps, or of their positions. */
+void proto_limit_steps_encode(struct proto_writer *writer, const struct gd_limit_step *steps,
+                              uint32_t count, enum proto_geometry geometry);
+
+#endif

@@ -1,0 +1,215 @@
+#include "proto/queries/many.h"
+
+#include <jansson.h>
+#include <string.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+
+static const char *const queries[] = {
+    [PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
+
+const char *proto_many_query_name(enum proto_many_query query)
+{
+    return queries[query];
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+static bool read_query(const json_t *document, enum proto_many_query *out,
+                       struct proto_problem *problem)
+{
+    const char *name = json_string_value(json_object_get(document, "query"));
+    for (int i = 0; name && i < (int)(sizeof queries / sizeof queries[0]); i++) {
+        if (strcmp(queries[i], name) != 0) continue;
+        *out = (enum proto_many_query)i;
+        return true;
+    }
+    return proto_problem_refuse(problem, "/query",
+                                "a batch is of the query \"all-pairs\" or \"fields\"");
+}
+
+static bool check_name(const json_t *value, const char *place, struct proto_problem *problem)
+{
+    const char *name = json_string_value(value);
+    if (!name) return proto_problem_refuse(problem, place, "write the name of a mesh");
+    if (proto_mesh_name_check(name, strlen(name), problem)) return true;
+    return proto_problem_at(problem, place);
+}
+
+/* The array of that name, which has 1 to PROTO_MANY_ITEMS members; else NULL with the problem. */
+static const json_t *read_list(const json_t *document, const char *member,
+                               struct proto_problem *problem)
+{
+    const json_t *list = proto_decode_member(document, "", member, problem);
+    size_t count = json_array_size(list);
+    if (!list) return NULL;
+    if (json_is_array(list) && count >= 1 && count <= PROTO_MANY_ITEMS) return list;
+    proto_problem_refuse(problem, "", "list 1 to %d of them", PROTO_MANY_ITEMS);
+    proto_problem_descend(problem, member);
+    return NULL;
+}
+
+static bool check_vertices(const json_t *list, struct proto_problem *problem)
+{
+    size_t i;
+    json_t *value;
+    json_array_foreach(list, i, value)
+    {
+        double index = json_number_value(value);
+        if (!json_is_number(value) || index < 0 || index > UINT32_MAX - 1 ||
+            index != (double)(uint32_t)index)
+            return proto_problem_refuse(problem, "/vertices", "member %zu is no index of a vertex",
+                                        i);
+    }
+    return true;
+}
+
+static bool decode_all_pairs(const json_t *document, struct proto_many *out,
+                             struct proto_problem *problem)
+{
+    static const char *const members[] = {"query", "mesh", "vertices", NULL};
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    if (!check_name(json_object_get(document, "mesh"), "/mesh", problem)) return false;
+    const json_t *vertices = read_list(document, "vertices", problem);
+    if (!vertices || !check_vertices(vertices, problem)) return false;
+    out->item_count = (uint32_t)json_array_size(vertices);
+    return true;
+}
+
+static bool decode_fields(const json_t *document, struct proto_many *out,
+                          struct proto_problem *problem)
+{
+    static const char *const members[] = {"query", "meshes", "set", "max_distance", NULL};
+    size_t i;
+    json_t *name;
+    double reach;
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    const json_t *meshes = read_list(document, "meshes", problem);
+    if (!meshes) return false;
+    json_array_foreach(meshes, i, name) if (!check_name(name, "/meshes", problem)) return false;
+    if (!proto_decode_member(document, "", "set", problem)) return false;
+    if (!proto_decode_max_distance(document, &reach, problem)) return false;
+    out->item_count = (uint32_t)json_array_size(meshes);
+    return true;
+}
+
+bool proto_many_decode(json_t *document, struct proto_many *out, struct proto_problem *problem)
+{
+    struct proto_many many = {.document = document};
+    if (!json_is_object(document)) return proto_problem_refuse(problem, "", "write a JSON object");
+    if (!read_query(document, &many.query, problem)) return false;
+    bool is_fine = many.query == PROTO_MANY_ALL_PAIRS ? decode_all_pairs(document, &many, problem)
+                                                      : decode_fields(document, &many, problem);
+    if (is_fine) *out = many;
+    return is_fine;
+}
+
+bool proto_many_read(const void *text, size_t size, struct proto_many *out,
+                     struct proto_problem *problem)
+{
+    json_t *document = proto_decode_document(text, size, problem);
+    if (document && proto_many_decode(document, out, problem)) return true;
+    json_decref(document);
+    return false;
+}
+
+void proto_many_free(struct proto_many *many)
+{
+    json_decref(many->document);
+    many->document = NULL;
+}
+
+/* --- asking ----------------------------------------------------------------------------------- */
+
+const char *proto_many_mesh(const struct proto_many *many, uint32_t item)
+{
+    const json_t *names = json_object_get(many->document, "meshes");
+    return json_string_value(many->query == PROTO_MANY_FIELDS
+                                 ? json_array_get(names, item)
+                                 : json_object_get(many->document, "mesh"));
+}
+
+static uint32_t vertex_of(const struct proto_many *many, uint32_t item)
+{
+    return (uint32_t)json_number_value(
+        json_array_get(json_object_get(many->document, "vertices"), item));
+}
+
+static void write_vertices(struct proto_writer *body, const char *key,
+                           const struct proto_many *many, uint32_t from, uint32_t to)
+{
+    proto_write_key(body, key);
+    proto_write_array_begin(body);
+    for (uint32_t i = from; i < to; i++) {
+        proto_write_object_begin(body);
+        proto_member_uint(body, "vertex", vertex_of(many, i));
+        proto_write_object_end(body);
+    }
+    proto_write_array_end(body);
+}
+
+static int append(const char *text, size_t size, void *writer)
+{
+    proto_append(writer, text, size);
+    return 0;
+}
+
+static void copy_member(struct proto_writer *body, const struct proto_many *many,
+                        const char *member)
+{
+    const json_t *value = json_object_get(many->document, member);
+    if (!value) return;
+    proto_write_key(body, member);
+    if (json_dump_callback(value, append, body,
+                           JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)))
+        body->failure = PROTO_WRITER_NO_MEMORY;
+    body->comma = true;
+}
+
+const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct proto_writer *body)
+{
+    proto_write_object_begin(body);
+    if (many->query == PROTO_MANY_ALL_PAIRS) {
+        write_vertices(body, "sources", many, item, item + 1);
+        write_vertices(body, "targets", many, 0, many->item_count);
+    } else {
+        copy_member(body, many, "set");
+        copy_member(body, many, "max_distance");
+    }
+    proto_write_object_end(body);
+    return many->query == PROTO_MANY_ALL_PAIRS ? "matrix" : "fields";
+}
+
+/* --- telling ---------------------------------------------------------------------------------- */
+
+void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state)
+{
+    bool is_done = state->done == state->items;
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "id", state->id);
+    proto_member_string(writer, "state",
+                        is_done               ? "done"
+                        : state->is_cancelled ? "cancelled"
+                                              : "running");
+    proto_member_int(writer, "items", state->items);
+    proto_member_int(writer, "done", state->done);
+    proto_member_int(writer, "failed", state->failed);
+    proto_member_number(writer, "progress", (double)state->done / (double)state->items);
+    proto_member_time(writer, "created", state->created);
+    proto_write_object_end(writer);
+}
+
+void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
+                              uint32_t item, unsigned status, const char *answer, size_t size)
+{
+    proto_write_object_begin(writer);
+    proto_member_int(writer, "item", item);
+    proto_member_int(writer, "status", status);
+    proto_member_string(writer, "mesh", proto_many_mesh(many, item));
+    if (many->query == PROTO_MANY_ALL_PAIRS)
+        proto_member_int(writer, "vertex", vertex_of(many, item));
+    proto_write_key(writer, status < 400 ? "answer" : "problem");
+    proto_write_raw(writer, answer, size);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,332 @@
+#include "proto/queries/nurbs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+#include "proto/values/parametric.h"
+#include "proto/values/uv.h"
+
+const char *const proto_nurbs_conventions[] = {[GD_NURBS_CANONICAL] = "canonical",
+                                               [GD_NURBS_THREE] = "three",
+                                               [GD_NURBS_VERB] = "verb",
+                                               [GD_NURBS_RHINO] = "rhino",
+                                               NULL};
+
+bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
+                               struct proto_nurbs_options *out, struct proto_problem *problem)
+{
+    static const char *const names[] = {"format", "convention", NULL}, *const formats[] = {"json",
+                                                                                           NULL};
+    struct proto_nurbs_options options = {0};
+    unsigned format = 0;
+    if (!proto_parameters_check(parameters, names, problem) ||
+        !proto_parameters_choice(parameters, "format", formats, &format, problem) ||
+        !proto_parameters_choice(parameters, "convention", proto_nurbs_conventions,
+                                 &options.convention, problem))
+        return false;
+    options.has_convention = parameters->get(parameters->user, "convention") != NULL;
+    *out = options;
+    return true;
+}
+
+/* --- the file --------------------------------------------------------------------------------- */
+
+struct file { /* all zero is an empty one */
+    struct gd_nurbs_data data;
+    double *knots[2], (*points)[3], *weights;
+};
+
+static void file_free(struct file *file)
+{
+    for (int k = 0; k < 2; k++) free(file->knots[k]);
+    free(file->points);
+    free(file->weights);
+}
+
+static bool refuse_data(const char *reason, const char *sentence, struct proto_problem *problem)
+{
+    proto_problem_set(problem, PROTO_PROBLEM_INVALID_MESH, "%s", sentence);
+    problem->reason = reason;
+    return false;
+}
+
+static bool decode_convention(const json_t *document, const struct proto_nurbs_options *options,
+                              struct file *file, struct proto_problem *problem)
+{
+    const json_t *value = json_object_get(document, "convention");
+    const char *word = json_string_value(value);
+    file->data.convention = (enum gd_nurbs_convention)options->convention;
+    if (!value) return true;
+    for (unsigned i = 0; proto_nurbs_conventions[i] && word; i++) {
+        if (strcmp(word, proto_nurbs_conventions[i]) != 0) continue;
+        file->data.convention = (enum gd_nurbs_convention)i;
+        if (!options->has_convention || options->convention == i) return true;
+        return proto_problem_refuse(
+            problem, "/convention",
+            "the file's convention is \"%s\", and the query string says %s; say one of them", word,
+            proto_nurbs_conventions[options->convention]);
+    }
+    return proto_problem_refuse(problem, "/convention",
+                                "a convention is \"canonical\", \"three\", \"verb\" or \"rhino\"");
+}
+
+static bool decode_knots(const json_t *document, struct file *file, struct proto_problem *problem)
+{
+    const uint32_t most = GD_NURBS_COUNT_MAX + GD_NURBS_DEGREE_MAX + 1;
+    struct gd_nurbs_data *data = &file->data;
+    if (!proto_decode_index(document, "", "degreeU", &data->degree_u, problem) ||
+        !proto_decode_index(document, "", "degreeV", &data->degree_v, problem) ||
+        !proto_numbers_decode(document, "", "knotsU", most, &file->knots[0], &data->knot_count_u,
+                              problem) ||
+        !proto_numbers_decode(document, "", "knotsV", most, &file->knots[1], &data->knot_count_v,
+                              problem))
+        return false;
+    data->knots_u = file->knots[0];
+    data->knots_v = file->knots[1];
+    return true;
+}
+
+/* The element (i, j) of a member; the row when j is SIZE_MAX. */
+static bool refuse_at(const char *member, size_t i, size_t j, const char *expected,
+                      struct proto_problem *problem)
+{
+    char index[24];
+    proto_problem_refuse(problem, "", "expected %s", expected);
+    proto_problem_descend(problem, member);
+    snprintf(index, sizeof index, "%zu", i);
+    proto_problem_descend(problem, index);
+    if (j == SIZE_MAX) return false;
+    snprintf(index, sizeof index, "%zu", j);
+    return proto_problem_descend(problem, index);
+}
+
+/* The member is rows of equal length, none of them empty. */
+static const json_t *find_rows(const json_t *document, const char *member, uint32_t *rows,
+                               uint32_t *columns, struct proto_problem *problem)
+{
+    const json_t *value = proto_decode_member(document, "", member, problem);
+    if (!value) return NULL;
+    size_t height = json_array_size(value), width = json_array_size(json_array_get(value, 0));
+    if (height == 0 || width == 0 || height > GD_NURBS_COUNT_MAX || width > GD_NURBS_COUNT_MAX) {
+        proto_problem_refuse(
+            problem, "",
+            "expected an array of rows, one for each control point in u, at most %d x %d",
+            GD_NURBS_COUNT_MAX, GD_NURBS_COUNT_MAX);
+        proto_problem_descend(problem, member);
+        return NULL;
+    }
+    for (size_t i = 1; i < height; i++) {
+        if (json_array_size(json_array_get(value, i)) == width) continue;
+        refuse_at(member, i, SIZE_MAX, "a row as long as the first one", problem);
+        return NULL;
+    }
+    *rows = (uint32_t)height;
+    *columns = (uint32_t)width;
+    return value;
+}
+
+static bool read_numbers(const json_t *value, size_t count, double *out)
+{
+    for (size_t i = 0; i < count; i++) {
+        const json_t *number = json_array_get(value, i);
+        if (!json_is_number(number)) return false;
+        out[i] = json_number_value(number);
+    }
+    return json_array_size(value) == count;
+}
+
+/* Points [x, y, z], or [x, y, z, weight] all of them. */
+static bool decode_points(const json_t *document, struct file *file, struct proto_problem *problem)
+{
+    struct gd_nurbs_data *data = &file->data;
+    const json_t *rows =
+        find_rows(document, "controlPoints", &data->count_u, &data->count_v, problem);
+    if (!rows) return false;
+    size_t count = (size_t)data->count_u * data->count_v;
+    bool is_weighted = json_array_size(json_array_get(json_array_get(rows, 0), 0)) == 4;
+    file->points = malloc(count * sizeof *file->points);
+    if (is_weighted) file->weights = malloc(count * sizeof *file->weights);
+    if (!file->points || (is_weighted && !file->weights))
+        return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (size_t i = 0; i < count; i++) {
+        double point[4];
+        const json_t *value =
+            json_array_get(json_array_get(rows, i / data->count_v), i % data->count_v);
+        if (!read_numbers(value, is_weighted ? 4 : 3, point))
+            return refuse_at("controlPoints", i / data->count_v, i % data->count_v,
+                             is_weighted ? "[x, y, z, weight], as the first one" : "[x, y, z]",
+                             problem);
+        memcpy(file->points[i], point, sizeof *file->points);
+        if (is_weighted) file->weights[i] = point[3];
+    }
+    data->points = (const double(*)[3])file->points;
+    return true;
+}
+
+static bool decode_weights(const json_t *document, struct file *file, struct proto_problem *problem)
+{
+    struct gd_nurbs_data *data = &file->data;
+    uint32_t rows, columns;
+    data->weights = file->weights;
+    if (!json_object_get(document, "weights")) return true;
+    if (file->weights)
+        return proto_problem_refuse(
+            problem, "/weights",
+            "the control points have weights of their own; leave one of the two out");
+    const json_t *weights = find_rows(document, "weights", &rows, &columns, problem);
+    if (!weights) return false;
+    if (rows != data->count_u || columns != data->count_v)
+        return proto_problem_refuse(problem, "/weights",
+                                    "expected %u rows of %u weights, as there are control points",
+                                    data->count_u, data->count_v);
+    file->weights = malloc((size_t)rows * columns * sizeof *file->weights);
+    if (!file->weights) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < rows; i++)
+        if (!read_numbers(json_array_get(weights, i), columns, file->weights + (size_t)i * columns))
+            return refuse_at("weights", i, SIZE_MAX, "a row of numbers", problem);
+    data->weights = file->weights;
+    return true;
+}
+
+static bool decode_file(const json_t *document, const struct proto_nurbs_options *options,
+                        struct file *file, struct proto_problem *problem)
+{
+    static const char *const members[] = {"degreeU",       "degreeV", "knotsU",     "knotsV",
+                                          "controlPoints", "weights", "convention", NULL};
+    static const char *const trims[] = {"trim",       "trims",         "trimming",
+                                        "trimCurves", "trimmingLoops", "loops"};
+    for (size_t i = 0; i < sizeof trims / sizeof *trims; i++)
+        if (json_object_get(document, trims[i]))
+            return refuse_data("trimmed",
+                               "trimmed surfaces are not supported: send the surface without its "
+                               "trimming loops, and "
+                               "loops as curves of a query",
+                               problem);
+    return proto_decode_object(document, "", members, problem) &&
+           decode_convention(document, options, file, problem) &&
+           decode_knots(document, file, problem) && decode_points(document, file, problem) &&
+           decode_weights(document, file, problem);
+}
+
+/* --- the surface ------------------------------------------------------------------------------ */
+
+static bool is_rational(const struct gd_nurbs_data *data)
+{
+    size_t count = (size_t)data->count_u * data->count_v;
+    for (size_t i = 1; i < count && data->weights; i++)
+        if (data->weights[i] != data->weights[0]) return true;
+    return false;
+}
+
+static bool make_nurbs(const struct gd_nurbs_data *data, struct gd_parametric **out,
+                       struct proto_nurbs_form *form, struct proto_problem *problem)
+{
+    struct gd_detail detail = {0};
+    enum gd_nurbs_flaw flaw = gd_nurbs_inspect(data, &detail);
+    if (flaw) return refuse_data(gd_nurbs_flaw_name(flaw), detail.text, problem);
+    enum gd_status status = gd_nurbs_create(data, out, &detail);
+    if (status == GD_INVALID_ARGUMENT) return refuse_data("extent", detail.text, problem);
+    if (status) return proto_problem_from_status(problem, status, &detail);
+    *form = (struct proto_nurbs_form){.shape = "nurbs",
+                                      .convention = proto_nurbs_conventions[data->convention],
+                                      .degree_u = data->degree_u,
+                                      .degree_v = data->degree_v,
+                                      .count_u = data->count_u,
+                                      .count_v = data->count_v,
+                                      .is_rational = is_rational(data)};
+    return true;
+}
+
+static bool read_parametric(const json_t *document, const struct proto_nurbs_options *options,
+                            struct gd_parametric **out, struct proto_nurbs_form *form,
+                            struct proto_problem *problem)
+{
+    static const char *const members[] = {"parametric", NULL};
+    struct proto_nurbs_form read = {0};
+    if (options->has_convention)
+        return proto_problem_refuse(problem, "convention",
+                                    "a convention is of NURBS; leave it out");
+    if (!proto_decode_object(document, "", members, problem) ||
+        !proto_parametric_decode(json_object_get(document, "parametric"), "/parametric", out,
+                                 &read.shape, problem))
+        return false;
+    *form = read;
+    return true;
+}
+
+static bool read_nurbs(const json_t *document, const struct proto_nurbs_options *options,
+                       struct gd_parametric **out, struct proto_nurbs_form *form,
+                       struct proto_problem *problem)
+{
+    struct file file = {0};
+    bool ok = decode_file(document, options, &file, problem) &&
+              make_nurbs(&file.data, out, form, problem);
+    file_free(&file);
+    return ok;
+}
+
+bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_options *options,
+                      struct gd_parametric **out, struct proto_nurbs_form *form,
+                      struct proto_problem *problem)
+{
+    json_t *document = proto_decode_document_within(bytes, size, options->control, problem);
+    if (!document) return false;
+    bool ok = json_object_get(document, "parametric")
+                  ? read_parametric(document, options, out, form, problem)
+                  : read_nurbs(document, options, out, form, problem);
+    json_decref(document);
+    return ok;
+}
+
+/* --- the description -------------------------------------------------------------------------- */
+
+static void encode_pair(struct proto_writer *writer, const char *key, uint32_t a, uint32_t b)
+{
+    proto_write_key(writer, key);
+    proto_write_array_begin(writer);
+    proto_write_uint(writer, a);
+    proto_write_uint(writer, b);
+    proto_write_array_end(writer);
+}
+
+static void encode_form(struct proto_writer *writer, const struct proto_nurbs_form *form)
+{
+    proto_member_string(writer, "shape", form->shape);
+    if (!form->convention) return;
+    proto_member_string(writer, "convention", form->convention);
+    encode_pair(writer, "degree", form->degree_u, form->degree_v);
+    encode_pair(writer, "control_points", form->count_u, form->count_v);
+    proto_member_bool(writer, "rational", form->is_rational);
+}
+
+/* Without seeds there are no geodesics: then it says why. */
+static void encode_seeding(struct proto_writer *writer,
+                           const struct proto_nurbs_description *description)
+{
+    proto_member_bool(writer, "geodesics", description->seeding_faces > 0);
+    if (description->seeding_faces == 0) {
+        proto_member_string(writer, "reason", description->obstacle);
+        return;
+    }
+    proto_member_uint(writer, "seeding_faces", description->seeding_faces);
+}
+
+void proto_nurbs_encode(struct proto_writer *writer,
+                        const struct proto_nurbs_description *description)
+{
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "name", description->name);
+    proto_member_string(writer, "sha256", description->sha256);
+    encode_form(writer, &description->form);
+    proto_write_key(writer, "domain");
+    proto_domain_encode(writer, description->surface);
+    proto_member_number(writer, "size", gd_parametric_size(description->surface));
+    encode_seeding(writer, description);
+    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
+    proto_member_time(writer, "created", description->created);
+    proto_member_string(writer, "etag", description->etag);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,124 @@
+#include "proto/queries/pair.h"
+
+#include <math.h>
+
+#include "proto/json/decode.h"
+#include "proto/values/path.h"
+
+#define ENDS_BYTES 800 /* about: of an answer but for the path */
+
+const char *const proto_distance_fields[] = {"distance", "reason", "from", "to", "via", NULL};
+const char *const proto_path_fields[] = {"distance", "reason", "from", "to", "via", "path", NULL};
+const char *const proto_pair_parameters[] = {"from", "to", "via", NULL};
+
+/* --- the request ------------------------------------------------------------------------------ */
+
+static bool decode_end(struct proto_points *stops, const json_t *document, const char *pointer,
+                       struct proto_problem *problem)
+{
+    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
+    struct proto_point *end = value ? proto_points_add(stops, problem) : NULL;
+    return end && proto_point_decode(value, pointer, end, problem);
+}
+
+static bool decode_stops(const json_t *document, struct proto_points *stops,
+                         struct proto_problem *problem)
+{
+    if (!proto_decode_object(document, "", proto_pair_parameters, problem)) return false;
+    if (!decode_end(stops, document, "/from", problem)) return false;
+    const json_t *via = json_object_get(document, "via");
+    if (via && !proto_points_decode(stops, via, "/via", PROTO_PAIR_VIA, problem)) return false;
+    return decode_end(stops, document, "/to", problem);
+}
+
+static bool parse_end(struct proto_points *stops, const struct proto_parameters *parameters,
+                      const char *name, struct proto_problem *problem)
+{
+    const char *text = proto_parameters_require(parameters, name, problem);
+    struct proto_point *end = text ? proto_points_add(stops, problem) : NULL;
+    return end && proto_point_parse(text, name, end, problem);
+}
+
+static bool parse_stops(const struct proto_parameters *parameters, struct proto_points *stops,
+                        struct proto_problem *problem)
+{
+    if (!parse_end(stops, parameters, "from", problem)) return false;
+    const char *via = parameters->get(parameters->user, "via");
+    if (via && !proto_points_parse(stops, via, "via", PROTO_PAIR_VIA, problem)) return false;
+    return parse_end(stops, parameters, "to", problem);
+}
+
+/* Gives the stops to the caller if they were read. */
+static bool hand_over(struct proto_points *stops, bool was_read, struct proto_points *out)
+{
+    if (was_read)
+        *out = *stops;
+    else
+        proto_points_free(stops);
+    return was_read;
+}
+
+bool proto_pair_decode(const json_t *document, struct proto_points *out,
+                       struct proto_problem *problem)
+{
+    struct proto_points stops = {0};
+    return hand_over(&stops, decode_stops(document, &stops, problem), out);
+}
+
+bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_points *out,
+                      struct proto_problem *problem)
+{
+    struct proto_points stops = {0};
+    return hand_over(&stops, parse_stops(parameters, &stops, problem), out);
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_pair_answer *answer, enum proto_geometry geometry)
+{
+    proto_write_key(writer, "path");
+    if (isfinite(answer->distance))
+        proto_path_encode(writer, mesh, &answer->path, geometry);
+    else
+        proto_write_null(writer);
+}
+
+static void encode_distance(struct proto_writer *writer, double distance, uint32_t fields)
+{
+    if (fields & PROTO_PAIR_FIELD_DISTANCE) {
+        proto_write_key(writer, "distance");
+        proto_write_number(writer, distance);
+    }
+    if ((fields & (PROTO_PAIR_FIELD_DISTANCE | PROTO_PAIR_FIELD_REASON)) && !isfinite(distance)) {
+        proto_write_key(writer, "reason");
+        proto_write_string(writer, "no_path");
+    }
+}
+
+static void encode_end(struct proto_writer *writer, const char *key,
+                       const struct proto_located_points *stops, uint32_t stop)
+{
+    proto_write_key(writer, key);
+    proto_point_encode(writer, stops->mesh, &stops->points[stop], stops->snaps[stop]);
+}
+
+void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
+                       const struct gd_pair_answer *answer, const struct proto_options *options)
+{
+    uint32_t fields = options->fields, last = stops->count - 1;
+    size_t path_bytes =
+        fields & PROTO_PAIR_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
+    /* at once: it is most of what an answer's memory costs */
+    proto_writer_expect(writer, ENDS_BYTES + path_bytes);
+    proto_write_object_begin(writer);
+    encode_distance(writer, answer->distance, fields);
+    if (fields & PROTO_PAIR_FIELD_FROM) encode_end(writer, "from", stops, 0);
+    if (fields & PROTO_PAIR_FIELD_TO) encode_end(writer, "to", stops, last);
+    if (fields & PROTO_PAIR_FIELD_VIA && last > 1) {
+        proto_write_key(writer, "via");
+        proto_located_points_encode(writer, stops, 1, last - 1);
+    }
+    if (fields & PROTO_PAIR_FIELD_PATH) encode_path(writer, stops->mesh, answer, options->geometry);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,127 @@
+#include "proto/queries/subdivision.h"
+
+#include "gd/limit_mesh.h"
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+#include "proto/values/usd.h"
+
+const char *const proto_subdivision_schemes[] = {
+    [GD_SCHEME_CATMULL_CLARK] = "catmull_clark", [GD_SCHEME_LOOP] = "loop", NULL};
+
+bool proto_subdivision_options_parse(const struct proto_parameters *parameters,
+                                     struct proto_subdivision_options *out,
+                                     struct proto_problem *problem)
+{
+    static const char *const names[] = {"format", "scheme", NULL};
+#define FORMAT_WORD(NAME, name, media) [GD_FORMAT_##NAME - 1] = #name,
+    static const char *const formats[] = {GD_FORMAT_MAP(FORMAT_WORD) NULL};
+#undef FORMAT_WORD
+    unsigned format = 0, scheme = GD_SCHEME_CATMULL_CLARK;
+    if (!proto_parameters_check(parameters, names, problem) ||
+        !proto_parameters_choice(parameters, "format", formats, &format, problem) ||
+        !proto_parameters_choice(parameters, "scheme", proto_subdivision_schemes, &scheme, problem))
+        return false;
+    bool has_format = parameters->get(parameters->user, "format") != NULL;
+    *out = (struct proto_subdivision_options){
+        .format = has_format ? (enum gd_format)(format + 1) : GD_FORMAT_ANY,
+        .has_scheme = parameters->get(parameters->user, "scheme") != NULL,
+        .scheme = (enum gd_scheme)scheme};
+    return true;
+}
+
+/* --- the file --------------------------------------------------------------------------------- */
+
+bool proto_subdivision_refuse(enum gd_status status, const struct gd_detail *detail,
+                              struct proto_problem *problem)
+{
+    bool is_flaw = status == GD_OUT_OF_RANGE || status == GD_NO_SUCH_EDGE ||
+                   status == GD_UNREFERENCED_VERTEX || status == GD_INVALID_ARGUMENT;
+    proto_problem_from_status(problem, status, detail);
+    if (!is_flaw) return false;
+    struct proto_problem flaw;
+    proto_problem_from_status(&flaw, GD_INDEX, detail); /* with the elements, as of any file */
+    flaw.reason = gd_status_name(status);
+    *problem = flaw;
+    return false;
+}
+
+static bool settle_scheme(const struct proto_subdivision_options *options,
+                          const struct proto_usd *usd, enum gd_scheme *out,
+                          struct proto_problem *problem)
+{
+    if (usd->has_scheme && options->has_scheme && usd->scheme != options->scheme)
+        return proto_problem_refuse(
+            problem, "/subdivisionScheme",
+            "the file's scheme is %s, and the query string says %s; say one of them",
+            proto_subdivision_schemes[usd->scheme], proto_subdivision_schemes[options->scheme]);
+    *out = usd->has_scheme ? usd->scheme : options->scheme;
+    return true;
+}
+
+bool proto_subdivision_read(const void *bytes, size_t size,
+                            const struct proto_subdivision_options *options,
+                            const struct gd_read_limits *limits, struct gd_control_mesh *out,
+                            enum gd_scheme *scheme, struct proto_problem *problem)
+{
+    struct proto_usd usd = {0};
+    if (options->format == GD_FORMAT_JSON && proto_usd_is(bytes, size)) {
+        if (!proto_usd_read(bytes, size, limits, &usd, problem)) return false;
+    } else {
+        struct gd_detail detail = {0};
+        enum gd_status status =
+            gd_read_control_mesh(bytes, size, options->format, limits, &usd.control_mesh, &detail);
+        if (status) return proto_subdivision_refuse(status, &detail, problem);
+    }
+    if (!settle_scheme(options, &usd, scheme, problem)) {
+        gd_control_mesh_free(&usd.control_mesh);
+        return false;
+    }
+    *out = usd.control_mesh;
+    return true;
+}
+
+/* --- the description -------------------------------------------------------------------------- */
+
+static void encode_extraordinary(struct proto_writer *writer,
+                                 const struct gd_subdivision_summary *summary)
+{
+    proto_write_key(writer, "extraordinary_vertices");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < summary->extraordinary_count; i++) {
+        proto_write_object_begin(writer);
+        proto_member_uint(writer, "valence", summary->extraordinary[i].valence);
+        proto_member_uint(writer, "count", summary->extraordinary[i].count);
+        proto_write_object_end(writer);
+    }
+    proto_write_array_end(writer);
+}
+
+static void encode_control_mesh(struct proto_writer *writer, const struct gd_subdivision *surface)
+{
+    const struct gd_subdivision_summary summary = gd_subdivision_summary(surface);
+    proto_member_string(writer, "scheme",
+                        proto_subdivision_schemes[gd_subdivision_scheme(surface)]);
+    proto_member_uint(writer, "vertices", summary.vertex_count);
+    proto_member_uint(writer, "edges", summary.edge_count);
+    proto_member_uint(writer, "faces", summary.face_count);
+    encode_extraordinary(writer, &summary);
+    proto_member_uint(writer, "crease_edges", summary.crease_edges);
+    proto_member_uint(writer, "corner_vertices", summary.corner_vertices);
+    proto_member_uint(writer, "boundary_edges", summary.boundary_edges);
+    proto_member_uint(writer, "boundaries", summary.boundary_loops);
+    proto_member_uint(writer, "least_level", gd_limit_mesh_least_level(surface));
+    proto_member_uint(writer, "usual_level", gd_limit_mesh_usual_level(surface));
+}
+
+void proto_subdivision_encode(struct proto_writer *writer,
+                              const struct proto_subdivision_description *description)
+{
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "name", description->name);
+    proto_member_string(writer, "sha256", description->sha256);
+    encode_control_mesh(writer, description->surface);
+    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
+    proto_member_time(writer, "created", description->created);
+    proto_member_string(writer, "etag", description->etag);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,44 @@
+/* Tessellation: {"mesh", "tolerance" | "resolution"}, a surface as a mesh; and where on the surface
+ * the mesh's vertices lie. */
+#ifndef PROTO_TESSELLATION_H
+#define PROTO_TESSELLATION_H
+
+#include <jansson.h>
+
+#include "gd/tessellation.h"
+#include "proto/values/mesh.h"
+#include "proto/http/options.h"
+#include "proto/json/writer.h"
+
+struct proto_tessellation {
+    char mesh[PROTO_MESH_NAME + 1];
+    struct gd_tessellation_options options;
+};
+
+/* `max_faces` is what a mesh may have. invalid_request, too_large (with the limit). */
+bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
+                               struct proto_tessellation *out, struct proto_problem *problem);
+
+/* Where the vertices of a mesh lie on the surface that it was made of; all borrowed. */
+struct proto_vertex_parameters {
+    const char *surface, *etag; /* name and version */
+    double period[2];           /* of u, v; 0: that direction is not closed */
+    const double (*uv)[2];
+    uint32_t count;
+};
+
+enum proto_vertex_parameters_field {
+    PROTO_VERTEX_PARAMETERS_FIELD_NURBS = 1 << 0,
+    PROTO_VERTEX_PARAMETERS_FIELD_PERIODS = 1 << 1,
+    PROTO_VERTEX_PARAMETERS_FIELD_UV = 1 << 2
+};
+/* NULL-terminated, for proto_options_parse */
+extern const char *const proto_vertex_parameters_fields[];
+
+/* Writes {"nurbs": {"name", "etag"}, "periods": [u, v], "uv": [[u, v]…]}, of these the wanted ones;
+ * null for the period of a direction without one. */
+void proto_vertex_parameters_encode(struct proto_writer *writer,
+                                    const struct proto_vertex_parameters *parameters,
+                                    uint32_t fields);
+
+#endif

@@ -1,0 +1,95 @@
+#include "proto/queries/voronoi.h"
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+
+const char *const proto_voronoi_fields[] = {"labels", "bisectors", NULL};
+
+/* --- the request ------------------------------------------------------------------------------ */
+
+static bool decode_tolerance(const json_t *document, double *out, struct proto_problem *problem)
+{
+    double tolerance = 0;
+    if (json_object_get(document, "tolerance")) {
+        if (!proto_decode_number(document, "", "tolerance", &tolerance, problem)) return false;
+        if (!(tolerance > 0))
+            return proto_problem_refuse(problem, "/tolerance",
+                                        "the tolerance is a length of more than 0");
+    }
+    *out = tolerance;
+    return true;
+}
+
+bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out,
+                          struct proto_problem *problem)
+{
+    static const char *const members[] = {"set", "tolerance", NULL};
+    struct proto_voronoi voronoi;
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    if (!decode_tolerance(document, &voronoi.tolerance, problem)) return false;
+    const json_t *set = proto_decode_member(document, "", "set", problem);
+    if (!set || !proto_set_decode(set, "/set", &voronoi.set, problem)) return false;
+    *out = voronoi;
+    return true;
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+void proto_voronoi_begin(struct proto_writer *writer)
+{
+    proto_write_object_begin(writer);
+}
+
+void proto_voronoi_end(struct proto_writer *writer)
+{
+    proto_write_object_end(writer);
+}
+
+static void list_begin(struct proto_writer *writer, const char *name)
+{
+    proto_write_key(writer, name);
+    proto_write_array_begin(writer);
+}
+
+void proto_voronoi_labels_begin(struct proto_writer *writer)
+{
+    list_begin(writer, "labels");
+}
+
+void proto_voronoi_label(struct proto_writer *writer, uint32_t label)
+{
+    if (label == UINT32_MAX)
+        proto_write_null(writer);
+    else
+        proto_write_uint(writer, label);
+}
+
+void proto_voronoi_bisectors_begin(struct proto_writer *writer)
+{
+    list_begin(writer, "bisectors");
+}
+
+void proto_voronoi_list_end(struct proto_writer *writer)
+{
+    proto_write_array_end(writer);
+}
+
+void proto_bisector_begin(struct proto_writer *writer, const struct gd_bisector *bisector)
+{
+    proto_write_object_begin(writer);
+    list_begin(writer, "members");
+    for (int i = 0; i < 2; i++) proto_write_uint(writer, bisector->members[i]);
+    proto_write_array_end(writer);
+    proto_member_bool(writer, "closed", bisector->closed);
+    proto_member_number(writer, "length", bisector->length);
+}
+
+void proto_bisector_points_begin(struct proto_writer *writer)
+{
+    list_begin(writer, "points");
+}
+
+void proto_bisector_end(struct proto_writer *writer)
+{
+    proto_write_object_end(writer);
+}

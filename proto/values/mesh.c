@@ -1,0 +1,317 @@
+#include "proto/values/mesh.h"
+
+#include <jansson.h>
+#include <string.h>
+
+#include "proto/http/accept.h"
+#include "proto/json/member.h"
+#include "proto/json/number.h"
+#include "proto/http/page.h"
+#include "proto/values/point.h"
+
+/* --- name ------------------------------------------------------------------------------------- */
+
+static bool is_name_character(char character, bool first)
+{
+    bool letter = (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z');
+    bool digit = character >= '0' && character <= '9';
+    return letter || digit || character == '_' || character == '-' || (character == '.' && !first);
+}
+
+bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem *problem)
+{
+    bool good = length > 0 && length <= PROTO_MESH_NAME;
+    for (size_t i = 0; good && i < length; i++) good = is_name_character(name[i], i == 0);
+    return good ||
+           proto_problem_set(
+               problem, PROTO_PROBLEM_INVALID_REQUEST,
+               "a name has 1 to %d characters of A-Z a-z 0-9 . _ - and does not begin with a dot",
+               PROTO_MESH_NAME);
+}
+
+/* --- options of an upload --------------------------------------------------------------------- */
+
+static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out,
+                         struct proto_problem *problem)
+{
+    const char *name = parameters->get(parameters->user, "format");
+    if (!name) return true;
+    enum gd_format format = gd_format_by_name(name);
+    if (format == GD_FORMAT_ANY)
+        return proto_problem_refuse(problem, "format",
+                                    "expected one of: obj ply stl off json glb gltf");
+    *out = format;
+    return true;
+}
+
+static bool parse_weld(const struct proto_parameters *parameters, struct gd_mesh_options *out,
+                       struct proto_problem *problem)
+{
+    const char *text = parameters->get(parameters->user, "weld");
+    if (!text) return true;
+    double tolerance = -1;
+    size_t length = proto_number_parse(text, &tolerance);
+    if (length == 0 || text[length] != '\0' || tolerance < 0)
+        return proto_problem_refuse(problem, "weld",
+                                    "expected a length: a finite number of at least 0");
+    out->weld = true;
+    out->weld_tolerance = tolerance;
+    return true;
+}
+
+static bool parse_repair(const struct proto_parameters *parameters, struct gd_mesh_options *out,
+                         struct proto_problem *problem)
+{
+    static const char *const repairs[] = {"none", "split", NULL};
+    unsigned repair = 0;
+    if (!proto_parameters_choice(parameters, "repair", repairs, &repair, problem)) return false;
+    out->repair_split = repair == 1;
+    return true;
+}
+
+bool proto_mesh_options_parse(const struct proto_parameters *parameters,
+                              struct proto_mesh_options *out, struct proto_problem *problem)
+{
+    static const char *const names[] = {"format", "weld", "repair", "triangulate", NULL};
+    static const char *const booleans[] = {"false", "true", NULL};
+    struct proto_mesh_options options = {.format = GD_FORMAT_ANY};
+    unsigned triangulate = true;
+    if (!proto_parameters_check(parameters, names, problem)) return false;
+    if (!parse_format(parameters, &options.format, problem)) return false;
+    if (!parse_weld(parameters, &options.build, problem)) return false;
+    if (!parse_repair(parameters, &options.build, problem)) return false;
+    if (!proto_parameters_choice(parameters, "triangulate", booleans, &triangulate, problem))
+        return false;
+    options.build.refuse_polygons = !triangulate;
+    *out = options;
+    return true;
+}
+
+enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes,
+                                        size_t size, const char *content_type)
+{
+    if (options->format != GD_FORMAT_ANY) return options->format;
+    enum gd_format format = gd_format_recognise(bytes, size);
+    if (format != GD_FORMAT_ANY || !content_type) return format;
+    return gd_format_by_media_type(content_type);
+}
+
+/* --- format on the way out -------------------------------------------------------------------- */
+
+/* In order of preference at equal quality. */
+static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,
+                                                 GD_FORMAT_STL, GD_FORMAT_GLB, GD_FORMAT_GLTF};
+#define CONTENT_FORMATS (sizeof content_formats / sizeof content_formats[0])
+
+static bool negotiate(const char *accept, enum gd_format *out, struct proto_problem *problem)
+{
+    unsigned best = 0;
+    for (size_t i = 0; i < CONTENT_FORMATS; i++) {
+        unsigned quality = proto_accept_quality(accept, gd_format_media_type(content_formats[i]));
+        if (quality <= best) continue;
+        best = quality;
+        *out = content_formats[i];
+    }
+    return best > 0 || proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                                         "a mesh can be had as model/obj, application/x-ply, "
+                                         "text/x-off, model/stl, model/gltf-binary or "
+                                         "model/gltf+json; see Accept");
+}
+
+bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
+                               enum gd_format *out, struct proto_problem *problem)
+{
+    static const char *const names[] = {"format", NULL};
+    enum gd_format format = GD_FORMAT_ANY;
+    if (!proto_parameters_check(parameters, names, problem)) return false;
+    if (!parse_format(parameters, &format, problem)) return false;
+    if (format == GD_FORMAT_ANY) return negotiate(accept, out, problem);
+    if (format == GD_FORMAT_JSON)
+        return proto_problem_refuse(problem, "format", "expected one of: obj ply off stl glb gltf");
+    *out = format;
+    return true;
+}
+
+/* --- description ------------------------------------------------------------------------------ */
+
+static void encode_boundary(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t loop)
+{
+    struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
+    proto_write_object_begin(writer);
+    proto_member_uint(writer, "vertices", boundary.vertices);
+    proto_member_number(writer, "length", boundary.length);
+    proto_write_object_end(writer);
+}
+
+static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh,
+                              uint32_t count)
+{
+    proto_member_uint(writer, "boundary_count", count);
+    proto_write_key(writer, "boundaries");
+    proto_write_array_begin(writer);
+    for (uint32_t loop = 0; loop < count && loop < PROTO_MESH_BOUNDARIES; loop++)
+        encode_boundary(writer, mesh, loop);
+    proto_write_array_end(writer);
+}
+
+void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after,
+                             uint32_t limit)
+{
+    uint32_t count = gd_mesh_summary(mesh)->boundaries;
+    uint32_t first = after < (int64_t)count ? (uint32_t)(after + 1) : count;
+    uint32_t end = count - first > limit ? first + limit : count;
+    char next[PROTO_PAGE_NUMBER];
+    proto_page_begin(writer, "boundaries");
+    for (uint32_t loop = first; loop < end; loop++) encode_boundary(writer, mesh, loop);
+    proto_page_end(writer, end < count ? proto_page_write_number(end - 1, next) : NULL);
+}
+
+static int append(const char *text, size_t size, void *writer)
+{
+    proto_append(writer, text, size);
+    return 0;
+}
+
+char *proto_mesh_shorten(const char *description)
+{
+    json_t *document = json_loads(description, 0, NULL),
+           *boundaries = json_object_get(document, "boundaries");
+    json_int_t count = (json_int_t)json_array_size(boundaries);
+    struct proto_writer writer;
+    size_t size = 0;
+    proto_writer_init(&writer, strlen(description));
+    if (count > PROTO_MESH_BOUNDARIES &&
+        !json_object_set_new(document, "boundary_count", json_integer(count))) {
+        while (json_array_size(boundaries) > PROTO_MESH_BOUNDARIES)
+            (void)json_array_remove(boundaries, json_array_size(boundaries) - 1);
+        if (json_dump_callback(document, append, &writer, JSON_COMPACT | JSON_REAL_PRECISION(17)))
+            writer.failure = PROTO_WRITER_NO_MEMORY;
+        proto_append(&writer, "", 1); /* the NUL */
+    }
+    json_decref(document);
+    char *shortened = proto_writer_take(&writer, &size);
+    proto_writer_free(&writer);
+    return shortened;
+}
+
+static void encode_topology(struct proto_writer *writer, const struct gd_mesh *mesh,
+                            const struct gd_mesh_summary *summary)
+{
+    proto_member_uint(writer, "index_count", summary->index_count);
+    proto_member_uint(writer, "vertices", summary->vertices);
+    proto_member_uint(writer, "faces", summary->faces);
+    proto_member_uint(writer, "edges", summary->edges);
+    proto_member_uint(writer, "components", summary->components);
+    encode_boundaries(writer, mesh, summary->boundaries);
+    proto_member_int(writer, "euler_characteristic", summary->euler_characteristic);
+    proto_member_int(writer, "genus", summary->genus);
+    proto_write_key(writer, "orientation");
+    proto_write_object_begin(writer);
+    proto_member_uint(writer, "flipped_faces", summary->flipped_faces);
+    proto_write_object_end(writer);
+}
+
+static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_summary *summary)
+{
+    proto_member_number(writer, "area", summary->area);
+    proto_write_key(writer, "bounding_box");
+    proto_write_object_begin(writer);
+    proto_member_xyz(writer, "min", summary->min);
+    proto_member_xyz(writer, "max", summary->max);
+    proto_write_object_end(writer);
+    proto_write_key(writer, "edge_length");
+    proto_write_object_begin(writer);
+    proto_member_number(writer, "min", summary->edge_length.min);
+    proto_member_number(writer, "mean", summary->edge_length.mean);
+    proto_member_number(writer, "max", summary->edge_length.max);
+    proto_write_object_end(writer);
+    proto_member_uint(writer, "degenerate_faces", summary->degenerate_faces);
+    proto_member_uint(writer, "saddle_vertices", summary->saddle_vertices);
+    proto_member_uint(writer, "unreferenced_vertices", summary->unreferenced_vertices);
+}
+
+#define COPIES_LISTED 64
+
+static void encode_pair(struct proto_writer *writer, uint32_t a, uint32_t b)
+{
+    proto_write_array_begin(writer);
+    proto_write_uint(writer, a);
+    proto_write_uint(writer, b);
+    proto_write_array_end(writer);
+}
+
+/* The first vertices that repair appended, each with the one that it is a copy of. */
+static void encode_copies(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t copies)
+{
+    uint32_t first = gd_mesh_summary(mesh)->index_count - copies;
+    proto_member_uint(writer, "vertices_copied", copies);
+    proto_write_key(writer, "copies");
+    proto_write_array_begin(writer);
+    for (uint32_t i = first; i < first + copies && i < first + COPIES_LISTED; i++)
+        encode_pair(writer, i, gd_mesh_original(mesh, (struct gd_vertex){i}).index);
+    proto_write_array_end(writer);
+}
+
+/* What a repair did of one kind. */
+struct kind {
+    const char *key;
+    const struct gd_mended *mended;
+    bool single; /* its elements are one number, not two */
+};
+
+static void encode_elements(struct proto_writer *writer, const struct kind *kind)
+{
+    if (kind->mended->count == 0) return;
+    proto_write_key(writer, kind->key);
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < kind->mended->listed; i++) {
+        const uint32_t *element = kind->mended->elements[i];
+        if (kind->single)
+            proto_write_uint(writer, element[0]);
+        else
+            encode_pair(writer, element[0], element[1]);
+    }
+    proto_write_array_end(writer);
+}
+
+static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mesh)
+{
+    const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
+    const struct kind kinds[] = {
+        {"edges_split", &repair->edges_split, false},
+        {"vertices_split", &repair->vertices_split, false},
+        {"vertices_welded", &repair->vertices_welded, false},
+        {"vertices_merged", &repair->vertices_merged, false},
+        {"duplicate_faces", &repair->duplicate_faces, false},
+        {"degenerate_faces", &repair->degenerate_faces, true},
+        {"edges_flipped", &repair->edges_flipped, false},
+    };
+    proto_write_key(writer, "repair");
+    proto_write_object_begin(writer);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        proto_member_uint(writer, kinds[i].key, kinds[i].mended->count);
+    proto_member_number(writer, "largest_shift", repair->largest_shift);
+    encode_copies(writer, mesh, repair->copies);
+    proto_write_key(writer, "first");
+    proto_write_object_begin(writer);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) encode_elements(writer, &kinds[i]);
+    proto_write_object_end(writer);
+    proto_write_object_end(writer);
+}
+
+void proto_mesh_encode(struct proto_writer *writer,
+                       const struct proto_mesh_description *description)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(description->mesh);
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "name", description->name);
+    proto_member_string(writer, "sha256", description->sha256);
+    encode_topology(writer, description->mesh, summary);
+    encode_geometry(writer, summary);
+    encode_repair(writer, description->mesh);
+    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
+    proto_member_uint(writer, "fields_cached", description->fields_cached);
+    proto_member_time(writer, "created", description->created);
+    proto_member_string(writer, "etag", description->etag);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,96 @@
+/* Point: how a client names a point of a surface, and how a point goes back to the client.
+ *
+ * Decoding needs no mesh: it checks the form. Locating puts the point on a mesh: it checks the
+ * sense. */
+#ifndef PROTO_POINT_H
+#define PROTO_POINT_H
+
+#include <jansson.h>
+
+#include "gd/locate.h"
+#include "gd/point.h"
+#include "proto/json/problem.h"
+#include "proto/json/writer.h"
+
+enum proto_point_form {
+    PROTO_POINT_VERTEX,
+    PROTO_POINT_EDGE,
+    PROTO_POINT_FACE,
+    PROTO_POINT_XYZ,
+    PROTO_POINT_RAY
+};
+
+#define PROTO_POINT_PLACE 64
+
+struct proto_point {
+    enum proto_point_form form;
+    char place[PROTO_POINT_PLACE]; /* where it stood in the request, see problem.h */
+    union {
+        struct gd_vertex vertex;
+        struct {
+            struct gd_vertex ends[2];
+            double t; /* from ends[0] */
+        } edge;
+        struct {
+            struct gd_face face;
+            double barycentric[3];
+        } face;
+        struct {
+            struct gd_vec3 xyz;
+            double max_snap; /* < 0: any distance will do */
+        } xyz;
+        struct {
+            struct gd_vec3 origin, direction;
+        } ray;
+    };
+};
+
+/* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?} or
+ * {"ray":{"origin","direction"}}. `pointer`: the JSON Pointer of `value`, copied.
+ * invalid_request. */
+bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
+                        struct proto_problem *problem);
+
+/* From compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name of
+ * the query-string parameter, copied. invalid_request. */
+bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
+                       struct proto_problem *problem);
+
+/* Puts a point on a mesh. `*snap_distance`: how far an xyz point was moved; NAN for the other
+ * forms, which are not snapped. invalid_request (an index that names nothing),
+ * point_not_on_surface; both at the point's place. Cost as in gd/point.h and gd/locate.h. */
+bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
+                        struct gd_point *out, double *snap_distance, struct proto_problem *problem);
+
+/* The fields of a point in an answer, as bits of proto_options.fields; in the order of
+ * proto_point_fields. */
+enum proto_point_field {
+    PROTO_POINT_FIELD_FACE = 1 << 0,
+    PROTO_POINT_FIELD_BARYCENTRIC = 1 << 1,
+    PROTO_POINT_FIELD_XYZ = 1 << 2,
+    PROTO_POINT_FIELD_VERTEX = 1 << 3,
+    PROTO_POINT_FIELD_EDGE = 1 << 4,
+    PROTO_POINT_FIELD_T = 1 << 5,
+    PROTO_POINT_FIELD_SNAP_DISTANCE = 1 << 6,
+    PROTO_POINT_FIELD_ALL = (1 << 7) - 1
+};
+extern const char *const proto_point_fields[]; /* NULL-terminated */
+
+/* Writes all that is known of a point: face, barycentric, xyz, then vertex or edge and t where it
+ * lies on one, then snap_distance unless it is NAN. */
+void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct gd_point *point, double snap_distance);
+
+/* The same, but only the fields (bits of enum proto_point_field) that were asked for. */
+void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh,
+                               const struct gd_point *point, double snap_distance, uint32_t fields);
+
+/* [x,y,z] */
+void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz);
+
+/* Both as the member of an object (member.h). */
+void proto_member_point(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
+                        const struct gd_point *point, double snap_distance);
+void proto_member_xyz(struct proto_writer *writer, const char *key, struct gd_vec3 xyz);
+
+#endif

@@ -1,0 +1,371 @@
+#include "proto/values/spline.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/frame.h"
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+#include "proto/values/path.h"
+
+const char *const proto_spline_fields[] = {"path",   "segments", "parameters",
+                                           "joints", "frames",   NULL};
+
+enum { PLACE = 2 * PROTO_POINT_PLACE };
+
+void proto_spline_free(struct proto_spline *spline)
+{
+    if (!spline) return;
+    proto_points_free(&spline->points);
+    free(spline->tangents);
+    free(spline->parameters);
+    *spline = (struct proto_spline){0};
+}
+
+void proto_located_spline_free(struct proto_located_spline *located)
+{
+    proto_located_points_free(&located->points);
+    free(located->tangents);
+    *located = (struct proto_located_spline){0};
+}
+
+/* --- the shape -------------------------------------------------------------------------------- */
+
+static bool refuse_member(const struct proto_spline *spline, const char *member,
+                          const char *sentence, struct proto_problem *problem)
+{
+    proto_problem_refuse(problem, spline->place, "%s", sentence);
+    return proto_problem_descend(problem, member);
+}
+
+static bool decode_points(const json_t *value, struct proto_spline *spline,
+                          struct proto_problem *problem)
+{
+    char place[PLACE];
+    const json_t *points = proto_decode_member(value, spline->place, "points", problem);
+    if (!points) return false;
+    snprintf(place, sizeof place, "%s/points", spline->place);
+    if (!proto_points_decode(&spline->points, points, place, PROTO_SPLINE_POINTS, problem))
+        return false;
+    return spline->points.count >= 2 ||
+           proto_problem_refuse(problem, place, "a spline goes through at least two points");
+}
+
+/* A number from 0 to 1 that may be left out. */
+static bool decode_part(const json_t *value, const struct proto_spline *spline, const char *member,
+                        double usual, double *out, struct proto_problem *problem)
+{
+    *out = usual;
+    if (!json_object_get(value, member)) return true;
+    if (!proto_decode_number(value, spline->place, member, out, problem)) return false;
+    return (*out >= 0 && *out <= 1) ||
+           refuse_member(spline, member, "this is a number from 0 to 1", problem);
+}
+
+/* One of two words: 0 for the first, which is the default. */
+static bool decode_word(const json_t *value, const struct proto_spline *spline, const char *member,
+                        const char *const words[2], int *out, struct proto_problem *problem)
+{
+    const json_t *word = json_object_get(value, member);
+    *out = 0;
+    if (!word) return true;
+    for (int i = 0; i < 2; i++) {
+        *out = i;
+        if (json_is_string(word) && strcmp(json_string_value(word), words[i]) == 0) return true;
+    }
+    proto_problem_refuse(problem, spline->place, "%s is \"%s\" or \"%s\"", member, words[0],
+                         words[1]);
+    return proto_problem_descend(problem, member);
+}
+
+static bool decode_shape(const json_t *value, struct proto_spline *spline,
+                         struct proto_problem *problem)
+{
+    static const char *const tangent_rules[2] = {"symmetric", "paper"}, *const end_rules[2] = {
+                                                                            "natural", "zero"};
+    int tangent_rule, end_rule;
+    if (!proto_decode_flag(value, spline->place, "closed", &spline->closed, problem) ||
+        !decode_part(value, spline, "alpha", 0.5, &spline->alpha, problem) ||
+        !decode_part(value, spline, "tension", 0, &spline->tension, problem) ||
+        !decode_word(value, spline, "tangent_rule", tangent_rules, &tangent_rule, problem) ||
+        !decode_word(value, spline, "end_rule", end_rules, &end_rule, problem))
+        return false;
+    spline->tangent_rule = tangent_rule ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC;
+    spline->end_rule = end_rule ? GD_END_ZERO : GD_END_NATURAL;
+    return true;
+}
+
+/* --- tangents --------------------------------------------------------------------------------- */
+
+static bool decode_tangent(const json_t *value, const char *place, struct proto_segment *out,
+                           struct proto_problem *problem)
+{
+    return proto_vector_check(value, place, problem) &&
+           proto_segment_decode(value, place, out, problem);
+}
+
+static bool decode_tangents(const json_t *value, struct proto_spline *spline,
+                            struct proto_problem *problem)
+{
+    const json_t *array = json_object_get(value, "tangents");
+    uint32_t count = spline->points.count;
+    if (!array) return true;
+    if (!json_is_array(array) || json_array_size(array) != count)
+        return refuse_member(spline, "tangents",
+                             "expected an array with a vector or null for each point", problem);
+    spline->tangents = calloc(count, sizeof *spline->tangents + sizeof *spline->is_given);
+    if (!spline->tangents) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    spline->is_given = (bool *)(spline->tangents + count);
+    for (uint32_t i = 0; i < count; i++) {
+        char place[PLACE];
+        const json_t *tangent = json_array_get(array, i);
+        snprintf(place, sizeof place, "%s/tangents/%u", spline->place, i);
+        spline->is_given[i] = !json_is_null(tangent);
+        if (spline->is_given[i] && !decode_tangent(tangent, place, &spline->tangents[i], problem))
+            return false;
+    }
+    return true;
+}
+
+/* --- where it is looked at -------------------------------------------------------------------- */
+
+static bool decode_length(const json_t *value, const struct proto_spline *spline,
+                          const char *member, double *out, struct proto_problem *problem)
+{
+    return proto_decode_number(value, spline->place, member, out, problem) &&
+           (*out > 0 || refuse_member(spline, member, "this is a length, more than 0", problem));
+}
+
+static bool decode_samples(const json_t *value, struct proto_spline *spline,
+                           struct proto_problem *problem)
+{
+    uint32_t samples = PROTO_SPLINE_SAMPLES, segments = spline->points.count - !spline->closed;
+    static const char *const speeds[2] = {"parameter", "constant"};
+    int speed;
+    if (json_object_get(value, "samples") &&
+        !proto_decode_index(value, spline->place, "samples", &samples, problem))
+        return false;
+    if (!decode_word(value, spline, "speed", speeds, &speed, problem)) return false;
+    if (samples < 1 || (double)samples * segments > PROTO_SPLINE_PLACES) {
+        proto_problem_refuse(problem, spline->place,
+                             "samples is a number from 1 on, and at most %d for all segments",
+                             PROTO_SPLINE_PLACES);
+        return proto_problem_descend(problem, "samples");
+    }
+    if (speed)
+        spline->sampling.even = samples * segments;
+    else
+        spline->sampling.per_segment = samples;
+    return true;
+}
+
+static bool decode_at(const json_t *value, struct proto_spline *spline,
+                      struct proto_problem *problem)
+{
+    size_t count = json_array_size(json_object_get(value, "at")); /* 0 when it is no array */
+    if (count < 1 || count > PROTO_SPLINE_PLACES)
+        return refuse_member(spline, "at",
+                             "expected an array of parameters, ascending, at least one of them",
+                             problem);
+    spline->parameters = malloc(count * sizeof *spline->parameters);
+    if (!spline->parameters) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    spline->sampling.parameters = spline->parameters;
+    spline->sampling.count = (uint32_t)count;
+    return proto_decode_numbers(value, spline->place, "at", count, spline->parameters, problem);
+}
+
+static bool decode_sampling(const json_t *value, struct proto_spline *spline,
+                            struct proto_problem *problem)
+{
+    static const char *const ways[] = {"samples", "tolerance", "spacing", "at"};
+    const char *way = "samples";
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        if (!json_object_get(value, ways[i])) continue;
+        way = ways[i];
+        count++;
+    }
+    if (count > 1)
+        return proto_problem_refuse(problem, spline->place,
+                                    "say one of samples, tolerance, spacing and at");
+    if (strcmp(way, "samples") == 0) return decode_samples(value, spline, problem);
+    if (json_object_get(value, "speed"))
+        return refuse_member(spline, "speed",
+                             "speed goes with samples; spacing is of constant speed", problem);
+    if (strcmp(way, "at") == 0) return decode_at(value, spline, problem);
+    double *out =
+        strcmp(way, "spacing") == 0 ? &spline->sampling.spacing : &spline->sampling.tolerance;
+    return decode_length(value, spline, way, out, problem);
+}
+
+static bool decode(const json_t *value, bool as_curve, struct proto_spline *spline,
+                   struct proto_problem *problem)
+{
+    static const char *const members[] = {
+        "points",  "closed",    "alpha",   "tension", "tangent_rule", "end_rule", "tangents",
+        "samples", "tolerance", "spacing", "speed",   "at",           "frames",   NULL};
+    static const char *const of_curve[] = {"points",       "closed",   "alpha",    "tension",
+                                           "tangent_rule", "end_rule", "tangents", "samples",
+                                           "tolerance",    "spacing",  "speed",    NULL};
+    return proto_decode_object(value, spline->place, as_curve ? of_curve : members, problem) &&
+           decode_points(value, spline, problem) && decode_shape(value, spline, problem) &&
+           decode_tangents(value, spline, problem) && decode_sampling(value, spline, problem) &&
+           proto_decode_flag(value, spline->place, "frames", &spline->frames, problem);
+}
+
+bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,
+                         struct proto_spline *out, struct proto_problem *problem)
+{
+    struct proto_spline spline = {0};
+    snprintf(spline.place, sizeof spline.place, "%s", pointer);
+    if (!decode(value, as_curve, &spline, problem)) {
+        proto_spline_free(&spline);
+        return false;
+    }
+    *out = spline;
+    return true;
+}
+
+/* --- on the mesh ------------------------------------------------------------------------------ */
+
+static bool locate_tangents(const struct gd_mesh *mesh, const struct proto_spline *spline,
+                            struct proto_located_spline *located, struct proto_problem *problem)
+{
+    uint32_t count = spline->points.count;
+    if (!spline->tangents) return true;
+    located->tangents = calloc(count, sizeof *located->tangents + sizeof *located->is_given);
+    if (!located->tangents) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    located->is_given = (bool *)(located->tangents + count);
+    for (uint32_t i = 0; i < count; i++) {
+        located->is_given[i] = spline->is_given[i];
+        if (spline->is_given[i] &&
+            !proto_segment_locate(mesh, &located->points.points[i], &spline->tangents[i],
+                                  &located->tangents[i], problem))
+            return false;
+    }
+    return true;
+}
+
+bool proto_spline_locate(const struct gd_mesh *mesh, const struct proto_spline *spline,
+                         struct proto_located_spline *out, struct proto_problem *problem)
+{
+    struct proto_located_spline located = {.sampling = spline->sampling};
+    if (!proto_points_locate(mesh, &spline->points, &located.points, problem)) return false;
+    if (!locate_tangents(mesh, spline, &located, problem)) {
+        proto_located_spline_free(&located);
+        return false;
+    }
+    located.request = (struct gd_spline_request){.points = located.points.points,
+                                                 .count = located.points.count,
+                                                 .closed = spline->closed,
+                                                 .alpha = spline->alpha,
+                                                 .tension = spline->tension,
+                                                 .tangent_rule = spline->tangent_rule,
+                                                 .end_rule = spline->end_rule,
+                                                 .tangents = located.tangents,
+                                                 .is_given = located.is_given};
+    *out = located;
+    return true;
+}
+
+bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
+                       struct proto_problem *problem)
+{
+    char where[PLACE];
+    snprintf(where, sizeof where, "%s", place);
+    if (detail->count)
+        snprintf(where, sizeof where, "%s/points/%u", place, (unsigned)detail->elements[0][0]);
+    detail->count = 0;
+    detail->total = 0;
+    proto_problem_from_status(problem, status, detail);
+    if (detail->text[0]) proto_problem_at(problem, where);
+    return false;
+}
+
+/* --- the answer ------------------------------------------------------------------------------- */
+
+static void encode_segment(struct proto_writer *writer, const struct gd_mesh *mesh,
+                           const struct gd_spline_segment *segment)
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "control_points");
+    proto_write_array_begin(writer);
+    for (int k = 0; k < 4; k++) proto_point_encode(writer, mesh, &segment->control[k], NAN);
+    proto_write_array_end(writer);
+    proto_member_number(writer, "distance", segment->distance);
+    proto_member_bool(writer, "clipped", segment->is_clipped);
+    proto_member_bool(writer, "cut_locus", segment->is_cut);
+    proto_write_object_end(writer);
+}
+
+static void encode_knot(struct proto_writer *writer, const struct gd_spline_knot *knot)
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "tangent");
+    proto_vector_encode(writer, knot->tangent.length > 0 ? &knot->tangent.direction : NULL,
+                        knot->tangent.length);
+    proto_member_number(writer, "angle_jump", knot->angle_jump);
+    proto_member_number(writer, "speed_jump", knot->speed_jump);
+    proto_write_object_end(writer);
+}
+
+static void encode_frame(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_spline_place *place)
+{
+    const struct gd_frame frame = gd_frame_at(mesh, place);
+    proto_write_object_begin(writer);
+    proto_member_number(writer, "parameter", frame.parameter);
+    proto_member_xyz(writer, "xyz", frame.position);
+    proto_member_xyz(writer, "tangent", frame.tangent);
+    proto_member_xyz(writer, "normal", frame.normal);
+    proto_member_xyz(writer, "binormal", frame.binormal);
+    proto_member_number(writer, "speed", place->speed);
+    proto_write_object_end(writer);
+}
+
+static void encode_knots(struct proto_writer *writer, const struct gd_spline *spline,
+                         uint32_t fields)
+{
+    if (fields & PROTO_SPLINE_FIELD_PARAMETERS) {
+        proto_write_key(writer, "parameters");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i <= spline->count; i++)
+            proto_write_number(writer, spline->knots[i].parameter);
+        proto_write_array_end(writer);
+    }
+    if (!(fields & PROTO_SPLINE_FIELD_JOINTS)) return;
+    proto_write_key(writer, "joints");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < spline->count + !spline->closed; i++)
+        encode_knot(writer, &spline->knots[i]);
+    proto_write_array_end(writer);
+}
+
+void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_spline *spline, const struct gd_spline_line *line,
+                         bool frames, const struct proto_options *options)
+{
+    uint32_t fields = options->fields;
+    proto_write_object_begin(writer);
+    if (fields & PROTO_SPLINE_FIELD_PATH) {
+        proto_write_key(writer, "path");
+        proto_path_encode(writer, mesh, &line->path, options->geometry);
+    }
+    if (fields & PROTO_SPLINE_FIELD_SEGMENTS) {
+        proto_write_key(writer, "segments");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < spline->count; i++)
+            encode_segment(writer, mesh, &spline->segments[i]);
+        proto_write_array_end(writer);
+    }
+    encode_knots(writer, spline, fields);
+    if (frames && fields & PROTO_SPLINE_FIELD_FRAMES) {
+        proto_write_key(writer, "frames");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < line->count; i++) encode_frame(writer, mesh, &line->places[i]);
+        proto_write_array_end(writer);
+    }
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,79 @@
+/* Spline: a geodesic Hermite spline in a request, by itself or as a curve, and in an answer.
+ *
+ *     {"points", "closed"?, "alpha"?, "tension"?, "tangent_rule"?, "end_rule"?, "tangents"?,
+ *      "samples"? | "tolerance"? | "spacing"?, "speed"?}
+ *                                           and in a request of its own also "at"? and "frames"?
+ *     -> {"path", "segments", "parameters", "joints", "frames"}
+ *
+ * Decoding needs no mesh; locating puts points and tangents on one. */
+#ifndef PROTO_SPLINE_H
+#define PROTO_SPLINE_H
+
+#include <jansson.h>
+
+#include "gd/spline.h"
+#include "proto/http/options.h"
+#include "proto/values/points.h"
+#include "proto/values/vector.h"
+
+#define PROTO_SPLINE_POINTS  1000 /* each is a search */
+#define PROTO_SPLINE_SAMPLES 16   /* a segment, when nothing else is asked for */
+#define PROTO_SPLINE_PLACES  100000
+
+/* All zero is none. */
+struct proto_spline {
+    char place[PROTO_POINT_PLACE]; /* where it stood in the request */
+    struct proto_points points;
+    bool closed, frames;
+    double alpha, tension;
+    enum gd_tangent_rule tangent_rule;
+    enum gd_end_rule end_rule;
+    struct proto_segment *tangents; /* owned, one a point; NULL: none is given */
+    bool *is_given;                 /* in the tangents' memory */
+    struct gd_spline_sampling sampling;
+    double *parameters; /* owned, those of the sampling */
+};
+
+/* `pointer`: the JSON Pointer of `value`. `as_curve`: without "at" and "frames". invalid_request,
+ * too_large (with the limit), insufficient_memory. Freed by proto_spline_free. */
+bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,
+                         struct proto_spline *out, struct proto_problem *problem);
+void proto_spline_free(struct proto_spline *spline); /* a second time is harmless; NULL too */
+
+/* A spline on its mesh, all zero: none. */
+struct proto_located_spline {
+    struct gd_spline_request request;   /* of the memory below; without landmarks */
+    struct gd_spline_sampling sampling; /* borrows the spline's parameters */
+    struct proto_located_points points;
+    struct gd_vector *tangents;
+    bool *is_given;
+};
+
+/* The problems of proto_point_locate and proto_direction_locate, and insufficient_memory. The
+ * spline must live as long as the located one. */
+bool proto_spline_locate(const struct gd_mesh *mesh, const struct proto_spline *spline,
+                         struct proto_located_spline *out, struct proto_problem *problem);
+void proto_located_spline_free(struct proto_located_spline *located); /* leaves none */
+
+/* The problem that a failure of gd_spline_build or gd_spline_sample is, at the point that is at
+ * fault, or at `place`, the spline's. */
+bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
+                       struct proto_problem *problem);
+
+/* Fields of the answer, as bits of proto_options.fields. */
+enum proto_spline_field {
+    PROTO_SPLINE_FIELD_PATH = 1 << 0,
+    PROTO_SPLINE_FIELD_SEGMENTS = 1 << 1,
+    PROTO_SPLINE_FIELD_PARAMETERS = 1 << 2,
+    PROTO_SPLINE_FIELD_JOINTS = 1 << 3,
+    PROTO_SPLINE_FIELD_FRAMES = 1 << 4
+};
+extern const char *const proto_spline_fields[]; /* NULL-terminated, for proto_options_parse */
+
+/* Writes {"path", "segments", "parameters", "joints"}, and with `frames` a frame for each place; of
+ * these the wanted ones. */
+void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_spline *spline, const struct gd_spline_line *line,
+                         bool frames, const struct proto_options *options);
+
+#endif

@@ -1,0 +1,331 @@
+#include "proto/values/vector.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+
+enum { PLACE = 2 * PROTO_DIRECTION_PLACE };
+
+const char *const proto_exp_fields[] = {"start", "vectors", "points", "paths", NULL};
+const char *const proto_log_fields[] = {"from", "vectors", NULL};
+const char *const proto_transport_fields[] = {"from", "to", "distance", "reason", "vectors", NULL};
+
+void proto_vectors_free(struct proto_vectors *vectors)
+{
+    free(vectors->segments);
+    free(vectors->first);
+    free(vectors->factors);
+    *vectors = (struct proto_vectors){0};
+}
+
+/* --- segments --------------------------------------------------------------------------------- */
+
+static bool decode_length(const json_t *value, const char *place, double *out,
+                          struct proto_problem *problem)
+{
+    if (!proto_decode_number(value, place, "length", out, problem)) return false;
+    if (*out >= 0 && *out <= PROTO_VECTOR_LENGTH) return true;
+    proto_problem_refuse(problem, place, "a length is a number from 0 to %g", PROTO_VECTOR_LENGTH);
+    return proto_problem_descend(problem, "length");
+}
+
+bool proto_segment_decode(const json_t *value, const char *place, struct proto_segment *out,
+                          struct proto_problem *problem)
+{
+    char where[PLACE];
+    const json_t *direction = proto_decode_member(value, place, "direction", problem);
+    if (!direction) return false;
+    snprintf(where, sizeof where, "%s/direction", place);
+    out->has_direction = !json_is_null(direction);
+    if (out->has_direction && !proto_direction_decode(direction, where, &out->direction, problem))
+        return false;
+    if (!decode_length(value, place, &out->length, problem)) return false;
+    return out->has_direction || out->length == 0 ||
+           proto_problem_refuse(problem, where, "only a vector of length 0 has no direction");
+}
+
+static bool decode_segments(const json_t *array, const char *place, struct proto_segment *out,
+                            struct proto_problem *problem)
+{
+    static const char *const members[] = {"direction", "length", NULL};
+    for (size_t i = 0; i < json_array_size(array); i++) {
+        char where[PLACE];
+        const json_t *value = json_array_get(array, i);
+        snprintf(where, sizeof where, "%s/segments/%zu", place, i);
+        if (!proto_decode_object(value, where, members, problem)) return false;
+        if (!proto_segment_decode(value, where, &out[i], problem)) return false;
+        if (!out[i].has_direction)
+            return proto_problem_refuse(problem, where, "a segment has a direction");
+    }
+    return true;
+}
+
+/* --- vectors ---------------------------------------------------------------------------------- */
+
+static bool refuse_number(const char *place, struct proto_problem *problem)
+{
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d are taken here; send fewer",
+                      PROTO_VECTORS);
+    proto_problem_at(problem, place);
+    return proto_problem_limit(problem, PROTO_VECTORS);
+}
+
+bool proto_vector_check(const json_t *value, const char *place, struct proto_problem *problem)
+{
+    static const char *const members[] = {"direction", "length",    "reason",
+                                          "segments",  "cut_locus", NULL};
+    bool is_cut;
+    if (!proto_decode_object(value, place, members, problem)) return false;
+    const json_t *reason = json_object_get(value, "reason");
+    if (reason && !json_is_string(reason)) {
+        proto_problem_refuse(problem, place, "expected a string here");
+        return proto_problem_descend(problem, "reason");
+    }
+    return proto_decode_flag(value, place, "cut_locus", &is_cut, problem);
+}
+
+/* log answers null for a vertex without faces, and null for direction and length where no path
+ * leads. */
+static bool exists(const json_t *value)
+{
+    const json_t *direction = json_object_get(value, "direction"),
+                 *length = json_object_get(value, "length");
+    return !json_is_null(value) && !(json_is_null(direction) && json_is_null(length));
+}
+
+/* The segments that count, or NULL: the vector's own direction and length do. */
+static const json_t *segments_of(const json_t *value, bool is_straight)
+{
+    return is_straight && json_object_get(value, "direction") ? NULL
+                                                              : json_object_get(value, "segments");
+}
+
+static bool count_segments(const json_t *value, const char *place, bool is_straight, size_t *out,
+                           struct proto_problem *problem)
+{
+    *out = 0;
+    if (!json_is_null(value) && !proto_vector_check(value, place, problem)) return false;
+    if (!exists(value)) return true;
+    const json_t *segments = segments_of(value, is_straight);
+    *out = segments ? json_array_size(segments) : 1;
+    return *out || proto_problem_refuse(
+                       problem, place, "segments is an array of at least one direction and length");
+}
+
+static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
+{
+    snprintf(place, PROTO_DIRECTION_PLACE, "/vectors/%u", i);
+}
+
+/* Counts the segments of all into `first`. */
+static bool measure(const json_t *array, bool is_straight, struct proto_vectors *vectors,
+                    struct proto_problem *problem)
+{
+    size_t total = 0;
+    for (uint32_t i = 0; i < vectors->count; i++) {
+        char place[PROTO_DIRECTION_PLACE];
+        size_t segments;
+        place_of(place, i);
+        if (!count_segments(json_array_get(array, i), place, is_straight, &segments, problem))
+            return false;
+        vectors->first[i] = (uint32_t)total;
+        total += segments;
+        if (total > PROTO_VECTORS) return refuse_number("/vectors", problem);
+    }
+    vectors->first[vectors->count] = (uint32_t)total;
+    return true;
+}
+
+static bool fill(const json_t *array, bool is_straight, struct proto_vectors *vectors,
+                 struct proto_problem *problem)
+{
+    for (uint32_t i = 0; i < vectors->count; i++) {
+        char place[PROTO_DIRECTION_PLACE];
+        const json_t *value = json_array_get(array, i), *segments = segments_of(value, is_straight);
+        struct proto_segment *out = &vectors->segments[vectors->first[i]];
+        place_of(place, i);
+        if (vectors->first[i] == vectors->first[i + 1]) continue;
+        if (!(segments ? decode_segments(segments, place, out, problem)
+                       : proto_segment_decode(value, place, out, problem)))
+            return false;
+    }
+    return true;
+}
+
+static bool refuse_memory(struct proto_problem *problem)
+{
+    return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+}
+
+static bool decode_list(const json_t *document, bool is_straight, struct proto_vectors *vectors,
+                        struct proto_problem *problem)
+{
+    const json_t *array = proto_decode_member(document, "", "vectors", problem);
+    if (!array) return false;
+    if (!json_array_size(array))
+        return proto_problem_refuse(problem, "/vectors", "name at least one vector");
+    if (json_array_size(array) > PROTO_VECTORS) return refuse_number("/vectors", problem);
+    vectors->count = (uint32_t)json_array_size(array);
+    vectors->first = malloc((vectors->count + 1) * sizeof *vectors->first);
+    if (!vectors->first) return refuse_memory(problem);
+    if (!measure(array, is_straight, vectors, problem)) return false;
+    vectors->segments = malloc((vectors->first[vectors->count] + 1) * sizeof *vectors->segments);
+    return vectors->segments ? fill(array, is_straight, vectors, problem) : refuse_memory(problem);
+}
+
+static bool decode_factors(const json_t *document, struct proto_vectors *vectors,
+                           struct proto_problem *problem)
+{
+    if (!json_object_get(document, "combine")) return true;
+    vectors->factors = malloc(vectors->count * sizeof *vectors->factors);
+    if (!vectors->factors) return refuse_memory(problem);
+    return proto_decode_numbers(document, "", "combine", vectors->count, vectors->factors, problem);
+}
+
+/* The sum is of vectors that exist and have a direction and a length of their own. */
+static bool check_combination(const struct proto_vectors *vectors, struct proto_problem *problem)
+{
+    for (uint32_t i = 0; vectors->factors && i < vectors->count; i++) {
+        uint32_t segments = vectors->first[i + 1] - vectors->first[i];
+        if (segments == 1) continue;
+        char place[PROTO_DIRECTION_PLACE];
+        place_of(place, i);
+        return proto_problem_refuse(
+            problem, place, "%s",
+            segments ? "segments alone can't be combined; send direction and length as well"
+                     : "no path leads there, so there is no vector to combine; leave it out");
+    }
+    return true;
+}
+
+/* `is_straight`: a vector that has a direction of its own needs no segments. */
+static bool decode_vectors(const json_t *document, bool is_straight, struct proto_vectors *out,
+                           struct proto_problem *problem)
+{
+    struct proto_vectors vectors = {0};
+    if (decode_list(document, is_straight, &vectors, problem) &&
+        decode_factors(document, &vectors, problem) && check_combination(&vectors, problem)) {
+        *out = vectors;
+        return true;
+    }
+    proto_vectors_free(&vectors);
+    return false;
+}
+
+/* --- the requests ----------------------------------------------------------------------------- */
+
+bool proto_exp_decode(const json_t *document, struct proto_exp *out, struct proto_problem *problem)
+{
+    static const char *const members[] = {"start", "vectors", "combine", NULL};
+    struct proto_exp wanted;
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    const json_t *start = proto_decode_member(document, "", "start", problem);
+    if (!start || !proto_point_decode(start, "/start", &wanted.start, problem)) return false;
+    bool is_combined = json_object_get(document, "combine") != NULL;
+    if (!decode_vectors(document, is_combined, &wanted.vectors, problem)) return false;
+    *out = wanted;
+    return true;
+}
+
+static bool decode_targets(const json_t *document, struct proto_points *out,
+                           struct proto_problem *problem)
+{
+    const json_t *to = proto_decode_member(document, "", "to", problem);
+    if (!to) return false;
+    if (json_is_string(to) && strcmp(json_string_value(to), "all") == 0) return true;
+    if (!json_array_size(to))
+        return proto_problem_refuse(problem, "/to",
+                                    "to is an array of at least one point, or \"all\"");
+    if (proto_points_decode(out, to, "/to", PROTO_VECTORS, problem)) return true;
+    proto_points_free(out);
+    return false;
+}
+
+bool proto_log_decode(const json_t *document, struct proto_log *out, struct proto_problem *problem)
+{
+    static const char *const members[] = {"from", "to", "first_vector_only", NULL};
+    struct proto_log log = {0};
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    const json_t *from = proto_decode_member(document, "", "from", problem);
+    if (!from || !proto_point_decode(from, "/from", &log.from, problem)) return false;
+    if (!proto_decode_flag(document, "", "first_vector_only", &log.first_vector_only, problem))
+        return false;
+    if (!decode_targets(document, &log.to, problem)) return false;
+    *out = log;
+    return true;
+}
+
+static bool decode_end(const json_t *document, const char *pointer, struct proto_points *ends,
+                       struct proto_problem *problem)
+{
+    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
+    struct proto_point *end = value ? proto_points_add(ends, problem) : NULL;
+    return end && proto_point_decode(value, pointer, end, problem);
+}
+
+bool proto_transport_decode(const json_t *document, struct proto_transport *out,
+                            struct proto_problem *problem)
+{
+    static const char *const members[] = {"from", "to", "vectors", "combine", NULL};
+    struct proto_transport transport = {0};
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    if (decode_end(document, "/from", &transport.ends, problem) &&
+        decode_end(document, "/to", &transport.ends, problem) &&
+        decode_vectors(document, true, &transport.vectors, problem)) {
+        *out = transport;
+        return true;
+    }
+    proto_points_free(&transport.ends);
+    return false;
+}
+
+bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *point,
+                          const struct proto_segment *segment, struct gd_vector *out,
+                          struct proto_problem *problem)
+{
+    *out = (struct gd_vector){.length = segment->length};
+    if (!segment->has_direction) return true;
+    return proto_direction_locate(mesh, point, &segment->direction, &out->direction, problem);
+}
+
+/* --- the answers ------------------------------------------------------------------------------ */
+
+static void encode_members(struct proto_writer *writer, const struct gd_direction *direction,
+                           double length)
+{
+    proto_write_key(writer, "direction");
+    if (direction)
+        proto_direction_encode(writer, direction);
+    else
+        proto_write_null(writer);
+    proto_member_number(writer, "length", length);
+    if (isfinite(length)) return;
+    proto_member_string(writer, "reason", "no_path");
+}
+
+void proto_vector_encode(struct proto_writer *writer, const struct gd_direction *direction,
+                         double length)
+{
+    proto_write_object_begin(writer);
+    encode_members(writer, direction, length);
+    proto_write_object_end(writer);
+}
+
+void proto_log_encode(struct proto_writer *writer, const struct gd_log *log, bool is_cut)
+{
+    proto_write_object_begin(writer);
+    encode_members(writer, log->count ? &log->vector.direction : NULL, log->vector.length);
+    if (log->count > 1) {
+        proto_write_key(writer, "segments");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < log->count; i++)
+            proto_vector_encode(writer, &log->segments[i].direction, log->segments[i].length);
+        proto_write_array_end(writer);
+    }
+    if (is_cut) proto_member_bool(writer, "cut_locus", true);
+    proto_write_object_end(writer);
+}
