@@ -22,13 +22,21 @@ static enum gd_status run_steps(struct gd__construction *work)
 {
     work->until = 0;
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        work->begun = work->until;
+        work->begun = work->pace.fraction = work->until;
         work->until = steps[i].done;
         enum gd_status status = gd_control_check(work->control, work->begun);
         if (!status) status = steps[i].run(work);
-        if (status) return status;
+        if (status || work->pace.status) return status;
     }
     return gd_control_check(work->control, 1);
+}
+
+/* A step that was stopped may have judged what it had not finished. */
+static enum gd_status outcome(const struct gd__construction *work, enum gd_status status)
+{
+    if (!work->pace.status) return status;
+    if (work->detail) *work->detail = (struct gd_detail){0};
+    return work->pace.status;
 }
 
 static uint64_t triangle_count(const struct gd_polygons *polygons)
@@ -64,15 +72,16 @@ enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
 {
     struct gd__construction work = {
         .input = polygons, .polygons = polygons, .control = control, .detail = detail};
+    work.pace.control = control;
     if (options) work.options = *options;
-    enum gd_status status = gd__validate(&work);
+    enum gd_status status = outcome(&work, gd__validate(&work));
     if (!status) status = gd__afford(&work, triangle_count(polygons), polygons->position_count);
     if (status) return status;
     work.mesh = calloc(1, sizeof *work.mesh);
     if (!work.mesh) return GD_NO_MEMORY;
     work.mesh->bytes = sizeof *work.mesh;
     atomic_init(&work.mesh->references, 1);
-    status = run_steps(&work);
+    status = outcome(&work, run_steps(&work));
     free_scratch(&work);
     if (status)
         gd_mesh_release(work.mesh);

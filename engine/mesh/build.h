@@ -2,11 +2,13 @@
  * build.c holds the recipe.
  *
  * A step fills fields of the mesh or of the construction and returns a status; whatever it
- * allocated is freed by build.c, also after a failure. Faces and vertices are numbered inside (see
+ * allocated is freed by build.c, also after a failure. Loops over elements step the pace; a step
+ * that was stopped may return any status, build.c replaces it by that of the pace. Faces and vertices are numbered inside (see
  * topology.h) from gd__order on; refusals speak in the caller's numbers. */
 #ifndef GD_MESH_BUILD_H
 #define GD_MESH_BUILD_H
 
+#include "base/pace.h"
 #include "base/tolerance.h"
 #include "mesh/topology.h"
 
@@ -19,6 +21,7 @@ struct gd__construction {
     struct gd_mesh_options options;
     const struct gd_control *control; /* borrowed, may be NULL */
     struct gd_detail *detail;         /* borrowed, may be NULL */
+    struct gd__pace pace;             /* of all loops over elements */
     struct gd_mesh *mesh;             /* half-built, owned */
 
     /* What weld and repair make of the input; NULL and 0 where they had nothing to do. */
@@ -42,7 +45,7 @@ struct gd__construction {
 };
 
 /* The steps, in order. */
-enum gd_status gd__validate(const struct gd__construction *work);
+enum gd_status gd__validate(struct gd__construction *work);
 enum gd_status gd__merge_vertices(struct gd__construction *work);
 enum gd_status gd__validate_corners(struct gd__construction *work);
 enum gd_status gd__triangulate(struct gd__construction *work);

@@ -48,9 +48,11 @@ static uint32_t plan_levels(struct gd_bvh *bvh, uint32_t face_count)
     }
 }
 
-static void fill_leaves(const struct gd_mesh *mesh, struct gd_bvh *bvh)
+static void fill_leaves(struct gd__construction *work)
 {
-    for (uint32_t i = 0; i < bvh->level_count[0]; i++) {
+    const struct gd_mesh *mesh = work->mesh;
+    struct gd_bvh *bvh = mesh->bvh;
+    GD__PACED (&work->pace, i, bvh->level_count[0]) {
         uint32_t begin = i * GD_BVH_LEAF, end = begin + GD_BVH_LEAF;
         if (end > mesh->face_count) end = mesh->face_count;
         bvh->box[i] = box_of_face(mesh, begin);
@@ -59,10 +61,11 @@ static void fill_leaves(const struct gd_mesh *mesh, struct gd_bvh *bvh)
     }
 }
 
-static void fill_level(struct gd_bvh *bvh, uint32_t level)
+static void fill_level(struct gd__construction *work, uint32_t level)
 {
+    struct gd_bvh *bvh = work->mesh->bvh;
     const struct gd__box *below = bvh->box + bvh->level_first[level - 1];
-    for (uint32_t i = 0; i < bvh->level_count[level]; i++) {
+    GD__PACED (&work->pace, i, bvh->level_count[level]) {
         uint32_t begin = i * GD_BVH_WIDTH, end = begin + GD_BVH_WIDTH;
         if (end > bvh->level_count[level - 1]) end = bvh->level_count[level - 1];
         struct gd__box *box = &bvh->box[bvh->level_first[level] + i];
@@ -79,8 +82,8 @@ enum gd_status gd__make_bvh(struct gd__construction *work)
     uint32_t boxes = plan_levels(mesh->bvh, mesh->face_count);
     mesh->bvh->box = gd__mesh_array(mesh, boxes, sizeof *mesh->bvh->box);
     if (!mesh->bvh->box) return GD_NO_MEMORY;
-    fill_leaves(mesh, mesh->bvh);
-    for (uint32_t level = 1; level < mesh->bvh->levels; level++) fill_level(mesh->bvh, level);
+    fill_leaves(work);
+    for (uint32_t level = 1; level < mesh->bvh->levels; level++) fill_level(work, level);
     return GD_OK;
 }
 

@@ -75,7 +75,8 @@ static enum gd_status join_all(struct gd__construction *work, const struct gd__e
                                struct findings *findings)
 {
     enum gd_status status = GD_OK;
-    for (struct gd__edge_run run = {0}; !status && gd__edge_table_next(table, &run);) {
+    for (struct gd__edge_run run = {0};
+         !status && gd__pace(&work->pace, 1) && gd__edge_table_next(table, &run);) {
         if (run.count == 1)
             work->neighbour[table->use[run.begin].side] = GD_NONE;
         else if (run.count == 2)
@@ -131,8 +132,9 @@ enum gd_status gd__connect(struct gd__construction *work)
     struct findings findings = {0};
     work->neighbour = gd__large_array(3 * (size_t)mesh->face_count, sizeof *work->neighbour);
     if (!work->neighbour) return GD_NO_MEMORY;
-    enum gd_status status = gd__edge_table_create((const uint32_t(*)[3])work->corner,
-                                                  mesh->face_count, mesh->vertex_count, &table);
+    enum gd_status status =
+        gd__edge_table_create((const uint32_t(*)[3])work->corner, mesh->face_count,
+                              mesh->vertex_count, &work->pace, &table);
     if (!status) status = join_all(work, &table, &findings);
     if (!status && findings.duplicates.total)
         status = refuse_duplicates(work, &findings.duplicates);

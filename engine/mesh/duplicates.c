@@ -8,6 +8,7 @@
 struct comparison {
     const struct gd_polygons *polygons;
     const uint32_t *sorted; /* the polygons' corners, each polygon's in ascending order */
+    struct gd__pace *pace;
 };
 
 static int compare_indices(const void *x, const void *y)
@@ -40,10 +41,11 @@ static int compare_polygons(const void *x, const void *y, void *comparison)
     return order ? order : compare_indices(x, y);
 }
 
-static void sort_corners(const struct gd_polygons *polygons, uint32_t *sorted)
+static void sort_corners(const struct gd_polygons *polygons, struct gd__pace *pace,
+                         uint32_t *sorted)
 {
-    memcpy(sorted, polygons->corners, gd_polygons_corner_count(polygons) * sizeof *sorted);
-    for (uint32_t i = 0; i < polygons->polygon_count; i++)
+    GD__PACED (pace, c, gd_polygons_corner_count(polygons)) sorted[c] = polygons->corners[c];
+    GD__PACED (pace, i, polygons->polygon_count)
         qsort(sorted + gd_polygons_first(polygons, i), size_of(polygons, i), sizeof *sorted,
               compare_indices);
 }
@@ -53,11 +55,12 @@ static void sort_corners(const struct gd_polygons *polygons, uint32_t *sorted)
 static void bucket(const struct comparison *comparison, uint32_t *start, uint32_t *order)
 {
     const struct gd_polygons *polygons = comparison->polygons;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    GD__PACED (comparison->pace, i, polygons->polygon_count) {
         if (size_of(polygons, i)) start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]++;
     }
-    for (uint32_t v = 0; v <= polygons->position_count; v++) start[v + 1] += start[v];
-    for (uint32_t i = polygons->polygon_count; i-- > 0;) {
+    GD__PACED (comparison->pace, v, polygons->position_count + 1) start[v + 1] += start[v];
+    GD__PACED (comparison->pace, done, polygons->polygon_count) {
+        uint32_t i = polygons->polygon_count - 1 - done;
         if (size_of(polygons, i))
             order[--start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]] = i;
     }
@@ -67,8 +70,8 @@ static void name_originals(struct comparison *comparison, const uint32_t *start,
                            uint32_t *original)
 {
     const struct gd_polygons *polygons = comparison->polygons;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) original[i] = i;
-    for (uint32_t v = 0; v < polygons->position_count; v++) {
+    GD__PACED (comparison->pace, i, polygons->polygon_count) original[i] = i;
+    GD__PACED (comparison->pace, v, polygons->position_count) {
         uint32_t *same = order + start[v + 1], count = start[v + 2] - start[v + 1];
         if (count > 1) qsort_r(same, count, sizeof *same, compare_polygons, comparison);
         for (uint32_t k = 1; k < count; k++) {
@@ -78,20 +81,21 @@ static void name_originals(struct comparison *comparison, const uint32_t *start,
     }
 }
 
-enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, uint32_t *original)
+enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, struct gd__pace *pace,
+                                   uint32_t *original)
 {
     uint32_t *sorted = malloc(((size_t)gd_polygons_corner_count(polygons) + 1) * sizeof *sorted);
     uint32_t *start = calloc((size_t)polygons->position_count + 2, sizeof *start);
     uint32_t *order = malloc(((size_t)polygons->polygon_count + 1) * sizeof *order);
     enum gd_status status = sorted && start && order ? GD_OK : GD_NO_MEMORY;
     if (!status) {
-        struct comparison comparison = {polygons, sorted};
-        sort_corners(polygons, sorted);
+        struct comparison comparison = {polygons, sorted, pace};
+        sort_corners(polygons, pace, sorted);
         bucket(&comparison, start, order);
         name_originals(&comparison, start, order, original);
     }
     free(sorted);
     free(start);
     free(order);
-    return status;
+    return status ? status : pace->status;
 }

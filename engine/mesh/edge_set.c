@@ -1,22 +1,21 @@
 #include "mesh/edge_set.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-#include "gd/control.h"
+#include "base/large.h"
 
 #define FREE_SLOT UINT64_MAX /* no edge: its ends would be equal */
 
-enum gd_status gd__edge_set_create(uint64_t most, struct gd__edge_set *out)
+enum gd_status gd__edge_set_create(uint64_t most, struct gd__pace *pace, struct gd__edge_set *out)
 {
     uint64_t slots = 16;
     while (slots < most + most / 2) slots *= 2;
-    uint64_t *slot = malloc(slots * sizeof *slot);
+    uint64_t *slot = gd__large_array(slots, sizeof *slot);
     if (!slot) return GD_NO_MEMORY;
-    memset(slot, 0xff, slots * sizeof *slot);
+    gd__pace_fill(pace, slot, slots * sizeof *slot);
     /* not the same from run to run: no file can be made to collide */
     *out = (struct gd__edge_set){slot, slots - 1, gd_now_ns() ^ (uintptr_t)slot};
-    return GD_OK;
+    return pace->status;
 }
 
 void gd__edge_set_free(struct gd__edge_set *set)

@@ -34,37 +34,45 @@ static void sort_bucket(struct gd__edge_use *use, uint32_t count)
     }
 }
 
-static void fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__edge_table *table)
+static void fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__pace *pace,
+                 struct gd__edge_table *table)
 {
     uint32_t vertex_count = table->vertex_count, low, high;
-    for (uint32_t s = 0; s < side_count; s++) {
+    GD__PACED (pace, s, side_count) {
         ends_of_side(corner, s, &low, &high);
         table->first[low + 1]++;
     }
-    for (uint32_t v = 0; v < vertex_count; v++) table->first[v + 1] += table->first[v];
-    for (uint32_t s = 0; s < side_count; s++) {
+    GD__PACED (pace, v, vertex_count) table->first[v + 1] += table->first[v];
+    GD__PACED (pace, s, side_count) {
         ends_of_side(corner, s, &low, &high);
         table->use[table->first[low]++] = (struct gd__edge_use){high, s};
     }
-    for (uint32_t v = vertex_count; v > 0; v--) table->first[v] = table->first[v - 1];
+    GD__PACED (pace, moved, vertex_count) {
+        uint32_t v = vertex_count - moved;
+        table->first[v] = table->first[v - 1];
+    }
     table->first[0] = 0;
-    for (uint32_t v = 0; v < vertex_count; v++)
+    GD__PACED (pace, v, vertex_count)
         sort_bucket(table->use + table->first[v], table->first[v + 1] - table->first[v]);
 }
 
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
-                                     uint32_t vertex_count, struct gd__edge_table *out)
+                                     uint32_t vertex_count, struct gd__pace *pace,
+                                     struct gd__edge_table *out)
 {
     struct gd__edge_table table = {vertex_count,
                                    gd__large_zeroed((size_t)vertex_count + 1, sizeof *table.first),
                                    gd__large_array(3 * (size_t)face_count + 1, sizeof *table.use)};
-    if (!table.first || !table.use) {
-        gd__edge_table_free(&table);
-        return GD_NO_MEMORY;
+    enum gd_status status = table.first && table.use ? GD_OK : GD_NO_MEMORY;
+    if (!status) {
+        fill(corner, 3 * face_count, pace, &table);
+        status = pace->status;
     }
-    fill(corner, 3 * face_count, &table);
-    *out = table;
-    return GD_OK;
+    if (status)
+        gd__edge_table_free(&table);
+    else
+        *out = table;
+    return status;
 }
 
 void gd__edge_table_free(struct gd__edge_table *table)

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "gd/status.h"
+#include "base/pace.h"
 
 /* A side of a face as its edge sees it. */
 struct gd__edge_use {
@@ -21,10 +21,11 @@ struct gd__edge_table {
 };
 
 /* Gathers the sides of `face_count` triangles over `vertex_count` vertices. Linear time but for the
- * sorting within a bucket, whatever the input. GD_NO_MEMORY. Free by gd__edge_table_free, which
- * takes a zeroed one as well. */
+ * sorting within a bucket, whatever the input. GD_NO_MEMORY, and the status of the
+ * pace. Free by gd__edge_table_free, which takes a zeroed one as well. */
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
-                                     uint32_t vertex_count, struct gd__edge_table *out);
+                                     uint32_t vertex_count, struct gd__pace *pace,
+                                     struct gd__edge_table *out);
 void gd__edge_table_free(struct gd__edge_table *table);
 
 /* The uses of one edge. All zero: before the first edge. */

@@ -9,13 +9,15 @@ static uint32_t next_in_fan(const struct gd_mesh *mesh, uint32_t side)
 }
 
 /* Where the fan of the vertex of `side` begins: at the boundary, or at `side` itself. */
-static uint32_t fan_start(const struct gd_mesh *mesh, uint32_t side)
+static uint32_t fan_start(struct gd__construction *work, uint32_t side)
 {
-    for (uint32_t h = side;;) {
+    const struct gd_mesh *mesh = work->mesh;
+    for (uint32_t h = side; gd__pace(&work->pace, 1);) {
         if (gd__side_is_boundary(mesh, h ^ 1)) return h;
         h = gd__side_next(mesh, h ^ 1);
-        if (h == side) return side;
+        if (h == side) break;
     }
+    return side;
 }
 
 static enum gd_vertex_kind kind_of(double total_angle, bool open)
@@ -32,8 +34,9 @@ static uint32_t beyond(const struct gd_mesh *mesh, uint32_t side)
 }
 
 /* Writes the fan that begins at `start` from entry `first` on; returns one past its last entry. */
-static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
+static uint32_t write_fan(struct gd__construction *work, uint32_t start, uint32_t first)
 {
+    struct gd_mesh *mesh = work->mesh;
     uint32_t vertex = mesh->origin[start], entry = first, h = start;
     double angle = 0;
     do {
@@ -42,7 +45,7 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
         mesh->side_fan[h] = entry++;
         angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
         h = next_in_fan(mesh, h);
-    } while (h != start && !gd__side_is_boundary(mesh, h));
+    } while (h != start && !gd__side_is_boundary(mesh, h) && gd__pace(&work->pace, 1));
     mesh->total_angle[vertex] = angle;
     mesh->vertex_kind[vertex] = (uint8_t)kind_of(angle, h != start);
     mesh->summary.saddle_vertices += mesh->vertex_kind[vertex] == GD_VERTEX_SADDLE;
@@ -51,10 +54,11 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
 
 /* Some outgoing side with a face of each vertex, left in fan_first: the fans follow in order of
  * vertex. */
-static void find_any_side(const struct gd__construction *work)
+static void find_any_side(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    for (uint32_t f = mesh->face_count; f-- > 0;) {
+    GD__PACED (&work->pace, done, mesh->face_count) {
+        uint32_t f = mesh->face_count - 1 - done;
         for (int k = 0; k < 3; k++) mesh->fan_first[work->corner[f][k]] = mesh->face_side[f][k];
     }
 }
@@ -73,10 +77,10 @@ enum gd_status gd__make_fans(struct gd__construction *work)
         return GD_NO_MEMORY;
     find_any_side(work);
     uint32_t entry = 0;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-        uint32_t start = fan_start(mesh, mesh->fan_first[v]);
+    GD__PACED (&work->pace, v, mesh->vertex_count) {
+        uint32_t start = fan_start(work, mesh->fan_first[v]);
         mesh->fan_first[v] = entry;
-        entry = write_fan(mesh, start, entry);
+        entry = write_fan(work, start, entry);
     }
     mesh->fan_first[mesh->vertex_count] = entry;
     if (entry != 3 * mesh->face_count)

@@ -25,10 +25,10 @@
 #include "mesh/triangle.h"
 #include "mesh/union_find.h"
 
-#define MOST_ROUNDS          32
-#define PATIENT_ROUNDS       8
-#define FLIPS_A_FACE         16
-#define FACES_BETWEEN_CHECKS 256
+#define MOST_ROUNDS    32
+#define PATIENT_ROUNDS 8
+#define FLIPS_A_FACE   16
+#define STEPS_A_CAP    32
 
 struct flat_face {
     double longest; /* length of its longest edge */
@@ -156,7 +156,7 @@ static void drop(struct gd__construction *work, uint32_t face)
 /* Renames the corners of all faces; those that lose one are dropped. */
 static void rename_corners(struct gd__construction *work)
 {
-    for (uint32_t f = 0; f < work->mesh->face_count; f++) {
+    GD__PACED (&work->pace, f, work->mesh->face_count) {
         uint32_t *corner = work->triangle[f];
         for (int k = 0; k < 3; k++) corner[k] = gd__find(work->representative, corner[k]);
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
@@ -168,7 +168,7 @@ static void rename_corners(struct gd__construction *work)
 static bool merge_needles(struct flattening *flattening)
 {
     bool merged = false;
-    for (uint32_t i = 0; i < flattening->count; i++)
+    GD__PACED (&flattening->work->pace, i, flattening->count)
         merged |= merge_ends(flattening, flattening->heap[i].face);
     if (merged) rename_corners(flattening->work);
     return merged;
@@ -268,31 +268,32 @@ static enum gd_status mend_cap(struct flattening *flattening, uint32_t face)
 
 static enum gd_status find_neighbours(struct flattening *flattening)
 {
-    const struct gd__construction *work = flattening->work;
+    struct gd__construction *work = flattening->work;
     struct gd__edge_table table;
     enum gd_status status =
         gd__edge_table_create((const uint32_t(*)[3])work->triangle, work->mesh->face_count,
-                              work->input->position_count, &table);
+                              work->input->position_count, &work->pace, &table);
     if (status) return status;
-    memset(flattening->neighbour, 0xff,
-           3 * (size_t)work->mesh->face_count * sizeof *flattening->neighbour);
-    for (struct gd__edge_run run = {0}; gd__edge_table_next(&table, &run);) {
+    gd__pace_fill(&work->pace, flattening->neighbour,
+                  3 * (size_t)work->mesh->face_count * sizeof *flattening->neighbour);
+    for (struct gd__edge_run run = {0};
+         gd__pace(&work->pace, 1) && gd__edge_table_next(&table, &run);) {
         if (run.count == 2)
             link(flattening->neighbour, table.use[run.begin].side, table.use[run.begin + 1].side);
     }
     gd__edge_table_free(&table);
-    return GD_OK;
+    return work->pace.status;
 }
 
 static enum gd_status mend_caps(struct flattening *flattening)
 {
     enum gd_status status = find_neighbours(flattening);
     flattening->flips_left = FLIPS_A_FACE * (uint64_t)flattening->count;
-    for (uint32_t i = 0; !status && flattening->count && flattening->flips_left; i++) {
+    while (!status && flattening->count && flattening->flips_left) {
         uint32_t face = pop(flattening);
         if (flattening->work->triangle[face][0] != GD_NONE) status = mend_cap(flattening, face);
-        if (!status && i % FACES_BETWEEN_CHECKS == 0)
-            status = gd_control_check(flattening->work->control, flattening->work->begun);
+        if (!status && !gd__pace(&flattening->work->pace, STEPS_A_CAP))
+            status = flattening->work->pace.status;
     }
     return status;
 }
@@ -303,12 +304,10 @@ static enum gd_status find_flat_faces(struct flattening *flattening)
 {
     enum gd_status status = GD_OK;
     flattening->count = 0;
-    for (uint32_t f = 0; f < flattening->work->mesh->face_count && !status; f++) {
-        if (f % FACES_BETWEEN_CHECKS == 0)
-            status = gd_control_check(flattening->work->control, flattening->work->begun);
+    GD__PACED (&flattening->work->pace, f, flattening->work->mesh->face_count) {
         if (!status) status = consider(flattening, f);
     }
-    return status;
+    return status ? status : flattening->work->pace.status;
 }
 
 enum gd_status gd__flatten_faces(struct gd__construction *work)

@@ -19,21 +19,23 @@ static uint32_t clockwise(const uint32_t *neighbour, uint32_t corner)
     return across == GD_NONE ? GD_NONE : across - across % 3 + gd__next_corner(across % 3);
 }
 
-static void walk_fan(const uint32_t *neighbour, uint32_t start, uint8_t *visited)
+static void walk_fan(struct gd__construction *work, uint32_t start, uint8_t *visited)
 {
-    for (uint32_t c = start; c != GD_NONE && !visited[c]; c = counter_clockwise(neighbour, c))
+    const uint32_t *neighbour = work->neighbour;
+    for (uint32_t c = start; c != GD_NONE && !visited[c] && gd__pace(&work->pace, 1);
+         c = counter_clockwise(neighbour, c))
         visited[c] = 1;
-    for (uint32_t c = clockwise(neighbour, start); c != GD_NONE && !visited[c];
-         c = clockwise(neighbour, c))
+    for (uint32_t c = clockwise(neighbour, start);
+         c != GD_NONE && !visited[c] && gd__pace(&work->pace, 1); c = clockwise(neighbour, c))
         visited[c] = 1;
 }
 
-static void count_fans(const struct gd__construction *work, uint8_t *visited, uint32_t *fans)
+static void count_fans(struct gd__construction *work, uint8_t *visited, uint32_t *fans)
 {
-    for (uint32_t c = 0; c < 3 * work->mesh->face_count; c++) {
+    GD__PACED (&work->pace, c, 3 * work->mesh->face_count) {
         if (visited[c]) continue;
         fans[work->corner[c / 3][c % 3]]++;
-        walk_fan(work->neighbour, c, visited);
+        walk_fan(work, c, visited);
     }
 }
 
@@ -54,7 +56,7 @@ enum gd_status gd__check_vertices(struct gd__construction *work)
     struct gd__offenders split = {0};
     if (visited && fans) {
         count_fans(work, visited, fans);
-        for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        GD__PACED (&work->pace, v, mesh->vertex_count) {
             if (fans[v] > 1) gd__offenders_add(&split, mesh->index_of_vertex[v], 0, fans[v]);
         }
     }

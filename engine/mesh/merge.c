@@ -33,7 +33,7 @@ static void join_ends(struct gd__construction *work, uint32_t a, uint32_t b)
 static void join_zero_edges(struct gd__construction *work)
 {
     const struct gd_polygons *input = work->input;
-    for (uint32_t i = 0; i < input->polygon_count; i++) {
+    GD__PACED (&work->pace, i, input->polygon_count) {
         uint32_t begin = gd_polygons_first(input, i), end = gd_polygons_first(input, i + 1);
         for (uint32_t c = begin; c < end; c++)
             join_ends(work, input->corners[c], input->corners[c + 1 < end ? c + 1 : begin]);
@@ -82,7 +82,8 @@ static bool rename_corners(struct gd__construction *work)
     struct gd_polygons *merged = &work->merged;
     bool edited = false;
     merged->first[0] = 0;
-    for (uint32_t i = 0, index = 0; i < input->polygon_count; i++) {
+    uint32_t index = 0;
+    GD__PACED (&work->pace, i, input->polygon_count) {
         uint32_t begin = gd_polygons_first(input, i),
                  count = gd_polygons_first(input, i + 1) - begin;
         uint32_t *ring = merged->corners + merged->first[i];
@@ -110,8 +111,8 @@ static bool take_out(struct gd__construction *work, const uint32_t *original)
 {
     struct gd_polygons *merged = &work->merged;
     bool edited = false;
-    uint32_t end = 0;
-    for (uint32_t i = 0, begin = 0; i < merged->polygon_count; i++) {
+    uint32_t begin = 0, end = 0;
+    GD__PACED (&work->pace, i, merged->polygon_count) {
         uint32_t next = merged->first[i + 1], count = next - begin;
         if (original[i] != i) {
             for (uint32_t k = 0; k < count - 2; k++)
@@ -131,7 +132,8 @@ static bool take_out(struct gd__construction *work, const uint32_t *original)
 static enum gd_status drop_duplicates(struct gd__construction *work, bool *edited)
 {
     uint32_t *original = malloc(work->merged.polygon_count * sizeof *original);
-    enum gd_status status = original ? gd__find_duplicates(&work->merged, original) : GD_NO_MEMORY;
+    enum gd_status status =
+        original ? gd__find_duplicates(&work->merged, &work->pace, original) : GD_NO_MEMORY;
     if (!status) *edited |= take_out(work, original);
     free(original);
     return status;
@@ -139,11 +141,12 @@ static enum gd_status drop_duplicates(struct gd__construction *work, bool *edite
 
 static enum gd_status name_representatives(struct gd__construction *work)
 {
-    gd__each_alone(work->representative, work->input->position_count);
+    uint32_t vertices = work->input->position_count;
+    GD__PACED (&work->pace, i, vertices) work->representative[i] = i;
     enum gd_status status = work->options.weld ? gd__weld_vertices(work) : GD_OK;
     if (status) return status;
     if (work->options.repair_split) join_zero_edges(work);
-    for (uint32_t i = 0; i < work->input->position_count; i++) gd__find(work->representative, i);
+    GD__PACED (&work->pace, i, vertices) gd__find(work->representative, i);
     return GD_OK;
 }
 
@@ -172,8 +175,9 @@ enum gd_status gd__merge_vertices(struct gd__construction *work)
     if (!status) status = name_representatives(work);
     if (status) return status;
     bool edited = rename_corners(work);
+    if (work->pace.status) return work->pace.status;
     if (work->options.repair_split) status = drop_duplicates(work, &edited);
-    if (status || !edited) return status;
+    if (status || !edited || work->pace.status) return status;
     work->polygons = &work->merged;
     if (gd_polygons_corner_count(work->polygons)) return GD_OK;
     return gd_fail(work->detail, GD_EMPTY, "no face is left: the corners of each fell together%s",

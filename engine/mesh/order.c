@@ -31,19 +31,21 @@ static uint64_t spread(uint64_t x)
 static void mark_referenced(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    memset(mesh->vertex_of_index, 0xff, mesh->summary.index_count * sizeof *mesh->vertex_of_index);
-    for (uint32_t i = 0; i < mesh->face_count; i++) {
+    gd__pace_fill(&work->pace, mesh->vertex_of_index,
+                  mesh->summary.index_count * sizeof *mesh->vertex_of_index);
+    GD__PACED (&work->pace, i, mesh->face_count) {
         for (int k = 0; k < 3; k++) mesh->vertex_of_index[work->triangle[i][k]] = 0;
     }
     mesh->vertex_count = 0;
-    for (uint32_t i = 0; i < mesh->summary.index_count; i++)
+    GD__PACED (&work->pace, i, mesh->summary.index_count)
         mesh->vertex_count += mesh->vertex_of_index[i] != GD_NONE;
 }
 
-static void find_bounding_box(struct gd_mesh *mesh)
+static void find_bounding_box(struct gd__construction *work)
 {
+    struct gd_mesh *mesh = work->mesh;
     struct gd_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
-    for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
+    GD__PACED (&work->pace, i, mesh->summary.index_count) {
         if (mesh->vertex_of_index[i] == GD_NONE) continue;
         struct gd_vec3 p = mesh->input_position[i];
         low = (struct gd_vec3){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
@@ -54,11 +56,13 @@ static void find_bounding_box(struct gd_mesh *mesh)
 }
 
 /* Codes of the referenced vertices, in order of index. */
-static void encode(const struct gd_mesh *mesh, struct keyed_vertex *keyed)
+static void encode(struct gd__construction *work, struct keyed_vertex *keyed)
 {
+    const struct gd_mesh *mesh = work->mesh;
     struct gd_vec3 low = mesh->summary.min, size = gd_vec3_sub(mesh->summary.max, low);
     double largest = fmax(fmax(size.x, size.y), size.z), cells = (double)((1u << CODE_BITS) - 1);
-    for (uint32_t i = 0, n = 0; i < mesh->summary.index_count; i++) {
+    uint32_t n = 0;
+    GD__PACED (&work->pace, i, mesh->summary.index_count) {
         if (mesh->vertex_of_index[i] == GD_NONE) continue;
         struct gd_vec3 p = gd_vec3_sub(mesh->input_position[i], low);
         uint64_t x = (uint64_t)(p.x / largest * cells), y = (uint64_t)(p.y / largest * cells);
@@ -67,17 +71,17 @@ static void encode(const struct gd_mesh *mesh, struct keyed_vertex *keyed)
     }
 }
 
-/* Radix sort by code; equal codes keep their order. The result is in `keyed`; `spare` is as
- * large. */
-static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare, uint32_t count)
+/* Radix sort by code; equal codes keep their order. The result is in `spare`, which is as large. */
+static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare, uint32_t count,
+                         struct gd__pace *pace)
 {
     static_assert(PASSES % 2 == 1, "an odd number of passes ends in the other array");
     for (int pass = 0; pass < PASSES; pass++) {
         uint32_t start[DIGIT_COUNT + 1] = {0};
         int shift = pass * DIGIT_BITS;
-        for (uint32_t i = 0; i < count; i++) start[(keyed[i].code >> shift) % DIGIT_COUNT + 1]++;
+        GD__PACED (pace, i, count) start[(keyed[i].code >> shift) % DIGIT_COUNT + 1]++;
         for (uint32_t d = 0; d < DIGIT_COUNT; d++) start[d + 1] += start[d];
-        for (uint32_t i = 0; i < count; i++)
+        GD__PACED (pace, i, count)
             spare[start[(keyed[i].code >> shift) % DIGIT_COUNT]++] = keyed[i];
         struct keyed_vertex *swap = keyed;
         keyed = spare;
@@ -85,8 +89,9 @@ static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare,
     }
 }
 
-static enum gd_status number_vertices(struct gd_mesh *mesh)
+static enum gd_status number_vertices(struct gd__construction *work)
 {
+    struct gd_mesh *mesh = work->mesh;
     uint32_t count = mesh->vertex_count;
     struct keyed_vertex *keyed = gd__large_array(2 * (size_t)count, sizeof *keyed);
     mesh->index_of_vertex = gd__mesh_array(mesh, count, sizeof *mesh->index_of_vertex);
@@ -94,10 +99,10 @@ static enum gd_status number_vertices(struct gd_mesh *mesh)
         free(keyed);
         return GD_NO_MEMORY;
     }
-    encode(mesh, keyed);
-    sort_by_code(keyed, keyed + count, count);
+    encode(work, keyed);
+    sort_by_code(keyed, keyed + count, count, &work->pace);
     const struct keyed_vertex *sorted = keyed + count;
-    for (uint32_t v = 0; v < count; v++) {
+    GD__PACED (&work->pace, v, count) {
         mesh->index_of_vertex[v] = sorted[v].index;
         mesh->vertex_of_index[sorted[v].index] = v;
     }
@@ -128,11 +133,12 @@ static enum gd_status number_faces(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     uint32_t *start = calloc((size_t)mesh->vertex_count + 1, sizeof *start);
     if (!start) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < mesh->face_count; i++)
+    GD__PACED (&work->pace, i, mesh->face_count)
         start[lowest_vertex(mesh, work->triangle[i]) + 1]++;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) start[v + 1] += start[v];
-    memset(mesh->face_of_index, 0xff, mesh->summary.face_index_count * sizeof *mesh->face_of_index);
-    for (uint32_t i = 0; i < mesh->face_count; i++)
+    GD__PACED (&work->pace, v, mesh->vertex_count) start[v + 1] += start[v];
+    gd__pace_fill(&work->pace, mesh->face_of_index,
+                  mesh->summary.face_index_count * sizeof *mesh->face_of_index);
+    GD__PACED (&work->pace, i, mesh->face_count)
         place_face(work, i, start[lowest_vertex(mesh, work->triangle[i])]++);
     free(start);
     return GD_OK;
@@ -140,11 +146,11 @@ static enum gd_status number_faces(struct gd__construction *work)
 
 static void copy_positions(struct gd__construction *work)
 {
-    for (uint32_t i = 0; i < work->polygons->position_count; i++) {
+    GD__PACED (&work->pace, i, work->polygons->position_count) {
         const double *p = work->polygons->positions[i];
         work->mesh->input_position[i] = (struct gd_vec3){p[0], p[1], p[2]};
     }
-    for (uint32_t c = 0; c < work->copy_count; c++)
+    GD__PACED (&work->pace, c, work->copy_count)
         work->mesh->input_position[work->polygons->position_count + c] =
             work->mesh->input_position[work->mesh->copy_of[c]];
 }
@@ -154,7 +160,7 @@ static void name_merged_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     if (!work->representative) return;
-    for (uint32_t i = 0; i < work->polygons->position_count; i++) {
+    GD__PACED (&work->pace, i, work->polygons->position_count) {
         if (work->representative[i] != i)
             mesh->vertex_of_index[i] = mesh->vertex_of_index[work->representative[i]];
     }
@@ -176,8 +182,8 @@ enum gd_status gd__order(struct gd__construction *work)
         return GD_NO_MEMORY;
     copy_positions(work);
     mark_referenced(work);
-    find_bounding_box(mesh);
-    enum gd_status status = number_vertices(mesh);
+    find_bounding_box(work);
+    enum gd_status status = number_vertices(work);
     if (!status) status = number_faces(work);
     if (!status) name_merged_vertices(work);
     return status;

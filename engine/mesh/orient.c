@@ -30,7 +30,7 @@ static uint32_t side_after_flips(const struct gd_mesh *mesh, uint32_t side)
 /* Swaps corners 1 and 2 of the flipped faces: their side k becomes side 2 - k. */
 static void turn_over(struct gd__construction *work)
 {
-    for (uint32_t f = 0; f < work->mesh->face_count; f++) {
+    GD__PACED (&work->pace, f, work->mesh->face_count) {
         uint32_t *corner = work->corner[f], *neighbour = work->neighbour + 3 * (size_t)f;
         for (int k = 0; k < 3; k++) neighbour[k] = side_after_flips(work->mesh, neighbour[k]);
         if (!work->mesh->face_flipped[f]) continue;
@@ -70,6 +70,7 @@ enum gd_status gd__orient(struct gd__construction *work)
         .seed_count = mesh->summary.face_index_count,
         .contradicted = note_contradiction,
         .user = &contradictions,
+        .pace = &work->pace,
         .flipped = mesh->face_flipped,
         .component = work->component,
     };

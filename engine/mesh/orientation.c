@@ -1,7 +1,6 @@
 #include "mesh/orientation.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "gd/polygons.h"
 
@@ -34,14 +33,16 @@ static void visit_neighbours(struct search *search, uint32_t face, bool *contrad
     }
 }
 
-/* Lets the majority of queue[begin, end) keep its orientation; returns how many are turned over. */
-static uint32_t side_with_majority(uint8_t *flipped, const uint32_t *queue, uint32_t begin,
-                                   uint32_t end)
+/* Lets the majority of the queue from `begin` on keep its orientation; returns how many are turned
+ * over. */
+static uint32_t side_with_majority(const struct search *search, uint32_t begin)
 {
-    uint32_t turned = 0, count = end - begin;
-    for (uint32_t i = begin; i < end; i++) turned += flipped[queue[i]];
+    uint8_t *flipped = search->o->flipped;
+    const uint32_t *member = search->queue + begin;
+    uint32_t turned = 0, count = search->end - begin;
+    GD__PACED (search->o->pace, i, count) turned += flipped[member[i]];
     if (2 * (uint64_t)turned <= count) return turned;
-    for (uint32_t i = begin; i < end; i++) flipped[queue[i]] ^= 1;
+    GD__PACED (search->o->pace, i, count) flipped[member[i]] ^= 1;
     return count - turned;
 }
 
@@ -52,22 +53,23 @@ static void orient_component(struct search *search, uint32_t seed)
     bool contradicted = false;
     o->component[seed] = o->component_count++;
     search->queue[search->end++] = seed;
-    for (uint32_t i = begin; i < search->end; i++)
+    for (uint32_t i = begin; i < search->end && gd__pace(o->pace, 1); i++)
         visit_neighbours(search, search->queue[i], &contradicted);
-    o->flipped_count += side_with_majority(o->flipped, search->queue, begin, search->end);
+    o->flipped_count += side_with_majority(search, begin);
 }
 
 enum gd_status gd__orient_faces(struct gd__orientation *orientation)
 {
     struct search search = {orientation, malloc(orientation->face_count * sizeof *search.queue), 0};
     if (!search.queue) return GD_NO_MEMORY;
-    memset(orientation->component, 0xff, orientation->face_count * sizeof *orientation->component);
+    gd__pace_fill(orientation->pace, orientation->component,
+                  orientation->face_count * sizeof *orientation->component);
     orientation->component_count = orientation->flipped_count = 0;
-    for (uint32_t i = 0; i < orientation->seed_count; i++) {
+    GD__PACED (orientation->pace, i, orientation->seed_count) {
         uint32_t seed = orientation->seeds ? orientation->seeds[i] : i;
         if (seed != GD_NONE && orientation->component[seed] == GD_NONE)
             orient_component(&search, seed);
     }
     free(search.queue);
-    return GD_OK;
+    return orientation->pace->status;
 }

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "gd/status.h"
+#include "base/pace.h"
 
 /* In: all but the last three, which are filled; `flipped` is zeroed. All are the caller's. */
 struct gd__orientation {
@@ -20,6 +20,7 @@ struct gd__orientation {
      * breaks. May be NULL. */
     void (*contradicted)(void *user, uint32_t side);
     void *user;
+    struct gd__pace *pace;
 
     uint8_t *flipped;    /* per face: turn it over */
     uint32_t *component; /* per face */
@@ -27,7 +28,8 @@ struct gd__orientation {
 };
 
 /* Breadth first over each component; the majority of a component's faces is not turned, at a tie
- * its first one is not. GD_NO_MEMORY. Linear time. */
+ * its first one is not. GD_NO_MEMORY, and the status of the pace. Linear
+ * time. */
 enum gd_status gd__orient_faces(struct gd__orientation *orientation);
 
 #endif

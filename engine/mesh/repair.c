@@ -11,7 +11,7 @@ static enum gd_status name_faces(struct gd__construction *work)
     if (work->face_index) return GD_OK;
     work->face_index = malloc(work->mesh->face_count * sizeof *work->face_index);
     if (!work->face_index) return GD_NO_MEMORY;
-    for (uint32_t f = 0; f < work->mesh->face_count; f++) work->face_index[f] = f;
+    GD__PACED (&work->pace, f, work->mesh->face_count) work->face_index[f] = f;
     return GD_OK;
 }
 
@@ -20,11 +20,12 @@ enum gd_status gd__compact_triangles(struct gd__construction *work)
     enum gd_status status = name_faces(work);
     if (status) return status;
     uint32_t end = 0;
-    for (uint32_t f = 0; f < work->mesh->face_count; f++) {
+    GD__PACED (&work->pace, f, work->mesh->face_count) {
         if (work->triangle[f][0] == GD_NONE) continue;
         memcpy(work->triangle[end], work->triangle[f], sizeof *work->triangle);
         work->face_index[end++] = work->face_index[f];
     }
+    if (work->pace.status) return work->pace.status;
     work->mesh->face_count = end;
     if (end) return GD_OK;
     return gd_fail(work->detail, GD_EMPTY, "no face is left: none of them has an area");
@@ -39,8 +40,9 @@ static enum gd_status drop_duplicates(struct gd__construction *work)
         .corners = *work->triangle,
     };
     uint32_t *original = malloc(triangles.polygon_count * sizeof *original);
-    enum gd_status status = original ? gd__find_duplicates(&triangles, original) : GD_NO_MEMORY;
-    for (uint32_t f = 0; !status && f < triangles.polygon_count; f++) {
+    enum gd_status status =
+        original ? gd__find_duplicates(&triangles, &work->pace, original) : GD_NO_MEMORY;
+    GD__PACED (&work->pace, f, status ? 0 : triangles.polygon_count) {
         if (original[f] == f) continue;
         gd__mended_add(&work->mesh->repair->duplicate_faces, gd__index_of_triangle(work, f),
                        gd__index_of_triangle(work, original[f]));
@@ -68,7 +70,6 @@ enum gd_status gd__repair(struct gd__construction *work)
     enum gd_status status = gd__flatten_faces(work);
     if (!status && (repair->edges_flipped.count || repair->vertices_merged.count > merged))
         status = drop_duplicates(work);
-    if (!status) status = gd_control_check(work->control, work->begun);
     if (!status) status = gd__split_faces(work);
     return status ? status : afford_copies(work, faces);
 }

@@ -13,8 +13,9 @@ void gd__mended_add(struct gd_mended *mended, uint32_t a, uint32_t b);
 enum gd_status gd__weld_vertices(struct gd__construction *work);
 
 /* original[i]: the first of the polygons with the same set of vertices as polygon i; itself for one
- * without corners. GD_NO_MEMORY. */
-enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, uint32_t *original);
+ * without corners. GD_NO_MEMORY, and the status of the pace. */
+enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, struct gd__pace *pace,
+                                   uint32_t *original);
 
 /* Takes the triangles whose first corner is GD_NONE out of the row. GD_NO_MEMORY. */
 enum gd_status gd__compact_triangles(struct gd__construction *work);

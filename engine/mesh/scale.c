@@ -6,11 +6,11 @@ struct edge_range {
     double min, mean, max; /* in the unit of `scale` */
 };
 
-static struct edge_range measure_edges(const struct gd__construction *work, double scale)
+static struct edge_range measure_edges(struct gd__construction *work, double scale)
 {
     struct edge_range range = {.min = INFINITY};
     const struct gd_mesh *mesh = work->mesh;
-    for (uint32_t f = 0; f < mesh->face_count; f++) {
+    GD__PACED (&work->pace, f, mesh->face_count) {
         for (uint32_t k = 0; k < 3; k++) {
             struct gd_vec3 a = mesh->input_position[mesh->index_of_vertex[work->corner[f][k]]];
             struct gd_vec3 b =
@@ -32,11 +32,12 @@ static double farthest_coordinate(const struct gd_mesh_summary *s)
                 fmax(fabs(s->min.z), fabs(s->max.z)));
 }
 
-static enum gd_status place_vertices(struct gd_mesh *mesh)
+static enum gd_status place_vertices(struct gd__construction *work)
 {
+    struct gd_mesh *mesh = work->mesh;
     mesh->position = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->position);
     if (!mesh->position) return GD_NO_MEMORY;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+    GD__PACED (&work->pace, v, mesh->vertex_count)
         mesh->position[v] =
             gd_vec3_scale(mesh->input_position[mesh->index_of_vertex[v]], 1 / mesh->unit);
     return GD_OK;
@@ -65,5 +66,5 @@ enum gd_status gd__scale(struct gd__construction *work)
                        ldexp(range.min, exponent), ldexp(range.max, exponent),
                        farthest_coordinate(&mesh->summary), GD_EXTENT_RATIO);
     mesh->unit = ldexp(1, exponent + finer);
-    return place_vertices(mesh);
+    return place_vertices(work);
 }

@@ -49,18 +49,19 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
 
 /* An edge is met first by its lower-numbered face, which gets side 2e of it, and from the other
  * one, if there is one, as 2e + 1. */
-static uint32_t count_edges(const struct gd__construction *work)
+static uint32_t count_edges(struct gd__construction *work)
 {
     uint32_t count = 0;
     /* GD_NONE is greater than any side */
-    for (uint32_t s = 0; s < 3 * work->mesh->face_count; s++) count += work->neighbour[s] > s;
+    GD__PACED (&work->pace, s, 3 * work->mesh->face_count) count += work->neighbour[s] > s;
     return count;
 }
 
 static void number_sides(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    for (uint32_t s = 0, edge = 0; s < 3 * mesh->face_count; s++) {
+    uint32_t edge = 0;
+    GD__PACED (&work->pace, s, 3 * mesh->face_count) {
         uint32_t face = s / 3, k = s % 3, across = work->neighbour[s];
         uint32_t side = across > s ? 2 * edge++ : mesh->face_side[across / 3][across % 3] ^ 1;
         mesh->face_side[face][k] = side;
@@ -105,7 +106,7 @@ enum gd_status gd__make_sides(struct gd__construction *work)
     if (!mesh->origin || !mesh->side_face || !mesh->side || !mesh->face_side) return GD_NO_MEMORY;
     number_sides(work);
     struct gd__offenders flat = {0};
-    for (uint32_t f = 0; f < mesh->face_count; f++) make_face(work, f, &flat);
+    GD__PACED (&work->pace, f, mesh->face_count) make_face(work, f, &flat);
     if (flat.total) return refuse_flat_faces(work, &flat);
     mesh->summary.area *= mesh->unit * mesh->unit;
     return GD_OK;

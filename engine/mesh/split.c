@@ -60,15 +60,16 @@ static enum gd_status append_copy(struct splitting *s, uint32_t vertex, uint32_t
 static enum gd_status make_table(const struct splitting *s, struct gd__edge_table *table)
 {
     return gd__edge_table_create((const uint32_t(*)[3])s->work->triangle, s->face_count,
-                                 s->input_vertices + s->copy_count, table);
+                                 s->input_vertices + s->copy_count, &s->work->pace, table);
 }
 
 /* Joins the faces of the edges that have two; returns the most faces that an edge has. */
 static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *table)
 {
     uint32_t most = 0;
-    memset(s->neighbour, 0xff, 3 * (size_t)s->face_count * sizeof *s->neighbour);
-    for (struct gd__edge_run run = {0}; gd__edge_table_next(table, &run);) {
+    gd__pace_fill(&s->work->pace, s->neighbour, 3 * (size_t)s->face_count * sizeof *s->neighbour);
+    for (struct gd__edge_run run = {0};
+         gd__pace(&s->work->pace, 1) && gd__edge_table_next(table, &run);) {
         const struct gd__edge_use *use = table->use + run.begin;
         if (run.count > most) most = run.count;
         if (run.count != 2) continue;
@@ -91,6 +92,7 @@ static enum gd_status orient(struct splitting *s)
         .neighbour = s->neighbour,
         .face_count = s->face_count,
         .seed_count = s->face_count,
+        .pace = &s->work->pace,
         .flipped = s->flipped,
         .component = component,
     };
@@ -122,7 +124,8 @@ static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_ta
 {
     s->sheet = malloc(most * sizeof *s->sheet);
     enum gd_status status = s->sheet ? orient(s) : GD_NO_MEMORY;
-    for (struct gd__edge_run run = {0}; !status && gd__edge_table_next(table, &run);) {
+    for (struct gd__edge_run run = {0};
+         !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(table, &run);) {
         if (run.count <= 2) continue;
         gd__mended_add(&s->work->mesh->repair->edges_split, run.low, run.high);
         pair_sheets(s, table, &run);
@@ -136,8 +139,8 @@ static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_ta
 
 static void join_fans(struct splitting *s)
 {
-    gd__each_alone(s->fan, 3 * s->face_count);
-    for (uint32_t a = 0; a < 3 * s->face_count; a++) {
+    GD__PACED (&s->work->pace, c, 3 * s->face_count) s->fan[c] = c;
+    GD__PACED (&s->work->pace, a, 3 * s->face_count) {
         uint32_t b = s->neighbour[a];
         if (b == GD_NONE || b < a) continue;
         uint32_t a_end = a - a % 3 + gd__next_corner(a % 3),
@@ -155,7 +158,7 @@ static enum gd_status separate_fans(struct splitting *s)
     uint8_t *taken = calloc(vertices, sizeof *taken);
     enum gd_status status = taken ? GD_OK : GD_NO_MEMORY;
     if (!status) join_fans(s);
-    for (uint32_t c = 0; c < 3 * s->face_count && !status; c++) {
+    for (uint32_t c = 0; !status && c < 3 * s->face_count && gd__pace(&s->work->pace, 1); c++) {
         uint32_t *vertex = &s->work->triangle[c / 3][c % 3], first = gd__find(s->fan, c);
         if (first < c)
             *vertex = s->work->triangle[first / 3][first % 3];
@@ -165,7 +168,7 @@ static enum gd_status separate_fans(struct splitting *s)
             taken[*vertex] = 1;
     }
     free(taken);
-    return status;
+    return status ? status : s->work->pace.status;
 }
 
 /* --- what is left ----------------------------------------------------------------------------- */
@@ -203,7 +206,8 @@ static enum gd_status detach_crowded(struct splitting *s, bool *any)
     struct gd__edge_table table;
     enum gd_status status = make_table(s, &table);
     if (status) return status;
-    for (struct gd__edge_run run = {0}; !status && gd__edge_table_next(&table, &run);) {
+    for (struct gd__edge_run run = {0};
+         !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(&table, &run);) {
         if (run.count <= 2) continue;
         *any = true;
         pair_sheets(s, &table, &run);
@@ -244,8 +248,8 @@ static enum gd_status keep_copies(struct splitting *s)
     uint32_t *copies = calloc(s->input_vertices, sizeof *copies);
     if (mesh->copy_of && copies) {
         memcpy(mesh->copy_of, s->copy_of, s->copy_count * sizeof *s->copy_of);
-        for (uint32_t c = 0; c < s->copy_count; c++) copies[s->copy_of[c]]++;
-        for (uint32_t v = 0; v < s->input_vertices; v++) {
+        GD__PACED (&s->work->pace, c, s->copy_count) copies[s->copy_of[c]]++;
+        GD__PACED (&s->work->pace, v, s->input_vertices) {
             if (copies[v]) gd__mended_add(&mesh->repair->vertices_split, v, copies[v]);
         }
     }

@@ -10,7 +10,7 @@ static enum gd_status label_vertices(struct gd__construction *work)
     mesh->vertex_component =
         gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_component);
     if (!mesh->vertex_component) return GD_NO_MEMORY;
-    for (uint32_t f = 0; f < mesh->face_count; f++) {
+    GD__PACED (&work->pace, f, mesh->face_count) {
         for (int k = 0; k < 3; k++) mesh->vertex_component[work->corner[f][k]] = work->component[f];
     }
     return GD_OK;
@@ -21,7 +21,7 @@ static enum gd_status count_components(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     mesh->component = gd__mesh_array(mesh, work->component_count, sizeof *mesh->component);
     if (!mesh->component) return GD_NO_MEMORY;
-    for (uint32_t f = 0; f < mesh->face_count; f++) {
+    GD__PACED (&work->pace, f, mesh->face_count) {
         struct gd_component *component = &mesh->component[work->component[f]];
         double shortest = HUGE_VAL;
         for (int k = 0; k < 3; k++)
@@ -29,11 +29,11 @@ static enum gd_status count_components(struct gd__construction *work)
         component->faces++;
         component->grain += shortest;
     }
-    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+    GD__PACED (&work->pace, v, mesh->vertex_count)
         mesh->component[mesh->vertex_component[v]].vertices++;
-    for (uint32_t e = 0; e < mesh->edge_count; e++)
+    GD__PACED (&work->pace, e, mesh->edge_count)
         mesh->component[mesh->vertex_component[mesh->origin[2 * e]]].edges++;
-    for (uint32_t c = 0; c < work->component_count; c++)
+    GD__PACED (&work->pace, c, work->component_count)
         mesh->component[c].grain /= mesh->component[c].faces;
     return GD_OK;
 }
@@ -45,8 +45,9 @@ static uint32_t boundary_side_from(const struct gd_mesh *mesh, uint32_t vertex)
 }
 
 /* Measures the loop of boundary side `start` and marks its vertices. */
-static struct gd_boundary walk_loop(const struct gd_mesh *mesh, uint32_t start, uint8_t *visited)
+static struct gd_boundary walk_loop(struct gd__construction *work, uint32_t start, uint8_t *visited)
 {
+    const struct gd_mesh *mesh = work->mesh;
     struct gd_boundary loop = {0};
     uint32_t side = start;
     do {
@@ -54,43 +55,46 @@ static struct gd_boundary walk_loop(const struct gd_mesh *mesh, uint32_t start, 
         loop.vertices++;
         loop.length += mesh->side[side].length;
         side = boundary_side_from(mesh, gd__side_destination(mesh, side));
-    } while (side != start);
+    } while (side != start && gd__pace(&work->pace, 1));
     loop.length *= mesh->unit;
     return loop;
 }
 
 /* Loops in order of their lowest input index: each is met there first. */
-static void walk_loops(struct gd_mesh *mesh, uint8_t *visited)
+static void walk_loops(struct gd__construction *work, uint8_t *visited)
 {
-    for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
+    struct gd_mesh *mesh = work->mesh;
+    for (uint32_t i = 0; i < mesh->summary.index_count && gd__pace(&work->pace, 1); i++) {
         uint32_t v = mesh->vertex_of_index[i];
         if (v == GD_NONE || visited[v] || mesh->vertex_kind[v] != GD_VERTEX_BOUNDARY) continue;
         uint32_t side = boundary_side_from(mesh, v), loop = mesh->summary.boundaries++;
         mesh->boundary_side[loop] = side;
-        mesh->boundary[loop] = walk_loop(mesh, side, visited);
+        mesh->boundary[loop] = walk_loop(work, side, visited);
         mesh->component[mesh->vertex_component[v]].boundaries++;
     }
 }
 
-static enum gd_status find_boundaries(struct gd_mesh *mesh)
+static enum gd_status find_boundaries(struct gd__construction *work)
 {
+    struct gd_mesh *mesh = work->mesh;
     uint32_t boundary_vertices = 0;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+    GD__PACED (&work->pace, v, mesh->vertex_count)
         boundary_vertices += mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY;
     uint32_t most_loops = boundary_vertices / 3;
     mesh->boundary = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary);
     mesh->boundary_side = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary_side);
     uint8_t *visited = calloc(mesh->vertex_count, sizeof *visited);
-    if (mesh->boundary && mesh->boundary_side && visited) walk_loops(mesh, visited);
+    if (mesh->boundary && mesh->boundary_side && visited) walk_loops(work, visited);
     enum gd_status status = mesh->boundary && mesh->boundary_side && visited ? GD_OK : GD_NO_MEMORY;
     free(visited);
     return status;
 }
 
-static void measure_edges(struct gd_mesh *mesh)
+static void measure_edges(struct gd__construction *work)
 {
+    struct gd_mesh *mesh = work->mesh;
     double least = INFINITY, most = 0, sum = 0;
-    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+    GD__PACED (&work->pace, e, mesh->edge_count) {
         double length = mesh->side[2 * e].length;
         least = fmin(least, length);
         most = fmax(most, length);
@@ -102,15 +106,16 @@ static void measure_edges(struct gd_mesh *mesh)
 }
 
 /* chi = V - E + F and, for each orientable component, chi = 2 - 2 genus - boundaries. */
-static void sum_up(struct gd_mesh *mesh, uint32_t component_count)
+static void sum_up(struct gd__construction *work)
 {
+    struct gd_mesh *mesh = work->mesh;
     struct gd_mesh_summary *s = &mesh->summary;
-    for (uint32_t i = 0; i < s->index_count; i++)
+    GD__PACED (&work->pace, i, s->index_count)
         s->unreferenced_vertices += mesh->vertex_of_index[i] == GD_NONE;
     s->vertices = mesh->vertex_count;
     s->faces = mesh->face_count;
     s->edges = mesh->edge_count;
-    s->components = component_count;
+    s->components = work->component_count;
     s->euler_characteristic = (int64_t)s->vertices - s->edges + s->faces;
     s->genus = (2 * (int64_t)s->components - s->euler_characteristic - s->boundaries) / 2;
 }
@@ -119,9 +124,9 @@ enum gd_status gd__summarise(struct gd__construction *work)
 {
     enum gd_status status = label_vertices(work);
     if (!status) status = count_components(work);
-    if (!status) status = find_boundaries(work->mesh);
+    if (!status) status = find_boundaries(work);
     if (status) return status;
-    measure_edges(work->mesh);
-    sum_up(work->mesh, work->component_count);
+    measure_edges(work);
+    sum_up(work);
     return GD_OK;
 }

@@ -12,10 +12,11 @@ static uint32_t size_of(const struct gd_polygons *polygons, uint32_t polygon)
     return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
 }
 
-static uint32_t largest_polygon(const struct gd_polygons *polygons, uint32_t *which)
+static uint32_t largest_polygon(const struct gd_polygons *polygons, struct gd__pace *pace,
+                                uint32_t *which)
 {
     uint32_t most = 0;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    GD__PACED (pace, i, polygons->polygon_count) {
         if (size_of(polygons, i) <= most) continue;
         most = size_of(polygons, i);
         *which = i;
@@ -72,19 +73,20 @@ static enum gd_status split_all(struct gd__construction *work, struct gd__ear_cl
                                 struct gd__edge_set *edges)
 {
     const struct gd_polygons *polygons = work->polygons;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++)
+    GD__PACED (&work->pace, i, polygons->polygon_count)
         insert_ring(edges, polygons->corners + gd_polygons_first(polygons, i),
                     size_of(polygons, i));
     uint32_t made = 0, index = 0;
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        uint32_t size = size_of(polygons, i);
         double done = (double)i / polygons->polygon_count;
+        work->pace.fraction = work->begun + (work->until - work->begun) * done;
+        if (!gd__pace(&work->pace, size > 4 ? GD__PACE_STEPS : 16)) return work->pace.status;
         enum gd_status status =
-            gd_control_check(work->control, work->begun + (work->until - work->begun) * done);
-        if (!status && size_of(polygons, i))
-            status = split(work, i, clipper, edges, work->triangle + made);
+            size ? split(work, i, clipper, edges, work->triangle + made) : GD_OK;
         if (status) return status;
         index = name_triangles(work, i, made, index);
-        if (size_of(polygons, i)) made += size_of(polygons, i) - 2;
+        if (size) made += size - 2;
     }
     return GD_OK;
 }
@@ -97,8 +99,9 @@ static enum gd_status triangulate(struct gd__construction *work, uint32_t most_c
     enum gd_status status = clipper ? GD_OK : GD_NO_MEMORY;
     /* every edge of every polygon, and its diagonals */
     if (!status)
-        status = gd__edge_set_create(
-            gd_polygons_corner_count(work->polygons) + (uint64_t)mesh->face_count, &edges);
+        status = gd__edge_set_create(gd_polygons_corner_count(work->polygons) +
+                                         (uint64_t)mesh->face_count,
+                                     &work->pace, &edges);
     if (!status) status = split_all(work, clipper, &edges);
     gd__edge_set_free(&edges);
     gd__ear_clipper_free(clipper);
@@ -108,10 +111,12 @@ static enum gd_status triangulate(struct gd__construction *work, uint32_t most_c
 /* The corners are the triangles. */
 static void take_triangles(struct gd__construction *work)
 {
-    memcpy(work->triangle, work->polygons->corners,
-           work->mesh->face_count * sizeof *work->triangle);
-    for (uint32_t i = 0, made = 0, index = 0; work->face_index && i < work->polygons->polygon_count;
-         i++) {
+    const uint32_t *corners = work->polygons->corners;
+    GD__PACED (&work->pace, i, work->mesh->face_count)
+        memcpy(work->triangle[i], corners + 3 * (size_t)i, sizeof *work->triangle);
+    uint32_t made = 0, index = 0;
+    if (!work->face_index) return;
+    GD__PACED (&work->pace, i, work->polygons->polygon_count) {
         index = name_triangles(work, i, made, index);
         made += size_of(work->polygons, i) > 0;
     }
@@ -126,10 +131,10 @@ static enum gd_status refuse_size(struct gd__construction *work, uint32_t polygo
     return GD_UNSUPPORTED;
 }
 
-static uint32_t count_triangles(const struct gd_polygons *polygons)
+static uint32_t count_triangles(const struct gd_polygons *polygons, struct gd__pace *pace)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++)
+    GD__PACED (pace, i, polygons->polygon_count)
         count += size_of(polygons, i) ? size_of(polygons, i) - 2 : 0;
     return count;
 }
@@ -138,14 +143,14 @@ enum gd_status gd__triangulate(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
     bool edited = work->polygons != work->input;
-    uint32_t which = 0, most_corners = largest_polygon(work->polygons, &which);
+    uint32_t which = 0, most_corners = largest_polygon(work->polygons, &work->pace, &which);
     if (most_corners > GD_EAR_MAX_CORNERS) return refuse_size(work, which, most_corners);
-    mesh->face_count = count_triangles(work->polygons);
-    mesh->summary.face_index_count = count_triangles(work->input);
+    mesh->face_count = count_triangles(work->polygons, &work->pace);
+    mesh->summary.face_index_count = count_triangles(work->input, &work->pace);
     work->triangle = gd__large_array(mesh->face_count, sizeof *work->triangle);
     if (edited) work->face_index = gd__large_array(mesh->face_count, sizeof *work->face_index);
     if (!work->triangle || (edited && !work->face_index)) return GD_NO_MEMORY;
-    if (largest_polygon(work->input, &which) > 3) {
+    if (largest_polygon(work->input, &work->pace, &which) > 3) {
         mesh->source_polygon =
             gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->source_polygon);
         if (!mesh->source_polygon) return GD_NO_MEMORY;

@@ -18,12 +18,13 @@ static enum gd_status check_counts(const struct gd_polygons *polygons, struct gd
     return GD_OK;
 }
 
-static enum gd_status check_sizes(const struct gd_polygons *polygons, bool triangles_only,
-                                  struct gd_detail *detail)
+static enum gd_status check_sizes(struct gd__construction *work)
 {
+    const struct gd_polygons *polygons = work->input;
+    struct gd_detail *detail = work->detail;
     struct gd__offenders small = {0}, large = {0};
     if (!polygons->first) return GD_OK;
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    GD__PACED (&work->pace, i, polygons->polygon_count) {
         uint32_t size = polygons->first[i + 1] - polygons->first[i];
         if (size < 3) gd__offenders_add(&small, i, 0, size);
         if (size > 3) gd__offenders_add(&large, i, 0, size);
@@ -33,7 +34,7 @@ static enum gd_status check_sizes(const struct gd_polygons *polygons, bool trian
                 (unsigned)small.lowest[0].a, small.lowest[0].witness);
         return gd__offenders_report(&small, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, detail);
     }
-    if (large.total && triangles_only) {
+    if (large.total && work->options.refuse_polygons) {
         gd_fail(detail, GD_NOT_TRIANGLES,
                 "face %u has %u corners and triangulation was refused; %llu faces are no triangles",
                 (unsigned)large.lowest[0].a, large.lowest[0].witness,
@@ -43,10 +44,12 @@ static enum gd_status check_sizes(const struct gd_polygons *polygons, bool trian
     return GD_OK;
 }
 
-static enum gd_status check_indices(const struct gd_polygons *polygons, struct gd_detail *detail)
+static enum gd_status check_indices(struct gd__construction *work)
 {
+    const struct gd_polygons *polygons = work->input;
+    struct gd_detail *detail = work->detail;
     struct gd__offenders offenders = {0};
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    GD__PACED (&work->pace, i, polygons->polygon_count) {
         uint32_t end = gd_polygons_first(polygons, i + 1), wrong = end;
         for (uint32_t c = gd_polygons_first(polygons, i); c < end && wrong == end; c++) {
             if (polygons->corners[c] >= polygons->position_count) wrong = c;
@@ -59,11 +62,12 @@ static enum gd_status check_indices(const struct gd_polygons *polygons, struct g
     return gd__offenders_report(&offenders, GD_ELEMENT_FACE, GD_INDEX, detail);
 }
 
-static enum gd_status check_coordinates(const struct gd_polygons *polygons,
-                                        struct gd_detail *detail)
+static enum gd_status check_coordinates(struct gd__construction *work)
 {
+    const struct gd_polygons *polygons = work->input;
+    struct gd_detail *detail = work->detail;
     struct gd__offenders infinite = {0}, far = {0};
-    for (uint32_t i = 0; i < polygons->position_count; i++) {
+    GD__PACED (&work->pace, i, polygons->position_count) {
         const double *p = polygons->positions[i];
         double largest = fmax(fmax(fabs(p[0]), fabs(p[1])), fabs(p[2]));
         if (!isfinite(p[0] - p[0] + p[1] - p[1] + p[2] - p[2]))
@@ -86,10 +90,11 @@ static enum gd_status check_coordinates(const struct gd_polygons *polygons,
 }
 
 /* `seen_in[v]`: the last polygon + 1 that was found to have corner v. */
-static void find_repeated_corners(const struct gd_polygons *polygons, uint32_t *seen_in,
+static void find_repeated_corners(struct gd__construction *work, uint32_t *seen_in,
                                   struct gd__offenders *offenders)
 {
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    const struct gd_polygons *polygons = work->polygons;
+    GD__PACED (&work->pace, i, polygons->polygon_count) {
         bool repeated = false;
         for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1);
              c++) {
@@ -103,13 +108,13 @@ static void find_repeated_corners(const struct gd_polygons *polygons, uint32_t *
     }
 }
 
-static enum gd_status check_repeated_corners(const struct gd_polygons *polygons,
-                                             struct gd_detail *detail)
+static enum gd_status check_repeated_corners(struct gd__construction *work)
 {
-    uint32_t *seen_in = calloc(polygons->position_count, sizeof *seen_in);
+    struct gd_detail *detail = work->detail;
+    uint32_t *seen_in = calloc(work->polygons->position_count, sizeof *seen_in);
     if (!seen_in) return GD_NO_MEMORY;
     struct gd__offenders offenders = {0};
-    find_repeated_corners(polygons, seen_in, &offenders);
+    find_repeated_corners(work, seen_in, &offenders);
     free(seen_in);
     if (!offenders.total) return GD_OK;
     gd_fail(detail, GD_DEGENERATE_FACE, "face %u has vertex %u as two of its corners",
@@ -117,11 +122,12 @@ static enum gd_status check_repeated_corners(const struct gd_polygons *polygons,
     return gd__offenders_report(&offenders, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, detail);
 }
 
-static enum gd_status check_edge_lengths(const struct gd_polygons *polygons,
-                                         struct gd_detail *detail)
+static enum gd_status check_edge_lengths(struct gd__construction *work)
 {
+    const struct gd_polygons *polygons = work->polygons;
+    struct gd_detail *detail = work->detail;
     struct gd__offenders offenders = {0};
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    GD__PACED (&work->pace, i, polygons->polygon_count) {
         uint32_t first = gd_polygons_first(polygons, i), end = gd_polygons_first(polygons, i + 1);
         uint32_t a = end > first ? polygons->corners[end - 1] : GD_NONE;
         for (uint32_t c = first; c < end; c++) {
@@ -151,20 +157,19 @@ static enum gd_status check_tolerance(const struct gd_mesh_options *options,
                    options->weld_tolerance);
 }
 
-enum gd_status gd__validate(const struct gd__construction *work)
+enum gd_status gd__validate(struct gd__construction *work)
 {
-    const struct gd_polygons *polygons = work->input;
     enum gd_status status = check_tolerance(&work->options, work->detail);
-    if (!status) status = check_sizes(polygons, work->options.refuse_polygons, work->detail);
-    if (!status) status = check_counts(polygons, work->detail);
-    if (!status) status = check_indices(polygons, work->detail);
-    if (!status) status = check_coordinates(polygons, work->detail);
+    if (!status) status = check_sizes(work);
+    if (!status) status = check_counts(work->input, work->detail);
+    if (!status) status = check_indices(work);
+    if (!status) status = check_coordinates(work);
     return status;
 }
 
 enum gd_status gd__validate_corners(struct gd__construction *work)
 {
-    enum gd_status status = check_repeated_corners(work->polygons, work->detail);
-    if (!status) status = check_edge_lengths(work->polygons, work->detail);
+    enum gd_status status = check_repeated_corners(work);
+    if (!status) status = check_edge_lengths(work);
     return status;
 }

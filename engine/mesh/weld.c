@@ -127,31 +127,29 @@ static void weld_vertex(struct cell_table *table, uint32_t vertex)
         fmax(repair->largest_shift, gd_vec3_distance(p, gd__input_position(work, near)));
 }
 
-#define VERTICES_BETWEEN_CHECKS 1024
+#define STEPS_A_VERTEX 8
 
 static enum gd_status weld_all(struct cell_table *table, const uint8_t *used)
 {
-    for (uint32_t i = 0; i < table->work->input->position_count; i++) {
-        if (i % VERTICES_BETWEEN_CHECKS == 0) {
-            enum gd_status status = gd_control_check(table->work->control, table->work->begun);
-            if (status) return status;
-        }
+    struct gd__pace *pace = &table->work->pace;
+    uint32_t vertices = table->work->input->position_count;
+    for (uint32_t i = 0; i < vertices && gd__pace(pace, STEPS_A_VERTEX); i++) {
         if (used[i]) weld_vertex(table, i);
     }
-    return GD_OK;
+    return pace->status;
 }
 
-static void mark_used(const struct gd_polygons *polygons, uint8_t *used)
+static void mark_used(struct gd__construction *work, uint8_t *used)
 {
-    uint32_t corners = gd_polygons_corner_count(polygons);
-    for (uint32_t c = 0; c < corners; c++) used[polygons->corners[c]] = 1;
+    const struct gd_polygons *polygons = work->input;
+    GD__PACED (&work->pace, c, gd_polygons_corner_count(polygons)) used[polygons->corners[c]] = 1;
 }
 
 /* Numbers of cells stay in range. */
-static enum gd_status check_tolerance(const struct gd__construction *work)
+static enum gd_status check_tolerance(struct gd__construction *work)
 {
     double tolerance = work->options.weld_tolerance, farthest = 0;
-    for (uint32_t i = 0; i < work->input->position_count; i++) {
+    GD__PACED (&work->pace, i, work->input->position_count) {
         struct gd_vec3 p = gd__input_position(work, i);
         farthest = fmax(farthest, fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z)));
     }
@@ -178,8 +176,8 @@ enum gd_status gd__weld_vertices(struct gd__construction *work)
                                gd_now_ns() ^ (uintptr_t)used};
     status = GD_NO_MEMORY;
     if (used && table.head && table.next) {
-        memset(table.head, 0xff, slots * sizeof *table.head);
-        mark_used(work->input, used);
+        gd__pace_fill(&work->pace, table.head, slots * sizeof *table.head);
+        mark_used(work, used);
         status = weld_all(&table, used);
     }
     free(used);

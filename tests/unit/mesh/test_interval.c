@@ -14,7 +14,7 @@ static double cut(double (*positions)[3], uint32_t count, const uint32_t (*taken
     uint32_t vertex[MOST], triangle[MOST][3];
     struct gd__ring_corner corner[MOST];
     struct gd__edge_set edges;
-    assert_int_equal(gd__edge_set_create(MOST, &edges), GD_OK);
+    assert_int_equal(gd__edge_set_create(MOST, &(struct gd__pace){0}, &edges), GD_OK);
     for (uint32_t i = 0; i < taken_count; i++)
         gd__edge_set_insert(&edges, taken[i][0], taken[i][1]);
     for (uint32_t i = 0; i < count; i++) vertex[i] = i;
@@ -48,7 +48,7 @@ static void well_shaped_triangles_are_preferred(void **state)
     uint32_t vertex[] = {0, 1, 2, 3}, triangle[2][3];
     struct gd__ring_corner corner[4];
     struct gd__edge_set edges;
-    assert_int_equal(gd__edge_set_create(MOST, &edges), GD_OK);
+    assert_int_equal(gd__edge_set_create(MOST, &(struct gd__pace){0}, &edges), GD_OK);
     gd__ring_make((const double(*)[3])kite, vertex, 4, corner);
     assert_true(gd__interval_cut(&table, corner, 0, 4, &edges, triangle));
     gd__edge_set_free(&edges);
