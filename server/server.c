@@ -10,6 +10,7 @@
 
 #include "gd/cpu.h"
 #include "server/access/access.h"
+#include "server/base/thread.h"
 #include "server/jobs/batch_runner.h"
 #include "server/exchange/answer_stream.h"
 #include "server/http/connections.h"
@@ -30,13 +31,15 @@
 #define SPARE_MOST ((size_t)256 << 20)
 /* for the answers to leave, once there is nothing left to compute */
 #define LAST_ANSWERS_NS UINT64_C(2000000000)
+#define TICK_NS         UINT64_C(10000000)   /* the longest delay of a deadline */
+#define WATCH_NS        UINT64_C(1000000000) /* between two ticks without deferred requests */
 
 /* Frees what there is of a server whose HTTP side does not run. */
 static void server_destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
     server_batch_runner_destroy(server->batches);
-    server_deadlines_stop(&server->deadlines);
+    server_thread_stop(server->deadlines);
     server_job_table_destroy(server->jobs);
     server_answer_streams_destroy(server->streams);
     server_events_destroy(server->events);
@@ -82,12 +85,11 @@ static bool open_access(struct server *server, char *error, size_t error_size)
 static void watch_deadlines(void *user)
 {
     struct server *server = user;
-    server_deadlines_wake(&server->deadlines);
+    server_thread_wake(server->deadlines);
 }
 
-static void server_tick(void *user, uint64_t now_ns)
+static void server_tick(struct server *server, uint64_t now_ns)
 {
-    struct server *server = user;
     server_workers_expire(server->workers, now_ns);
     server_cache_expire(server->surfaces.cache, now_ns);
     server_loader_expire(server->surfaces.loader, now_ns);
@@ -98,10 +100,19 @@ static void server_tick(void *user, uint64_t now_ns)
     server_events_tick(server->events, now_ns);
 }
 
-static bool is_idle(void *user)
+/* Waits for the next tick. While requests are deferred a wake doesn't hasten it: their number goes
+ * to and from zero all the time. False: the thread is to end. */
+static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
-    const struct server *server = user;
-    return server_job_table_is_empty(server->jobs) && server_events_count(server->events) == 0;
+    if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
+    bool is_idle =
+        server_job_table_is_empty(server->jobs) && server_events_count(server->events) == 0;
+    return server_thread_pause(thread, is_idle ? SERVER_THREAD_FOREVER : WATCH_NS);
+}
+
+static void deadlines_run(void *user, struct server_thread *thread)
+{
+    while (deadlines_wait(user, thread)) server_tick(user, gd_now_ns());
 }
 
 bool server_start_jobs(struct server *server)
@@ -114,11 +125,8 @@ bool server_start_jobs(struct server *server)
     };
     server->jobs = server_job_table_create(&server->host, &limits);
     server->api.jobs = server->jobs;
-    server->deadlines = (struct server_deadlines){.deferred = &server->host.deferred,
-                                                  .tick = server_tick,
-                                                  .is_idle = is_idle,
-                                                  .user = server};
-    return server->jobs && server_deadlines_start(&server->deadlines);
+    if (server->jobs) server->deadlines = server_thread_start(deadlines_run, server);
+    return server->deadlines;
 }
 
 void server_connect(struct server *server)

@@ -18,7 +18,6 @@
 #include <stdint.h>
 
 #include "server/work/budget.h"
-#include "server/work/deadlines.h"
 #include "server/config/config.h"
 #include "server/query/api.h"
 #include "server/exchange/metrics.h"
@@ -33,6 +32,7 @@ struct server_connections;
 struct server_events;
 struct server_http;
 struct server_job_table;
+struct server_thread;
 struct server_tls;
 
 struct server {
@@ -50,7 +50,7 @@ struct server {
     struct server_answer_streams *streams;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;
-    struct server_deadlines deadlines;
+    struct server_thread *deadlines; /* ticks while there is something to watch */
     struct server_connections *connections;
     struct server_http *http;
 };

@@ -22,7 +22,7 @@
 #include <unistd.h>
 
 #include "server/base/log.h"
-#include "server/work/thread_affinity.h"
+#include "server/work/thread_priority.h"
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)

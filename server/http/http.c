@@ -12,7 +12,7 @@
  * connection is suspended (events.h).
  *
  * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must
- * not be stopped while one is. So deadlines are those of work/deadlines.h and connections.h,
+ * not be stopped while one is. So deadlines are those of server.c and connections.h,
  * is_gone looks for hang-ups, and the server waits for all deferred exchanges before it stops.
  *
  * The library can answer before the body in the first call for a request only. A fault that shows
@@ -38,7 +38,7 @@
 #include "server/exchange/reply.h"
 #include "server/http/request_log.h"
 #include "server/http/tls.h"
-#include "server/work/thread_affinity.h"
+#include "server/work/thread_priority.h"
 
 /* Bytes of the library for a connection: the head, and the buffer that bodies pass through. The
  * library clears them at each request. */

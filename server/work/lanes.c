@@ -77,9 +77,10 @@ static uint64_t lanes_least_used(const struct server_lanes *lanes)
 /* Without memory for its lane, a tenant shares the lane "". */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant)
 {
-    struct server_lane *lane = lanes_find(lanes, tenant ? tenant : "");
+    if (!tenant) tenant = "";
+    struct server_lane *lane = lanes_find(lanes, tenant);
     if (lane) return lane;
-    lane = tenant && *tenant ? malloc(sizeof *lane + strlen(tenant) + 1) : NULL;
+    lane = *tenant ? malloc(sizeof *lane + strlen(tenant) + 1) : NULL;
     if (lane)
         lane_init(lane, strcpy((char *)(lane + 1), tenant));
     else if ((lane = lanes_find(lanes, "")))
@@ -103,44 +104,27 @@ static void lanes_drop_if_idle(struct server_lanes *lanes, struct server_lane *l
     if (lane != &lanes->own) free(lane);
 }
 
-/* --- in --------------------------------------------------------------------------------------- */
+/* --- in and out ------------------------------------------------------------------------------- */
 
-static struct server_lane_queue *lanes_count_in(struct server_lanes *lanes,
-                                                struct server_lane *lane, struct server_job *job)
+bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
+                       bool is_first)
 {
     struct server_lane_queue *queue = &lane->queues[job->is_patient];
-    job->lane = lane;
-    queue->count++;
-    lanes->queued[job->is_patient]++;
-    return queue;
-}
-
-bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job)
-{
     uint32_t queued = lanes->queued[job->is_patient];
     uint32_t places = lanes->length > queued ? lanes->length - queued : 0;
-    uint32_t taken = lanes->is_shared ? lane->queues[job->is_patient].count : 0;
-    if (taken >= places) {
+    if (!is_first && (lanes->is_shared ? queue->count : 0) >= places) {
         lanes_drop_if_idle(lanes, lane);
         return false;
     }
-    struct server_lane_queue *queue = lanes_count_in(lanes, lane, job);
-    job->next = NULL;
-    *queue->tail = job;
-    queue->tail = &job->next;
+    struct server_job **link = is_first ? &queue->head : queue->tail;
+    job->lane = lane;
+    job->next = *link;
+    *link = job;
+    if (!job->next) queue->tail = &job->next;
+    queue->count++;
+    lanes->queued[job->is_patient]++;
     return true;
 }
-
-void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane,
-                             struct server_job *job)
-{
-    struct server_lane_queue *queue = lanes_count_in(lanes, lane, job);
-    job->next = queue->head;
-    queue->head = job;
-    if (!job->next) queue->tail = &job->next;
-}
-
-/* --- out -------------------------------------------------------------------------------------- */
 
 static bool lanes_may_take(const struct server_lanes *lanes, const struct server_lane *lane,
                            enum server_lane_kind kind, bool is_spare)
@@ -198,16 +182,12 @@ void server_lanes_end(struct server_lanes *lanes, struct server_lane *lane, bool
 
 struct server_job *server_lanes_expire(struct server_lanes *lanes, uint64_t now_ns)
 {
-    struct server_job *all = NULL;
+    struct server_job *all = NULL, **end = &all;
     for (struct server_lane *lane = lanes->active, *next; lane; lane = next) {
         next = lane->next;
         for (int kind = 0; kind < SERVER_LANE_KINDS; kind++) {
             struct server_lane_queue *queue = &lane->queues[kind];
-            struct server_job *expired = server_jobs_expire(&queue->head, now_ns);
-            for (struct server_job *job; (job = expired);) {
-                expired = job->next;
-                job->next = all;
-                all = job;
+            for (*end = server_jobs_expire(&queue->head, now_ns); *end; end = &(*end)->next) {
                 queue->count--;
                 lanes->queued[kind]--;
             }

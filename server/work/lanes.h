@@ -7,13 +7,11 @@
  *
  * A worker takes the job of the tenant with the fewest running jobs, and among those of the tenant
  * that has used the least time (start-time fair queueing: a lane that becomes active starts at the
- * least time of the others, so idle tenants save nothing up). A lane is first in, first out. Urgent
- * jobs, whose clients wait for them, go before patient ones, but a patient job follows every 16
- * urgent ones.
+ * least time of the others). A lane is first in, first out. Urgent jobs, whose clients wait for
+ * them, go before patient ones, but a patient job follows every 16 urgent ones.
  *
- * Limits, for each kind: all lanes together hold `length` jobs. Where tenants share the queue, each
- * takes at most as many places as it leaves free (dynamic thresholds: Choudhury and Hahne, 1998):
- * one tenant cannot fill the queue.
+ * Limits, for each kind: all lanes together hold `length` jobs. A tenant takes at most as many
+ * places as it leaves free (dynamic thresholds: Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
  * patient jobs occupy workers, or a job whose tenant has none running.
@@ -30,10 +28,8 @@ enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_R
 
 struct server_job {
     struct server_job *next;
-    uint64_t deadline_ns; /* on the clock of gd_now_ns() */
-    /* Whose share of the workers it uses; outlives the job. NULL: that of the job that submits
-       it */
-    const char *tenant;
+    uint64_t deadline_ns;     /* on the clock of gd_now_ns() */
+    const char *tenant;       /* whose share of the workers it uses; NULL: its submitter's */
     struct server_lane *lane; /* of the workers */
     bool is_patient;          /* no client waits for it on a connection */
     atomic_bool is_unwanted;  /* any thread may set it: acts like a deadline that has passed */
@@ -78,13 +74,10 @@ void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t le
 /* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
-/* Queues a job at the end of the lane. Returns false when the queue is full. */
-bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane,
-                       struct server_job *job);
-
-/* Queues a job ahead of its lane, even into a full queue. */
-void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane,
-                             struct server_job *job);
+/* Queues a job at the end of the lane, or ahead of it. Returns false when the queue is full, which
+ * it never is for a job that goes first. */
+bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
+                       bool is_first);
 
 /* Takes the next job, which counts as running until server_lanes_end. NULL: none for this
  * worker. */

@@ -3,12 +3,12 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <time.h>
 
 #include "gd/control.h"
-#include "server/work/worker_priority.h"
+#include "server/base/thread.h"
+#include "server/work/thread_priority.h"
 
 #define UPDATE_NS 500000 /* between two updates of the priority */
 
@@ -16,31 +16,26 @@ struct server_workers {
     pthread_mutex_t lock;
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
-    uint32_t thread_count, spare_count;
+    uint32_t thread_count;     /* without spare ones */
     atomic_uint working;       /* threads that run a job, without spare ones; set under the lock */
     struct server_job *parked; /* see server_workers_park */
     struct server_job *background; /* jobs for idle times, the latest first */
     bool is_hosting;               /* a thread runs one of them */
-    bool leaving;                  /* threads end once the queue is empty */
+    bool is_leaving;               /* threads end after the job that they run */
     atomic_bool cancelled;
-    pthread_t threads[]; /* first those that are not spare, then as many spare ones */
+    struct server_thread *threads[]; /* first those that are not spare, then as many spare ones */
 };
 
-/* The queued job that this thread runs. Jobs that it submits get its lane and kind. */
+/* The job that this thread runs; all zero: none. Jobs that a queued job submits get its lane and
+ * kind. */
 static _Thread_local struct running {
-    const struct server_workers *workers;
+    const struct server_workers *workers; /* NULL: a background job */
     struct server_lane *lane;
     bool is_patient;
+    struct server_priority priority;
 } own;
 
 /* --- the queue, under the lock ---------------------------------------------------------------- */
-
-static struct server_lane *workers_lane_for(struct server_workers *workers, struct server_job *job)
-{
-    if (job->tenant || own.workers != workers) return server_lanes_of(&workers->lanes, job->tenant);
-    job->is_patient = own.is_patient;
-    return own.lane;
-}
 
 static bool workers_are_all_at_work(const struct server_workers *workers)
 {
@@ -51,6 +46,19 @@ static bool workers_are_all_at_work(const struct server_workers *workers)
 static void workers_wake(struct server_workers *workers)
 {
     pthread_cond_signal(workers_are_all_at_work(workers) ? &workers->spare_work : &workers->work);
+}
+
+/* Returns false, and leaves the job to the caller, when the queue is full. */
+static bool workers_put(struct server_workers *workers, struct server_job *job, bool is_first)
+{
+    struct server_lane *lane = own.lane;
+    if (job->tenant || own.workers != workers)
+        lane = server_lanes_of(&workers->lanes, job->tenant);
+    else
+        job->is_patient = own.is_patient;
+    if (!server_lanes_push(&workers->lanes, lane, job, is_first)) return false;
+    workers_wake(workers);
+    return true;
 }
 
 /* Removes the job from the list. Returns NULL if it is not in there. */
@@ -64,37 +72,9 @@ static struct server_job *list_remove(struct server_job **list, const struct ser
 
 /* --- threads ---------------------------------------------------------------------------------- */
 
-static _Thread_local struct server_priority
-    priority; /* of the thread's job; all zero between jobs */
-
-/* Runs a job, perhaps within a longer one (server_workers_yield), whose priority returns after
- * it. */
-static void workers_run(struct server_workers *workers, struct server_job *job)
-{
-    const struct server_priority outer = priority;
-    uint64_t now_ns = gd_now_ns();
-    server_worker_set_idle(false);
-    server_priority_begin(&priority, now_ns);
-    if (atomic_load(&workers->cancelled))
-        job->refuse(job, SERVER_REFUSAL_DRAINING);
-    else if (server_job_is_late(job, now_ns))
-        job->refuse(job, SERVER_REFUSAL_DEADLINE);
-    else
-        job->run(job);
-    priority = outer;
-    server_worker_set_idle(priority.is_idle);
-}
-
 bool server_workers_are_busy(const struct server_workers *workers)
 {
     return atomic_load_explicit(&workers->working, memory_order_relaxed) > 0;
-}
-
-static uint64_t processor_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
 bool server_workers_go_on(struct server_workers *workers)
@@ -102,86 +82,90 @@ bool server_workers_go_on(struct server_workers *workers)
     static _Thread_local uint64_t updated_ns;
     uint64_t now_ns = gd_now_ns();
     if (now_ns - updated_ns >= UPDATE_NS) {
-        server_worker_set_idle(server_priority_update(&priority, now_ns, processor_ns()));
+        struct timespec cpu;
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
+        uint64_t cpu_ns = (uint64_t)cpu.tv_sec * 1000000000 + (uint64_t)cpu.tv_nsec;
+        server_worker_set_idle(server_priority_update(&own.priority, now_ns, cpu_ns));
         updated_ns = now_ns;
     }
     return !server_workers_cancelled(workers);
 }
 
-/* Runs a job that was taken from the lanes. Releases the lock meanwhile. */
-static void workers_run_taken(struct server_workers *workers, struct server_job *job)
+/* Runs a job, perhaps within a longer one (server_workers_yield). Releases the lock meanwhile. */
+static void workers_run(struct server_workers *workers, struct server_job *job,
+                        struct running running)
 {
     const struct running outer = own;
-    struct server_lane *lane = job->lane;
-    bool is_patient = job->is_patient;
-    if (server_lanes_queued(&workers->lanes))
-        workers_wake(workers); /* perhaps for a spare thread */
-    own = (struct running){workers, lane, is_patient};
-    pthread_mutex_unlock(&workers->lock);
     uint64_t begun_ns = gd_now_ns();
-    workers_run(workers, job);
+    own = running;
+    pthread_mutex_unlock(&workers->lock);
+    server_worker_set_idle(false);
+    server_priority_begin(&own.priority, begun_ns);
+    if (server_workers_cancelled(workers))
+        job->refuse(job, SERVER_REFUSAL_DRAINING);
+    else if (server_job_is_late(job, begun_ns))
+        job->refuse(job, SERVER_REFUSAL_DEADLINE);
+    else
+        job->run(job);
+    own = outer;
+    server_worker_set_idle(own.priority.is_idle);
     uint64_t ns = gd_now_ns() - begun_ns;
     pthread_mutex_lock(&workers->lock);
-    own = outer;
-    server_lanes_end(&workers->lanes, lane, is_patient, ns);
+    if (running.lane) server_lanes_end(&workers->lanes, running.lane, running.is_patient, ns);
 }
 
-/* Runs the latest background job. Releases the lock meanwhile. */
-static void workers_run_background(struct server_workers *workers)
+/* Runs a job that was taken from the lanes. */
+static void workers_run_taken(struct server_workers *workers, struct server_job *job)
+{
+    if (server_lanes_queued(&workers->lanes))
+        workers_wake(workers); /* perhaps for a spare thread */
+    workers_run(workers, job, (struct running){workers, job->lane, job->is_patient, {0}});
+}
+
+/* Runs the latest background job, unless one runs already. Returns false if it ran none. */
+static bool workers_run_background(struct server_workers *workers)
 {
     struct server_job *job = workers->background;
+    if (!job || workers->is_hosting) return false;
     workers->background = job->next;
     workers->is_hosting = true;
-    pthread_mutex_unlock(&workers->lock);
-    workers_run(workers, job);
-    pthread_mutex_lock(&workers->lock);
+    workers_run(workers, job, (struct running){0});
     workers->is_hosting = false;
-}
-
-/* Runs the next job, if there is one, and returns whether there was. Releases the lock
- * meanwhile. */
-static bool workers_run_next(struct server_workers *workers)
-{
-    struct server_job *job = server_lanes_take(&workers->lanes, false);
-    if (!job && (!workers->background || workers->is_hosting)) return false;
-    workers->working++;
-    if (job)
-        workers_run_taken(workers, job);
-    else
-        workers_run_background(workers);
-    workers->working--;
     return true;
 }
 
-static void *worker_main(void *user)
+/* Runs jobs until the end. */
+static void workers_serve(struct server_workers *workers, bool is_spare)
 {
-    struct server_workers *workers = user;
     server_worker_lower();
     pthread_mutex_lock(&workers->lock);
-    for (;;) {
-        if (workers_run_next(workers)) continue;
-        if (workers->leaving) break;
-        pthread_cond_wait(&workers->work, &workers->lock);
-    }
-    pthread_mutex_unlock(&workers->lock);
-    return NULL;
-}
-
-static void *spare_main(void *user)
-{
-    struct server_workers *workers = user;
-    server_worker_lower();
-    pthread_mutex_lock(&workers->lock);
-    while (!workers->leaving) {
-        struct server_job *job =
-            workers_are_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
+    while (!workers->is_leaving) {
+        bool has_run = false;
+        struct server_job *job = !is_spare || workers_are_all_at_work(workers)
+                                     ? server_lanes_take(&workers->lanes, is_spare)
+                                     : NULL;
+        workers->working += !is_spare;
         if (job)
             workers_run_taken(workers, job);
-        else
-            pthread_cond_wait(&workers->spare_work, &workers->lock);
+        else if (!is_spare)
+            has_run = workers_run_background(workers);
+        workers->working -= !is_spare;
+        if (!job && !has_run)
+            pthread_cond_wait(is_spare ? &workers->spare_work : &workers->work, &workers->lock);
     }
     pthread_mutex_unlock(&workers->lock);
-    return NULL;
+}
+
+static void worker_run(void *user, struct server_thread *thread)
+{
+    (void)thread;
+    workers_serve(user, false);
+}
+
+static void spare_run(void *user, struct server_thread *thread)
+{
+    (void)thread;
+    workers_serve(user, true);
 }
 
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length)
@@ -193,22 +177,21 @@ struct server_workers *server_workers_create(uint32_t count, uint32_t queue_leng
     pthread_cond_init(&workers->work, NULL);
     pthread_cond_init(&workers->spare_work, NULL);
     server_lanes_init(&workers->lanes, count, queue_length);
-    for (pthread_t *thread = workers->threads; workers->thread_count < count; thread++) {
-        if (pthread_create(thread, NULL, worker_main, workers) != 0) {
-            server_workers_destroy(workers);
-            return NULL;
-        }
-        workers->thread_count++;
-    }
-    return workers;
+    workers->thread_count = count;
+    bool has_all = true;
+    for (uint32_t i = 0; i < count && has_all; i++)
+        has_all = (workers->threads[i] = server_thread_start(worker_run, workers)) != NULL;
+    if (has_all) return workers;
+    server_workers_destroy(workers);
+    return NULL;
 }
 
 bool server_workers_add_spare(struct server_workers *workers)
 {
-    pthread_t *thread = &workers->threads[workers->thread_count];
-    for (; workers->spare_count < workers->thread_count; workers->spare_count++)
-        if (pthread_create(thread++, NULL, spare_main, workers) != 0) return false;
-    return true;
+    bool has_all = true;
+    for (uint32_t i = workers->thread_count; i < 2 * workers->thread_count && has_all; i++)
+        has_all = (workers->threads[i] = server_thread_start(spare_run, workers)) != NULL;
+    return has_all;
 }
 
 void server_workers_share(struct server_workers *workers)
@@ -221,12 +204,12 @@ void server_workers_destroy(struct server_workers *workers)
     if (!workers) return;
     server_workers_cancel(workers);
     pthread_mutex_lock(&workers->lock);
-    workers->leaving = true;
+    workers->is_leaving = true;
     pthread_cond_broadcast(&workers->work);
     pthread_cond_broadcast(&workers->spare_work);
     pthread_mutex_unlock(&workers->lock);
-    for (uint32_t i = 0; i < workers->thread_count + workers->spare_count; i++)
-        pthread_join(workers->threads[i], NULL);
+    for (uint32_t i = 0; i < 2 * workers->thread_count; i++)
+        server_thread_stop(workers->threads[i]);
     pthread_cond_destroy(&workers->spare_work);
     pthread_cond_destroy(&workers->work);
     pthread_mutex_destroy(&workers->lock);
@@ -235,31 +218,26 @@ void server_workers_destroy(struct server_workers *workers)
 
 /* --- jobs in and out -------------------------------------------------------------------------- */
 
-enum place { PLACE_LAST, PLACE_FIRST, PLACE_BACKGROUND };
-
-static bool workers_put(struct server_workers *workers, struct server_job *job, enum place place)
-{
-    if (place == PLACE_BACKGROUND) {
-        job->next = workers->background;
-        workers->background = job;
-        pthread_cond_signal(&workers->work);
-        return true;
-    }
-    struct server_lane *lane = workers_lane_for(workers, job);
-    if (place == PLACE_FIRST)
-        server_lanes_push_front(&workers->lanes, lane, job);
-    else if (!server_lanes_push(&workers->lanes, lane, job))
-        return false;
-    workers_wake(workers);
-    return true;
-}
-
-/* Returns false, and leaves the job to the caller, when the queue is full. */
-static bool workers_add(struct server_workers *workers, struct server_job *job, enum place place)
+/* Lists the job unless there was a cancel. */
+static bool workers_list(struct server_workers *workers, struct server_job **list,
+                         struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
-    bool is_cancelled = atomic_load(&workers->cancelled);
-    bool is_taken = is_cancelled || workers_put(workers, job, place);
+    bool is_listed = !server_workers_cancelled(workers);
+    if (is_listed) {
+        job->next = *list;
+        *list = job;
+        pthread_cond_signal(&workers->work);
+    }
+    pthread_mutex_unlock(&workers->lock);
+    return is_listed;
+}
+
+static bool workers_queue(struct server_workers *workers, struct server_job *job, bool is_first)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool is_cancelled = server_workers_cancelled(workers);
+    bool is_taken = is_cancelled || workers_put(workers, job, is_first);
     pthread_mutex_unlock(&workers->lock);
     if (is_cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
     return is_taken;
@@ -267,17 +245,18 @@ static bool workers_add(struct server_workers *workers, struct server_job *job, 
 
 bool server_workers_submit(struct server_workers *workers, struct server_job *job)
 {
-    return workers_add(workers, job, PLACE_LAST);
+    return workers_queue(workers, job, false);
 }
 
 void server_workers_resume(struct server_workers *workers, struct server_job *job)
 {
-    (void)workers_add(workers, job, PLACE_FIRST);
+    (void)workers_queue(workers, job, true);
 }
 
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job)
 {
-    (void)workers_add(workers, job, PLACE_BACKGROUND);
+    if (!workers_list(workers, &workers->background, job))
+        job->refuse(job, SERVER_REFUSAL_DRAINING);
 }
 
 bool server_workers_withdraw(struct server_workers *workers, struct server_job *job)
@@ -290,21 +269,14 @@ bool server_workers_withdraw(struct server_workers *workers, struct server_job *
 
 bool server_workers_park(struct server_workers *workers, struct server_job *job)
 {
-    pthread_mutex_lock(&workers->lock);
-    bool cancelled = atomic_load(&workers->cancelled);
-    if (!cancelled) {
-        job->next = workers->parked;
-        workers->parked = job;
-    }
-    pthread_mutex_unlock(&workers->lock);
-    return !cancelled;
+    return workers_list(workers, &workers->parked, job);
 }
 
 void server_workers_unpark(struct server_workers *workers, const struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
     struct server_job *parked = list_remove(&workers->parked, job);
-    if (parked) (void)workers_put(workers, parked, PLACE_FIRST);
+    if (parked) (void)workers_put(workers, parked, true);
     pthread_mutex_unlock(&workers->lock);
 }
 
@@ -359,10 +331,9 @@ bool server_workers_cancelled(struct server_workers *workers)
 struct server_workers_load server_workers_load(struct server_workers *workers)
 {
     pthread_mutex_lock(&workers->lock);
-    const struct server_lanes *lanes = &workers->lanes;
     struct server_workers_load load = {.threads = workers->thread_count,
-                                       .running = server_lanes_running(lanes),
-                                       .queued = server_lanes_queued(lanes),
+                                       .running = server_lanes_running(&workers->lanes),
+                                       .queued = server_lanes_queued(&workers->lanes),
                                        .background = workers->is_hosting};
     pthread_mutex_unlock(&workers->lock);
     return load;

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "server/base/thread.h"
 #include "server/exchange/events.h"
 #include "server/http/head.h"
 #include "server/jobs/job_table.h"
@@ -73,7 +74,7 @@ static inline void daemon_stop(void)
     struct server *server = &daemon_server;
     server_workers_cancel(server->workers);
     while (atomic_load(&server->host.deferred)) usleep(1000);
-    server_deadlines_stop(&server->deadlines);
+    server_thread_stop(server->deadlines);
     server_job_table_destroy(server->jobs);
     server_events_destroy(server->events);
     server_surfaces_destroy(&server->surfaces);

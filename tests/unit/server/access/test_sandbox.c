@@ -22,7 +22,7 @@
 #include "server/base/log.h"
 #include "server/config/config.h"
 #include "server/store/local/files.h"
-#include "server/work/thread_affinity.h"
+#include "server/work/thread_priority.h"
 
 #define REFUSED(call, why) (errno = 0, (call) == -1 && errno == (why))
 

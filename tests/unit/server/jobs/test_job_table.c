@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "server/base/thread.h"
 #include "server/exchange/events.h"
 #include "server/jobs/job_id.h"
 #include "server/jobs/job_table.h"
@@ -63,7 +64,7 @@ static int tear_down(void **state)
     for (int i = 0; i < 100; i++) sem_post(&hold); /* for a test that failed meanwhile */
     server_workers_cancel(server.workers);
     while (atomic_load(&server.host.deferred)) usleep(1000);
-    server_deadlines_stop(&server.deadlines);
+    server_thread_stop(server.deadlines);
     server_job_table_destroy(server.jobs);
     server_events_destroy(server.events);
     server_surfaces_destroy(&server.surfaces);

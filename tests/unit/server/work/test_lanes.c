@@ -22,7 +22,7 @@ static int set_up(void **state)
 static bool push(int job, const char *tenant, bool is_patient)
 {
     jobs[job].is_patient = is_patient;
-    return server_lanes_push(&lanes, server_lanes_of(&lanes, tenant), &jobs[job]);
+    return server_lanes_push(&lanes, server_lanes_of(&lanes, tenant), &jobs[job], false);
 }
 
 /* The number of the job that was taken; -1: none. */
@@ -47,7 +47,7 @@ static void a_lane_keeps_the_order(void **state)
 {
     (void)state;
     for (int i = 0; i < 10; i++) assert_true(push(i, i % 2 ? NULL : "", false));
-    server_lanes_push_front(&lanes, server_lanes_of(&lanes, ""), &jobs[10]);
+    server_lanes_push(&lanes, server_lanes_of(&lanes, ""), &jobs[10], true);
     assert_int_equal(server_lanes_queued(&lanes), 11);
     for (int i = -1; i < 10; i++) {
         int job = take(false);

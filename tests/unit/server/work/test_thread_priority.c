@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <sys/syscall.h>
 
-#include "server/work/worker_priority.h"
+#include "server/work/thread_priority.h"
 
 #define NOBODY 65534
 

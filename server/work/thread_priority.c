@@ -1,23 +1,56 @@
-/* See worker_priority.h. */
-#include "server/work/worker_priority.h"
+/* See thread_priority.h. */
+#include "server/work/thread_priority.h"
 
 #include <sched.h>
+#include <stdatomic.h>
 #include <sys/resource.h>
 
+#define MOVE_NS    UINT64_C(10000000)   /* at least, between two moves of a thread */
 #define LONG_NS    UINT64_C(50000000)   /* a job that runs longer gets idle priority */
 #define MEASURE_NS UINT64_C(100000000)  /* period over which its share is measured */
 #define SHARE      8                    /* one part in so many is enough */
 #define RETURN_NS  UINT64_C(1000000000) /* the first return to normal */
-
-/* --- the thread ------------------------------------------------------------------------------- */
-
-static _Thread_local bool can_return, is_now_idle;
 
 /* On Linux this is the nice value of the calling thread only. */
 static bool thread_set_nice(int nice)
 {
     return setpriority(PRIO_PROCESS, 0, nice) == 0;
 }
+
+/* Chooses the next core for a thread. Returns false unless each thread can have one. */
+static bool core_choose(uint32_t threads, cpu_set_t *all, cpu_set_t *own)
+{
+    static atomic_uint chosen;
+    if (sched_getaffinity(0, sizeof *all, all) != 0) return false;
+    if ((uint32_t)CPU_COUNT(all) != threads) return false;
+    int core = 0;
+    for (unsigned skip = atomic_fetch_add(&chosen, 1) % threads; !CPU_ISSET(core, all) || skip--;)
+        core++;
+    CPU_ZERO(own);
+    CPU_SET(core, own);
+    return true;
+}
+
+void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_ns)
+{
+    static _Thread_local struct {
+        bool is_known, has_core, is_bound;
+        uint64_t moved_ns;
+        cpu_set_t all, own;
+    } place;
+    if (!place.is_known) {
+        place.is_known = true;
+        place.has_core = core_choose(threads, &place.all, &place.own);
+        (void)thread_set_nice(SERVER_HTTP_NICE);
+    }
+    if (!place.has_core || place.is_bound != are_workers_busy) return;
+    if (now_ns - place.moved_ns < MOVE_NS) return;
+    place.moved_ns = now_ns;
+    place.is_bound = !are_workers_busy;
+    (void)sched_setaffinity(0, sizeof place.all, place.is_bound ? &place.own : &place.all);
+}
+
+static _Thread_local bool can_return, is_now_idle;
 
 /* The kernel lets a thread leave SCHED_IDLE if it lets the thread lower its nice value. */
 void server_worker_lower(void)
@@ -33,8 +66,6 @@ void server_worker_set_idle(bool is_idle)
     if (sched_setscheduler(0, is_idle ? SCHED_IDLE : SCHED_OTHER, &none) == 0)
         is_now_idle = is_idle;
 }
-
-/* --- its job ---------------------------------------------------------------------------------- */
 
 void server_priority_begin(struct server_priority *priority, uint64_t now_ns)
 {
