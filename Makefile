@@ -14,7 +14,7 @@ CXXFLAGS += -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WA
 LDFLAGS  += -pthread $(SAN)
 
 # Rooms of the engine, in order of rank (see README). ROOMS="base io" builds a part of the house.
-ROOMS   ?= base mesh io wedge field line query transport render cut nurbs subdiv
+ROOMS   ?= base mesh io window kernel guide wavefront partition field line query transport render cut nurbs subdiv
 ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
 ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
 PROTO_C   := $(wildcard proto/*/*.c)
@@ -192,7 +192,7 @@ $(LIB_CLIENT): $(call objects,$(filter-out %/example.c,$(wildcard clients/c/*.c)
 	@rm -f $@
 	$(call tell,AR)$(AR) rcs $@ $(filter %.o,$^)
 
-# One source, compiled for several machines; the daemon chooses when it starts (engine/wedge/cpu.c).
+# One source, compiled for several machines; the daemon chooses when it starts (engine/kernel/cpu.c).
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 $(BUILD)/obj/engine/%_avx2.c.o: CFLAGS += -mavx2
 $(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512

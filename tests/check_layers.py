@@ -17,12 +17,14 @@ import re
 import sys
 
 # rooms of the engine; gd/ headers have the rank of the room that implements them
-ENGINE = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "line": 4, "query": 5, "transport": 6, "render": 6, "cut": 7, "subdiv": 7, "nurbs": 7}
+ENGINE = {"base": 0, "mesh": 1, "io": 1, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
+          "transport": 10, "render": 10, "cut": 11, "subdiv": 11, "nurbs": 11}
 PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
     "io": ["io", "control_mesh", "result_file"],
-    "wedge": ["cpu", "workspace"],
+    "kernel": ["cpu"],
+    "wavefront": ["workspace"],
     "field": ["field", "path", "isoline", "voronoi"],
     "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
     "render": ["picture"],
@@ -34,7 +36,7 @@ PUBLIC = {
 ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}
 
 # formats of JSON; requests and answers of any kind; values that many requests share; one file for each family of queries
-PROTO = {"json": 10, "http": 11, "values": 12, "queries": 13}
+PROTO = {"json": 12, "http": 13, "values": 14, "queries": 15}
 
 SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "exchange": 3, "http": 4, "store": 3, "store/local": 4, "store/postgres": 4, "fields": 3,
           "surfaces": 5, "jobs": 6, "query": 7, "api/surfaces": 8, "api/distances": 8, "api/curves": 8, "api/smooth": 8, "api/service": 8, "": 9}

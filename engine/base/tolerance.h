@@ -316,7 +316,7 @@
  * its length: what is left of it, some times as much, makes the search wider by next to nothing. */
 #define GD_TOL_TETHER 1e-5
 
-/* A step from ring to ring (wedge/ring.h) in floats is rounded by this at most, over the search's
+/* A step from ring to ring (kernel/ring.h) in floats is rounded by this at most, over the search's
  * bound, where no coordinate is larger than that. */
 #define GD_TOL_RING 2e-6
 

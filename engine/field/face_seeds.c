@@ -3,7 +3,7 @@
 
 #include "field/layout.h"
 #include "mesh/segment.h"
-#include "wedge/asking.h"
+#include "base/prefetch.h"
 
 enum {
     DIGIT_BITS = 8,

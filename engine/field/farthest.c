@@ -2,7 +2,7 @@
 
 #include "field/array.h"
 #include "field/circle.h"
-#include "wedge/contest.h"
+#include "window/contest.h"
 
 /* The farthest point. The distance has no maximum where it comes from one source only, as it grows
  * away from it. Where it comes from two, inside a face, it has one only if they pull in opposite

@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "partition/run.h"
+
 #define CHECK_PARTS 8
 #define CHECK_LEAST 30000 /* edges; fewer are checked before a second thread has begun */
 

@@ -1,4 +1,4 @@
-/* A field from the inside: final-stage wedges, a chain of chunks an edge (wedge/wedges.h), in the
+/* A field from the inside: final-stage wedges, a chain of chunks an edge (window/wedges.h), in the
  * order in which they were made.
  *
  * Inside unit and numbering of the mesh. */
@@ -9,7 +9,7 @@
 
 #include "gd/field.h"
 #include "mesh/local.h"
-#include "wedge/wavefront.h"
+#include "wavefront/wavefront.h"
 
 /* A seed that is not at a vertex, by a face that contains it, a segment along an edge by both of
  * the edge's. */

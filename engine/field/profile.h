@@ -2,7 +2,7 @@
  * it has its distance from.
  *
  * What a face sees its distances from (wedges across its edges, corners, seeds in it) is laid
- * beside the segment as windows of it, as if the segment were an edge; contests (wedge/contest.h)
+ * beside the segment as windows of it, as if the segment were an edge; contests (window/contest.h)
  * find which of them is nearest where. Within one window the distance is convex: least where it
  * comes nearest to its source, greatest at its ends. */
 #ifndef GD_FIELD_PROFILE_H
@@ -10,7 +10,7 @@
 
 #include "field/layout.h"
 #include "mesh/segment.h"
-#include "wedge/stack.h"
+#include "window/stack.h"
 
 /* All zero is empty; reused. */
 struct gd__profile {

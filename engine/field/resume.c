@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "field/layout.h"
-#include "wedge/domain.h"
+#include "partition/partition.h"
 
 /* What two wavefronts gain (doc 011) outweighs what a partial field has while it has less than this
  * part of the vertices. */

@@ -1,6 +1,6 @@
 #include "field/sight.h"
 
-#include "wedge/kernel.h"
+#include "kernel/kernel.h"
 
 gd__sight_kernel *gd__sight_kernel_in_use(bool linear)
 {

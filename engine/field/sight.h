@@ -34,7 +34,7 @@ extern gd__sight_kernel gd__sight_avx2, gd__sight_avx2_linear, gd__sight_avx512,
     gd__sight_avx512_linear;
 #endif
 
-/* The one for the kernels that are in use (wedge/kernel.h), of a field with or without segments. */
+/* The one for the kernels that are in use (kernel/kernel.h), of a field with or without segments. */
 gd__sight_kernel *gd__sight_kernel_in_use(bool linear);
 
 /* Where the way through a wedge, a window in the frame of the sight's side, to the point crosses

@@ -1,5 +1,5 @@
 #if defined(__x86_64__)
-#include "wedge/lanes_avx2.h"
+#include "kernel/lanes_avx2.h"
 
 static inline lanes load_first(const double *p, uint32_t count)
 {

@@ -1,4 +1,4 @@
-#include "wedge/lanes_plain.h"
+#include "kernel/lanes_plain.h"
 
 static inline lanes load_first(const double *p, uint32_t count)
 {

@@ -20,7 +20,7 @@
 
 #include "field/voronoi_branch.h"
 #include "gd/voronoi.h"
-#include "wedge/stack.h"
+#include "window/stack.h"
 
 /* Whose a pseudo-source is, and how much farther a member is taken to be. */
 struct gd__members {

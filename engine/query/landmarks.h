@@ -3,7 +3,7 @@
 #define GD_QUERY_LANDMARKS_H
 
 #include "gd/landmarks.h"
-#include "wedge/guide.h"
+#include "guide/guide.h"
 
 /* Lends a guide what is known, until it is cleaned; nothing when `landmarks` is NULL or of another
  * mesh. */

@@ -5,11 +5,12 @@
 #include "base/share.h"
 #include "field/arrivals.h"
 #include "line/route.h"
+#include "partition/run.h"
 #include "query/landmarks.h"
 #include "query/tether.h"
 
 /* A path in a graph, pulled tight, is the shortest one on the surface or little longer, and bounds
- * the distance from above (wedge/guide.h, query/tether.h). With that bound windows are propagated
+ * the distance from above (guide/guide.h, query/tether.h). With that bound windows are propagated
  * everywhere, which leaves little to do: a window goes on only if the way through it, and on by the
  * lower bounds of its edge's ends, can be as short (Xin and Wang 2009; Qin et al. 2016 prune
  * fields, not pairs). */

@@ -3,7 +3,7 @@
 #ifndef GD_QUERY_TETHER_H
 #define GD_QUERY_TETHER_H
 
-#include "wedge/guide.h"
+#include "guide/guide.h"
 
 /* Its length, but for rounding; of a guide that was aimed from `from` at `to`. GD_INTERNAL (the way
  * can't be laid flat: it bounds nothing then), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.

@@ -5,7 +5,7 @@
 
 #include "gd/query.h"
 #include "line/route.h"
-#include "wedge/workspace.h"
+#include "wavefront/workspace.h"
 
 /* Searches have nothing to do with each other, so each lane takes the next one when it is done. A
  * thread is known by where its own copy of `here` lies. */

@@ -2,7 +2,7 @@
 #ifndef TESTS_BENCH_TRIAL_H
 #define TESTS_BENCH_TRIAL_H
 
-#include "wedge/wavefront.h"
+#include "partition/run.h"
 
 struct trial_request {
     struct gd_point source;

@@ -43,7 +43,7 @@ struct gd_field_request {
  * distances to them are as exact as those to points (D. Bommes and L. Kobbelt, "Accurate
  * computation of geodesic distance fields for polygonal curves on triangle meshes", 2007).
  * `control`, `executor` and `detail` may be NULL. An executor of width 2 or more halves a large
- * surface between two tasks (wedge/domain.h): the same field every time, which differs from that of
+ * surface between two tasks (partition/partition.h): the same field every time, which differs from that of
  * one task by rounding. Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not
  * finite, a segment whose ends are one point or lie in no common face), GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows than any surface of sense needs),

@@ -6,7 +6,7 @@
 
 #include "gd/field.h"
 #include "query/landmarks.h"
-#include "wedge/workspace.h"
+#include "wavefront/workspace.h"
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 #include "tests/support/field.h"

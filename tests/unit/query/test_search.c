@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "wedge/workspace.h"
+#include "wavefront/workspace.h"
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"

@@ -1,0 +1,408 @@
+#include "guide/guide.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/large.h"
+#include "base/tolerance.h"
+#include "base/prefetch.h"
+
+/* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way
+ * weighed heavier than the straight line or the landmarks say, A* finds one at a fraction of the
+ * cost. */
+#define GREED           1.1
+#define LANDMARKS_GREED 1.05
+
+/* entries of fans or vertices of rings between two looks at the control: well under a
+   millisecond */
+#define CHECK_INTERVAL 1024
+
+/* --- nodes ------------------------------------------------------------------------------------ */
+
+size_t gd__guide_held(const struct gd__guide *guide)
+{
+    return (size_t)guide->mesh->vertex_count * sizeof *guide->node +
+           guide->touched_capacity * sizeof *guide->touched +
+           guide->heap_capacity * sizeof *guide->heap + gd__rings_held(&guide->rings);
+}
+
+enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count,
+                                   uint32_t *capacity, size_t size)
+{
+    if (count < *capacity) return GD_OK;
+    uint32_t larger = count < 512 ? 1024 : 2 * count;
+    enum gd_status status =
+        gd_control_afford(guide->control, gd__guide_held(guide) + larger * size);
+    if (status) return status;
+    void *grown = realloc(*array, larger * size);
+    if (!grown) return GD_NO_MEMORY;
+    *array = grown;
+    *capacity = larger;
+    return GD_OK;
+}
+
+static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
+{
+    if (guide->node[vertex].touched) return GD_OK;
+    enum gd_status status =
+        gd__guide_make_room(guide, (void **)&guide->touched, guide->touched_count,
+                            &guide->touched_capacity, sizeof *guide->touched);
+    if (status) return status;
+    guide->touched[guide->touched_count++] = vertex;
+    guide->node[vertex].touched = true;
+    return GD_OK;
+}
+
+/* --- lower bounds ----------------------------------------------------------------------------- */
+
+static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
+{
+    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* Lower bound of the way from a vertex to the point that the bounds are of. The slack is for what
+ * the vertex' own distance was rounded by; the two subtractions round what they leave, and only the
+ * end makes up for that. Branchless over a fixed number of landmarks, so that compilers use
+ * vectors. */
+static double by_landmarks(const struct gd__guide *guide, const struct gd__guide_sight *sight,
+                           uint32_t vertex)
+{
+    const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
+    float bound[GD__LANDMARKS_MOST];
+    for (int i = 0; i < GD__LANDMARKS_MOST; i++) {
+        float d = distance[i], slack = (float)GD_TOL_FLOAT * d;
+        float nearer = sight->low[i] - d - slack, farther = d - slack - sight->high[i];
+        bound[i] = nearer > farther ? nearer : farther;
+    }
+    for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
+        for (int i = 0; i < half; i++)
+            bound[i] = bound[i] > bound[i + half] ? bound[i] : bound[i + half];
+    return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
+}
+
+double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
+{
+    return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) -
+           guide->margin;
+}
+
+/* Lower bound of the way from a vertex to one of the two ends. */
+static double rest_to(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end,
+                      const struct gd__guide_sight *sight)
+{
+    double line = gd__guide_line(guide, vertex, end);
+    return guide->landmark ? fmax(line, by_landmarks(guide, sight, vertex)) : line;
+}
+
+double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
+{
+    double lower = rest_to(guide, vertex, &guide->target, &guide->from_target);
+    if (guide->rings.count) lower = fmax(lower, gd__rings_lower(guide, vertex));
+    if (lower < 0) lower = 0;
+    if (touch(guide, vertex)) return lower; /* without room it is measured again */
+    return guide->node[vertex].lower = lower;
+}
+
+void gd__guide_ask_again(struct gd__guide *guide)
+{
+    for (uint32_t i = 0; i < guide->touched_count; i++) guide->node[guide->touched[i]].lower = -1;
+}
+
+/* A point's bounds, from those of its corners; landmarks in other components say nothing. */
+static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point,
+                           struct gd__guide_sight *out)
+{
+    for (uint32_t i = 0; i < GD__LANDMARKS_MOST; i++) {
+        double low = -HUGE_VAL, high = HUGE_VAL;
+        for (int k = 0; k < 4 && guide->landmark && point->corner[k] != GD_NONE; k++) {
+            double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * point->corner[k] + i],
+                   slack = GD_TOL_FLOAT * d;
+            low = fmax(low, d - slack - point->leg[k]);
+            high = fmin(high, d + slack + point->leg[k]);
+        }
+        out->low[i] = (float)(low * (1 - GD_TOL_FLOAT));
+        out->high[i] = (float)(high * (1 + GD_TOL_FLOAT));
+    }
+}
+
+/* --- the search for paths --------------------------------------------------------------------- */
+
+static void sift_up(struct gd__guide *guide, uint32_t at)
+{
+    struct gd__guide_entry entry = guide->heap[at];
+    for (; at > 0 && guide->heap[(at - 1) / 2].key > entry.key; at = (at - 1) / 2)
+        guide->heap[at] = guide->heap[(at - 1) / 2];
+    guide->heap[at] = entry;
+}
+
+static uint32_t pop(struct gd__guide *guide)
+{
+    uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
+    struct gd__guide_entry entry = guide->heap[count];
+    for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
+        /* the one behind the last is what was taken off, and may be read: so the lesser child is no
+         * branch */
+        child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
+        if (guide->heap[child].key >= entry.key) break;
+        guide->heap[at] = guide->heap[child];
+    }
+    guide->heap[at] = entry;
+    return vertex;
+}
+
+/* What a vertex is offered: a path to the target. */
+struct offer {
+    double upper;
+    uint32_t parent, across; /* as a node has them */
+};
+
+/* Offers it; enters the vertex with a key that counts the rest of the way to `from` too. A vertex
+ * that has offered its neighbours theirs does not do so again: that would cost more than the longer
+ * path does. */
+static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct offer offer,
+                            const struct gd_vec3 *from)
+{
+    struct gd__guide_node *node = &guide->node[vertex];
+    if (node->closed || offer.upper >= node->upper) return GD_OK;
+    enum gd_status status = touch(guide, vertex);
+    if (!status)
+        status = gd__guide_make_room(guide, (void **)&guide->heap, guide->heap_count,
+                                     &guide->heap_capacity, sizeof *guide->heap);
+    if (status) return status;
+    node->upper = offer.upper;
+    node->parent = offer.parent;
+    node->across = offer.across;
+    double rest = GREED * straight(&guide->mesh->position[vertex], from);
+    if (guide->landmark)
+        rest = fmax(rest, LANDMARKS_GREED * by_landmarks(guide, &guide->from_start, vertex));
+    guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
+    sift_up(guide, guide->heap_count++);
+    return GD_OK;
+}
+
+/* The way from a vertex straight across the edge from a to b, opposite to it in a face, to the
+ * corner behind; GD__FAR: it misses the edge. From places, which A* looks at anyway: the sides'
+ * records would have to be fetched. */
+static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
+                         const struct gd_vec3 *b, const struct gd_vec3 *beyond)
+{
+    struct gd_vec3 edge = gd_vec3_sub(*b, *a), near = gd_vec3_sub(*vertex, *a),
+                   far = gd_vec3_sub(*beyond, *a);
+    double length = gd_vec3_length(edge);
+    struct gd_vec3 along = gd_vec3_scale(edge, 1 / length);
+    double x = gd_vec3_dot(near, along), dx = gd_vec3_dot(far, along) - x,
+           y = gd_vec3_length(gd_vec3_cross(near, along)),
+           dy = y + gd_vec3_length(gd_vec3_cross(far, along)), t = x + dx * y / dy;
+    return t > 0 && t < length ? sqrt(dx * dx + dy * dy) : GD__FAR;
+}
+
+/* Offers that way in the face of a fan's entry, unless even the straight line in space would be no
+ * shorter than what the corner behind has. */
+static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uint32_t entry,
+                                   const struct gd_vec3 *from)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    const struct gd_vec3 *p = mesh->position;
+    uint32_t beyond = mesh->beyond[entry], next = entry + 1;
+    double upper = guide->node[vertex].upper;
+    if (beyond == GD_NONE || guide->node[beyond].closed) return GD_OK;
+    if (upper + straight(&p[vertex], &p[beyond]) >= guide->node[beyond].upper) return GD_OK;
+    if (next == gd__neighbours_end(mesh, vertex)) next = mesh->fan_first[vertex];
+    double way = way_across(&p[vertex], &p[mesh->fan[entry].tip],
+                            &p[gd__neighbour(mesh, vertex, next)], &p[beyond]);
+    return relax(guide, beyond, (struct offer){upper + way, vertex, entry}, from);
+}
+
+enum gd_status gd__guide_step(struct gd__guide *guide)
+{
+    return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
+}
+
+/* Asks for what is known of the corners of the faces round a vertex and of those behind them at
+ * once: A* waits for little else. */
+GD__ASKING prefetch(const struct gd__guide *guide, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        uint32_t tip = mesh->fan[i].tip, beyond = mesh->beyond[i];
+        __builtin_prefetch(&guide->node[tip]);
+        __builtin_prefetch(&mesh->position[tip]);
+        if (beyond == GD_NONE) continue;
+        __builtin_prefetch(&guide->node[beyond]);
+        __builtin_prefetch(&mesh->position[beyond]);
+    }
+}
+
+static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const struct gd_vec3 *from)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    uint32_t first = mesh->fan_first[vertex];
+    double upper = guide->node[vertex].upper;
+    enum gd_status status = GD_OK;
+    guide->node[vertex].closed = true;
+    prefetch(guide, vertex);
+    for (uint32_t i = first; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
+        uint32_t tip = gd__neighbour(mesh, vertex, i);
+        struct offer along = {upper + straight(&mesh->position[vertex], &mesh->position[tip]),
+                              vertex, GD_NONE};
+        status = gd__guide_step(guide);
+        if (!status) status = relax(guide, tip, along, from);
+    }
+    for (uint32_t i = first; i < mesh->fan_first[vertex + 1] && !status; i++)
+        status = relax_across(guide, vertex, i, from);
+    return status;
+}
+
+/* The length of the best path from a point so far, and the vertex that it passes first. */
+static double best_way(const struct gd__guide *guide, const struct gd__anchor *from,
+                       uint32_t *first)
+{
+    double best = GD__FAR;
+    *first = GD_NONE;
+    for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++) {
+        double way = guide->node[from->corner[k]].upper + from->leg[k];
+        if (way < best) *first = from->corner[k];
+        best = fmin(best, way);
+    }
+    return best;
+}
+
+uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from)
+{
+    struct gd__anchor start = gd__anchor(guide->mesh, from);
+    uint32_t first;
+    best_way(guide, &start, &first);
+    return first;
+}
+
+static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *from, double *upper)
+{
+    uint32_t first;
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
+        status = relax(guide, guide->target.corner[k],
+                       (struct offer){guide->target.leg[k], GD_NONE, GD_NONE}, &from->position);
+    *upper = best_way(guide, from, &first);
+    while (!status && guide->heap_count && guide->heap[0].key < *upper) {
+        uint32_t vertex = pop(guide);
+        if (guide->node[vertex].closed) continue;
+        status = expand(guide, vertex, &from->position);
+        for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++)
+            if (from->corner[k] == vertex)
+                *upper = fmin(*upper, guide->node[vertex].upper + from->leg[k]);
+    }
+    guide->heap_count = 0;
+    return status;
+}
+
+/* --- aiming ----------------------------------------------------------------------------------- */
+
+static void clean_node(struct gd__guide_node *node)
+{
+    *node = (struct gd__guide_node){
+        .upper = GD__FAR, .lower = -1, .parent = GD_NONE, .across = GD_NONE};
+}
+
+static void clean_touched(struct gd__guide *guide)
+{
+    for (uint32_t i = 0; i < guide->touched_count; i++) clean_node(&guide->node[guide->touched[i]]);
+    guide->touched_count = 0;
+}
+
+static enum gd_status open_nodes(struct gd__guide *guide, const struct gd_mesh *mesh)
+{
+    enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide));
+    if (status || mesh->vertex_count <= guide->capacity) return status;
+    free(guide->node);
+    guide->capacity = 0;
+    guide->node = gd__large_array(mesh->vertex_count, sizeof *guide->node);
+    if (!guide->node) return GD_NO_MEMORY;
+    guide->capacity = mesh->vertex_count;
+    for (uint32_t v = 0; v < guide->capacity; v++) clean_node(&guide->node[v]);
+    return GD_OK;
+}
+
+static double largest_coordinate(struct gd_vec3 v)
+{
+    return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
+}
+
+enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
+                             const struct gd_point *from, const struct gd_point *to,
+                             const struct gd_control *control, double *upper)
+{
+    struct gd__anchor start = gd__anchor(mesh, from);
+    guide->mesh = mesh;
+    guide->control = control;
+    guide->steps = 0;
+    enum gd_status status = open_nodes(guide, mesh);
+    if (status) return status;
+    guide->target = gd__anchor(mesh, to);
+    guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position),
+                                        largest_coordinate(start.position));
+    read_landmarks(guide, &guide->target, &guide->from_target);
+    read_landmarks(guide, &start, &guide->from_start);
+    status = search(guide, &start, upper);
+    if (!status) *upper *= 1 + GD_TOL_BOUND;
+    return status;
+}
+
+/* --- the better end --------------------------------------------------------------------------- */
+
+/* Where a path runs so much along the surface, and lower bounds miss so much of the rest of the
+ * way, a search is about as wide as the square root of that; and it has the more windows, the
+ * farther it is from its source. */
+static double work_at(double run, double rest, double lower)
+{
+    return sqrt(run * fmax(rest - lower, 0));
+}
+
+bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from)
+{
+    const struct gd__anchor start = gd__anchor(guide->mesh, from);
+    uint32_t v;
+    double whole = best_way(guide, &start, &v), forth = 0, back = 0;
+    for (; v != GD_NONE; v = guide->node[v].parent) {
+        const struct gd__guide_node *node = &guide->node[v];
+        double step = node->upper - (node->parent == GD_NONE ? 0 : guide->node[node->parent].upper),
+               run = whole - node->upper;
+        forth += step *
+                 work_at(run, node->upper, rest_to(guide, v, &guide->target, &guide->from_target));
+        back += step * work_at(node->upper, run, rest_to(guide, v, &start, &guide->from_start));
+    }
+    return back < forth;
+}
+
+enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from)
+{
+    const struct gd__guide_sight sight = guide->from_target;
+    enum gd_status status = GD_OK;
+    clean_touched(guide);
+    guide->target = gd__anchor(guide->mesh, from);
+    guide->from_target = guide->from_start;
+    guide->from_start = sight;
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++) {
+        status = touch(guide, guide->target.corner[k]);
+        if (!status) guide->node[guide->target.corner[k]].upper = guide->target.leg[k];
+    }
+    return status;
+}
+
+void gd__guide_clean(struct gd__guide *guide)
+{
+    clean_touched(guide);
+    gd__rings_clean(&guide->rings);
+    guide->heap_count = 0;
+    guide->landmark = NULL;
+    guide->control = NULL;
+}
+
+void gd__guide_destroy(struct gd__guide *guide)
+{
+    free(guide->node);
+    free(guide->touched);
+    free(guide->heap);
+    gd__rings_destroy(&guide->rings);
+    *guide = (struct gd__guide){0};
+}

@@ -1,0 +1,376 @@
+#include "guide/guide.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+#include "base/prefetch.h"
+#include "kernel/kernel.h"
+
+/* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
+#define SPACING 6
+#define LEAST   3 /* hops from a vertex to the ring that it is measured by */
+/* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
+#define GAP    0.02
+#define AHEAD  8   /* vertices: whose records are asked for before they are looked at */
+#define COARSE 1e3 /* edges so many times longer than the bound: floats would tell nothing */
+
+/* in place of hops: no way within the bound passes the vertex by */
+#define OUT_OF_THE_WAY GD_NONE
+
+size_t gd__rings_held(const struct gd__rings *rings)
+{
+    return rings->capacity * sizeof *rings->ring + rings->group_capacity * sizeof *rings->group +
+           rings->vertices * sizeof *rings->hops + rings->marked_capacity * sizeof *rings->marked;
+}
+
+void gd__rings_clean(struct gd__rings *rings)
+{
+    for (uint32_t i = 0; i < rings->marked_count; i++) rings->hops[rings->marked[i]] = 0;
+    rings->count = rings->group_count = rings->marked_count = 0;
+}
+
+void gd__rings_destroy(struct gd__rings *rings)
+{
+    free(rings->ring);
+    free(rings->group);
+    free(rings->hops);
+    free(rings->marked);
+    *rings = (struct gd__rings){0};
+}
+
+/* --- bounds by a ring ------------------------------------------------------------------------- */
+
+static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
+{
+    const struct gd_vec3 *p = &guide->mesh->position[vertex], *target = &guide->target.position;
+    double scale = 1 / guide->rings.bound;
+    return (struct gd__place){(float)((p->x - target->x) * scale),
+                              (float)((p->y - target->y) * scale),
+                              (float)((p->z - target->z) * scale)};
+}
+
+/* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear
+ * function, from parts of edges between such places, none longer than `own`. */
+static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
+{
+    const struct gd__ring_group *group = rings->group;
+    return gd__kernel_in_use()->ring(group + rings->ring[number], group + rings->ring[number + 1],
+                                     p, own) -
+           rings->slack;
+}
+
+/* The ring that tells most of a vertex of so many hops: not so near that much is lost. */
+static uint32_t ring_for(uint32_t hops)
+{
+    return hops < LEAST ? 0 : (hops - LEAST) / SPACING;
+}
+
+static double measured(const struct gd__guide *guide, float lower)
+{
+    return guide->rings.bound * (1 - GD_TOL_BOUND) * (double)lower - guide->margin;
+}
+
+double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex)
+{
+    uint32_t hops = guide->rings.hops[vertex];
+    if (hops == 0 || hops == OUT_OF_THE_WAY) return GD__FAR;
+    return measured(guide, by_ring(&guide->rings, ring_for(hops - 1), place_of(guide, vertex), 0));
+}
+
+/* --- which vertices ways may pass by ---------------------------------------------------------- */
+
+/* Rings on their way outwards. */
+struct growth {
+    struct gd__guide *guide;
+    struct gd__anchor from;
+    uint32_t hops;  /* of the outermost vertices, which are */
+    uint32_t first; /* marked [first, marked_count) */
+};
+
+static double square(const struct gd_vec3 *a, const struct gd_vec3 *b)
+{
+    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
+    return x * x + y * y + z * z;
+}
+
+/* From places: the records of its sides would have to be fetched. */
+static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    double longest = 0;
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex); i++) {
+        double edge =
+            square(&mesh->position[vertex], &mesh->position[gd__neighbour(mesh, vertex, i)]);
+        longest = edge > longest ? edge : longest;
+    }
+    return sqrt(longest);
+}
+
+/* Whether no way within the bound passes through a face of the vertex, from which the rest is no
+ * shorter than `rest`: within a face it is an edge's length away at the most. */
+static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, double rest)
+{
+    const struct gd__guide *guide = growth->guide;
+    double whole = gd__guide_line(guide, vertex, &growth->from) + rest;
+    return whole > guide->rings.bound &&
+           whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
+}
+
+/* Whether straight lines to both ends are within the bound: without a root. */
+static bool is_between(const struct growth *growth, uint32_t vertex)
+{
+    const struct gd__guide *guide = growth->guide;
+    const struct gd_vec3 *p = &guide->mesh->position[vertex];
+    double a = square(p, &growth->from.position), b = square(p, &guide->target.position),
+           rest = guide->rings.bound * guide->rings.bound - a - b;
+    return rest >= 0 && 4 * a * b <= rest * rest;
+}
+
+static enum gd_status make_room_to_mark(struct gd__guide *guide, uint32_t vertices)
+{
+    struct gd__rings *rings = &guide->rings;
+    return gd__guide_make_room(guide, (void **)&rings->marked, rings->marked_count + vertices,
+                               &rings->marked_capacity, sizeof *rings->marked);
+}
+
+/* Marks a vertex that is not yet; there is room. Without a branch, which would be as good as
+ * random. */
+static inline void mark(const struct growth *growth, uint32_t vertex)
+{
+    struct gd__rings *rings = &growth->guide->rings;
+    uint32_t hops = rings->hops[vertex];
+    rings->marked[rings->marked_count] = vertex;
+    rings->marked_count += hops == 0;
+    rings->hops[vertex] = hops ? hops : 1 + growth->hops;
+}
+
+static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = growth->guide->mesh;
+    uint32_t first = mesh->fan_first[vertex], end = gd__neighbours_end(mesh, vertex);
+    enum gd_status status = gd__guide_step(growth->guide);
+    if (!status) status = make_room_to_mark(growth->guide, end - first);
+    if (status) return status;
+    for (uint32_t i = first; i < end; i++) mark(growth, gd__neighbour(mesh, vertex, i));
+    return GD_OK;
+}
+
+/* Which of the outermost vertices no way within the bound passes by, as straight lines tell it. */
+static enum gd_status leave_out_of_the_way(const struct growth *growth)
+{
+    struct gd__guide *guide = growth->guide;
+    struct gd__rings *rings = &guide->rings;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
+        uint32_t vertex = rings->marked[i];
+        status = gd__guide_step(guide);
+        if (i + AHEAD < rings->marked_count)
+            __builtin_prefetch(&guide->mesh->position[rings->marked[i + AHEAD]]);
+        if (!is_between(growth, vertex) &&
+            is_out_of_the_way(growth, vertex, gd__guide_line(guide, vertex, &guide->target)))
+            rings->hops[vertex] = OUT_OF_THE_WAY;
+    }
+    return status;
+}
+
+/* Asks for the fan of a vertex that comes up, and where that of a farther one begins. */
+GD__ASKING prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
+{
+    __builtin_prefetch(&mesh->fan_first[far]);
+    __builtin_prefetch(&mesh->fan[mesh->fan_first[near]]);
+}
+
+/* One hop farther. */
+static enum gd_status grow(struct growth *growth)
+{
+    const struct gd__rings *rings = &growth->guide->rings;
+    uint32_t first = growth->first, end = rings->marked_count;
+    enum gd_status status = GD_OK;
+    growth->first = end;
+    growth->hops++;
+    for (uint32_t i = first; i < end && !status; i++) {
+        if (i + AHEAD < end)
+            prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2],
+                         rings->marked[i + AHEAD]);
+        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY)
+            status = mark_neighbours(growth, rings->marked[i]);
+    }
+    return status ? status : leave_out_of_the_way(growth);
+}
+
+/* --- drawing ---------------------------------------------------------------------------------- */
+
+/* A group of which no lane is taken. */
+static enum gd_status add_group(struct gd__guide *guide)
+{
+    struct gd__rings *rings = &guide->rings;
+    enum gd_status status = gd__guide_make_room(guide, (void **)&rings->group, rings->group_count,
+                                                &rings->group_capacity, sizeof *rings->group);
+    if (status) return status;
+    struct gd__ring_group *group = &rings->group[rings->group_count++];
+    for (int i = 0; i < GD__RING_LANES; i++) {
+        group->x[i] = group->y[i] = group->z[i] = group->lower[i] = GD__RING_NOWHERE;
+        group->part[i] = 0;
+    }
+    return GD_OK;
+}
+
+/* One more point of a ring that has so many. */
+static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__place p,
+                          float lower, float part)
+{
+    uint32_t lane = (*points)++ % GD__RING_LANES;
+    enum gd_status status = lane == 0 ? add_group(guide) : GD_OK;
+    if (status) return status;
+    struct gd__ring_group *group = &guide->rings.group[guide->rings.group_count - 1];
+    group->x[lane] = p.x;
+    group->y[lane] = p.y;
+    group->z[lane] = p.z;
+    group->lower[lane] = lower;
+    group->part[lane] = part;
+    return GD_OK;
+}
+
+/* The groups from the end of the ring before up to here are a ring. */
+static enum gd_status close_ring(struct gd__guide *guide)
+{
+    struct gd__rings *rings = &guide->rings;
+    enum gd_status status = gd__guide_make_room(guide, (void **)&rings->ring, rings->count + 1,
+                                                &rings->capacity, sizeof *rings->ring);
+    if (!status) rings->ring[++rings->count] = rings->group_count;
+    return status;
+}
+
+static enum gd_status open_hops(struct gd__guide *guide)
+{
+    struct gd__rings *rings = &guide->rings;
+    uint32_t vertices = guide->mesh->vertex_count;
+    if (vertices <= rings->vertices) return GD_OK;
+    enum gd_status status =
+        gd_control_afford(guide->control, gd__guide_held(guide) + vertices * sizeof *rings->hops);
+    if (status) return status;
+    uint32_t *hops = calloc(vertices, sizeof *hops);
+    if (!hops) return GD_NO_MEMORY;
+    free(rings->hops);
+    rings->hops = hops;
+    rings->vertices = vertices;
+    return GD_OK;
+}
+
+/* The target is a ring of its own. */
+static enum gd_status begin(struct gd__guide *guide)
+{
+    struct gd__rings *rings = &guide->rings;
+    enum gd_status status = open_hops(guide);
+    if (!status)
+        status = gd__guide_make_room(guide, (void **)&rings->ring, 0, &rings->capacity,
+                                     sizeof *rings->ring);
+    if (status) return status;
+    rings->ring[0] = 0;
+    status = put(guide, &(uint32_t){0}, (struct gd__place){0, 0, 0}, 0, 0);
+    return status ? status : close_ring(guide);
+}
+
+/* Half of the edge from an outermost vertex to another vertex; 0 if that is no outermost one that
+ * ways may pass by. */
+static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t other)
+{
+    const struct gd_mesh *mesh = growth->guide->mesh;
+    if (growth->guide->rings.hops[other] != 1 + growth->hops) return 0;
+    return (float)(0.5 * sqrt(square(&mesh->position[vertex], &mesh->position[other])) /
+                   growth->guide->rings.bound);
+}
+
+static float longest_half_edge(const struct growth *growth, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = growth->guide->mesh;
+    float longest = 0;
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex); i++)
+        longest = fmaxf(longest, half_edge(growth, vertex, gd__neighbour(mesh, vertex, i)));
+    return longest;
+}
+
+/* The middles of the edges from an outermost vertex to others of higher numbers. */
+static enum gd_status put_middles(const struct growth *growth, uint32_t *points, uint32_t vertex,
+                                  struct gd__place p)
+{
+    struct gd__guide *guide = growth->guide;
+    const struct gd_mesh *mesh = guide->mesh;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex) && !status;
+         i++) {
+        uint32_t other = gd__neighbour(mesh, vertex, i);
+        float half = other > vertex ? half_edge(growth, vertex, other) : 0;
+        if (half == 0) continue;
+        struct gd__place q = place_of(guide, other),
+                         middle = {0.5f * (p.x + q.x), 0.5f * (p.y + q.y), 0.5f * (p.z + q.z)};
+        status = put(guide, points, middle,
+                     by_ring(&guide->rings, guide->rings.count - 1, middle, half), half);
+    }
+    return status;
+}
+
+/* A vertex and its edges become points of the ring, unless the ring before shows it to be out of
+ * the way. */
+static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32_t vertex)
+{
+    struct gd__guide *guide = growth->guide;
+    struct gd__rings *rings = &guide->rings;
+    struct gd__place p = place_of(guide, vertex);
+    float half = longest_half_edge(growth, vertex),
+          lower = by_ring(rings, rings->count - 1, p, half);
+    if (is_out_of_the_way(growth, vertex, measured(guide, lower))) {
+        rings->hops[vertex] = OUT_OF_THE_WAY;
+        return GD_OK;
+    }
+    enum gd_status status = put(guide, points, p, lower, half);
+    if (!status) status = put_middles(growth, points, vertex, p);
+    return status ? status : gd__guide_step(guide);
+}
+
+/* The outermost vertices become a ring, but for those that it shows to be out of the way. */
+static enum gd_status add_ring(struct growth *growth)
+{
+    struct gd__rings *rings = &growth->guide->rings;
+    uint32_t points = 0;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++)
+        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY)
+            status = put_vertex(growth, &points, rings->marked[i]);
+    return status ? status : close_ring(growth->guide);
+}
+
+static enum gd_status draw(struct growth *growth)
+{
+    struct gd__guide *guide = growth->guide;
+    struct gd__rings *rings = &guide->rings;
+    enum gd_status status = begin(guide);
+    if (!status) status = make_room_to_mark(guide, 4);
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
+        mark(growth, guide->target.corner[k]);
+    if (!status) status = leave_out_of_the_way(growth);
+    while (growth->first < rings->marked_count && !status) {
+        if (growth->hops && growth->hops % SPACING == 0) status = add_ring(growth);
+        if (!status) status = grow(growth);
+    }
+    return status;
+}
+
+enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from, double bound)
+{
+    struct growth growth = {.guide = guide, .from = gd__anchor(guide->mesh, from)};
+    struct gd__rings *rings = &guide->rings;
+    double coarseness = 1 + 2 * guide->mesh->summary.edge_length.max / guide->mesh->unit / bound,
+           sure = GD__FAR;
+    gd__rings_clean(rings);
+    gd__guide_ask_again(guide);
+    for (int k = 0; k < 4 && growth.from.corner[k] != GD_NONE; k++)
+        sure = fmin(sure, gd__guide_lower(guide, growth.from.corner[k]) + growth.from.leg[k]);
+    if (!(bound > 0) || sure > bound * (1 - GAP) || coarseness > COARSE) return GD_OK;
+    rings->bound = bound;
+    rings->slack = (float)(GD_TOL_RING * coarseness);
+    enum gd_status status = draw(&growth);
+    if (status) gd__rings_clean(rings);
+    gd__guide_ask_again(guide);
+    return status;
+}

@@ -1,0 +1,5 @@
+#include "kernel/lanes_plain.h"
+
+#define KERNEL_NAME "baseline"
+#define WITH_LINEAR 1
+#include "kernel/kernel_lanes.h"

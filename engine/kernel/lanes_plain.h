@@ -1,0 +1,201 @@
+/* Lanes, plain C: one at a time. See kernel.h for what each operation means; the three sets of them
+ * must agree to the last bit. */
+#ifndef GD_KERNEL_LANES_H
+#define GD_KERNEL_LANES_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#define LANES            1
+#define KERNEL(x)        gd__##x##_plain
+#define KERNEL_LINEAR(x) gd__##x##_plain_linear
+
+typedef double lanes;
+typedef bool mask;
+typedef uint32_t ids;
+
+static inline lanes all(double a)
+{
+    return a;
+}
+static inline lanes load(const double *p)
+{
+    return *p;
+}
+static inline void store(double *p, lanes a)
+{
+    *p = a;
+}
+static inline void store_first(double *p, lanes a, uint32_t count)
+{
+    (void)count, *p = a;
+}
+static inline lanes root(lanes a)
+{
+    return sqrt(a);
+}
+static inline lanes magnitude(lanes a)
+{
+    return fabs(a);
+}
+static inline lanes greater(lanes a, lanes b)
+{
+    return a > b ? a : b;
+}
+static inline lanes lesser(lanes a, lanes b)
+{
+    return a < b ? a : b;
+}
+static inline lanes pick(mask m, lanes yes, lanes no)
+{
+    return m ? yes : no;
+}
+
+static inline mask lt(lanes a, lanes b)
+{
+    return a < b;
+}
+static inline mask le(lanes a, lanes b)
+{
+    return a <= b;
+}
+static inline mask eq(lanes a, lanes b)
+{
+    return a == b;
+}
+static inline mask both(mask a, mask b)
+{
+    return a & b;
+}
+static inline mask either(mask a, mask b)
+{
+    return a | b;
+}
+static inline mask except(mask a, mask b)
+{
+    return a & !b;
+}
+static inline mask first_lanes(uint32_t count)
+{
+    return count > 0;
+}
+static inline uint32_t bits(mask m)
+{
+    return m;
+}
+static inline mask mask_of(uint32_t set)
+{
+    return set & 1;
+}
+
+static inline lanes compress(mask m, lanes a)
+{
+    (void)m;
+    return a;
+}
+static inline lanes after(lanes carry, lanes a)
+{
+    (void)a;
+    return carry;
+}
+static inline lanes ahead(lanes a)
+{
+    return a;
+}
+static inline mask mask_ahead(mask m)
+{
+    (void)m;
+    return false;
+}
+static inline lanes last_of(lanes a, uint32_t count)
+{
+    (void)count;
+    return a;
+}
+static inline double first_of(lanes a)
+{
+    return a;
+}
+static inline lanes reversed(lanes a)
+{
+    return a;
+}
+
+static inline ids ids_all(uint32_t a)
+{
+    return a;
+}
+static inline ids ids_load(const uint32_t *p)
+{
+    return *p;
+}
+static inline void ids_store(uint32_t *p, ids a)
+{
+    *p = a;
+}
+static inline mask ids_eq(ids a, ids b)
+{
+    return a == b;
+}
+/* The highest bit. */
+static inline mask ids_top(ids a)
+{
+    return a >> 31;
+}
+static inline ids ids_compress(mask m, ids a)
+{
+    (void)m;
+    return a;
+}
+static inline ids ids_after(ids carry, ids a)
+{
+    (void)a;
+    return carry;
+}
+static inline ids ids_last_of(ids a, uint32_t count)
+{
+    (void)count;
+    return a;
+}
+static inline ids ids_reversed(ids a)
+{
+    return a;
+}
+
+static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t count)
+{
+    (void)count;
+    *p = (uint64_t)start | (uint64_t)source << 32;
+}
+
+#define FLOATS 1
+
+typedef float floats;
+
+static inline floats floats_all(float a)
+{
+    return a;
+}
+static inline floats floats_load(const float *p)
+{
+    return *p;
+}
+static inline floats floats_root(floats a)
+{
+    return sqrtf(a);
+}
+static inline floats floats_lesser(floats a, floats b)
+{
+    return a < b ? a : b;
+}
+static inline floats floats_greater(floats a, floats b)
+{
+    return a > b ? a : b;
+}
+static inline float floats_least(floats a)
+{
+    return a;
+}
+
+#endif

@@ -1,0 +1,295 @@
+#include "wavefront/wavefront.h"
+
+/* Emission of a vertex, and of a seed beside a vertex, into the vertex' fan. A seed at a vertex
+ * emits into the whole fan; a saddle or boundary vertex only into the shadow cone behind it, where
+ * a path that bends there is locally shortest: at least pi on both sides of the incoming ray. A
+ * seed beside a vertex emits what it sees past the vertex on both sides; both ends of that are rays
+ * from the vertex. */
+
+/* What emits: a vertex, or a seed beside it. */
+struct emitter {
+    uint32_t source;
+    double sigma;
+};
+
+/* A part of an entry's face: angles from the entry's own side, which `opening` is the most of. */
+struct sector {
+    double from, to, opening;
+};
+
+/* --- vertices --------------------------------------------------------------------------------- */
+
+/* The seed is beside the vertex: its distance is the seed's, and no path to the vertex is
+ * shorter. */
+static bool is_beside(const struct gd__wavefront *front, uint32_t vertex, uint32_t source,
+                      struct gd__polar *out)
+{
+    if (source < front->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source))
+        return false;
+    const struct gd__seed *seed = &front->seeds[source - front->mesh->vertex_count];
+    return gd__polar_beside(front->mesh, &seed->point, out) && out->vertex == vertex;
+}
+
+/* Angle of the ray from `vertex` back along its last leg, in its fan. */
+static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    struct gd__birth birth = *gd__wavefront_birth(front, vertex);
+    struct gd__polar beside;
+    if (is_beside(front, vertex, birth.source, &beside)) return beside.angle;
+    /* between p -> origin and p -> destination of the side opposite to p = vertex */
+    if (birth.side != GD_NONE) {
+        const struct gd_side *s = &mesh->side[birth.side];
+        double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
+        double rx = birth.x - px, ry = -birth.y - py, ox = -px, oy = -py;
+        if (birth.source != GD_NONE && gd__source_is_linear(birth.source))
+            rx = birth.x, ry = -birth.y;
+        uint32_t entry = mesh->fan_first[vertex], first = gd__side_previous(mesh, birth.side);
+        while (mesh->fan[entry].side != first) entry++;
+        return mesh->fan[entry].angle + atan2(ox * ry - oy * rx, ox * rx + oy * ry);
+    }
+    uint32_t edge = GD_NONE;
+    if (birth.source >= mesh->vertex_count)
+        edge = front->seeds[birth.source - mesh->vertex_count].point.element;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        uint32_t side = mesh->fan[i].side;
+        if (edge != GD_NONE ? side >> 1 == edge : mesh->fan[i].tip == birth.source)
+            return mesh->fan[i].angle;
+    }
+    return mesh->total_angle[vertex]; /* the last boundary edge of the fan */
+}
+
+static void reach_along_edge(struct gd__wavefront *front, uint32_t from, uint32_t to, double length)
+{
+    struct gd__birth birth = {.side = GD_NONE, .source = from};
+    gd__wavefront_reach(front, to, front->distance[from] + length, birth);
+}
+
+/* Where the ray from the vertex at an angle meets the far edge of an entry's face, from the
+ * apex. */
+static double place_of_ray(const struct gd_side *s, double angle)
+{
+    double py = s->left_length * s->left_y, ax = s->left_length * s->left_x - s->length;
+    return s->right_length * (1 - sin(angle) * s->length / (cos(angle) * py - sin(angle) * ax));
+}
+
+/* Casts a window through a sector of an entry's face. The emitter lies at `at` in the frame of the
+ * entry's side; the window's side runs the other way. */
+static void emit_through_face(struct gd__wavefront *front, const struct emitter *emitter,
+                              const struct gd_fan *fan, struct sector sector, struct gd__local at)
+{
+    const struct gd_side *s = &front->mesh->side[fan->side];
+    double length = s->right_length, px = s->left_length * s->left_x,
+           py = s->left_length * s->left_y;
+    double b0 = 0, b1 = length;
+    double x = -(px * s->right_x + py * s->right_y) + (at.x * s->right_x + at.y * s->right_y),
+           y = py * s->length / length /* twice the area over the edge: no cancellation */
+               + (at.x * s->right_y - at.y * s->right_x);
+    if (gd__window_grazes(x, y, length)) return;
+    /* the vertex lies almost on the edge: see all of it, as its ends would not tell the angle */
+    bool cap = y <= GD_TOL_CAP * length;
+    if (sector.from > 0 && !cap) b1 = place_of_ray(s, sector.from);
+    if (sector.to < sector.opening && !cap) b0 = place_of_ray(s, sector.to);
+    if (b0 < 0) b0 = 0;
+    if (b1 > length) b1 = length;
+    if (b1 - b0 <= GD_TOL_WIDTH * length) return;
+    struct gd__window window = {
+        .b0 = b0, .b1 = b1, .x = x, .y = y, .sigma = emitter->sigma, .source = emitter->source};
+    gd__wavefront_offer(front, s->right, &window);
+}
+
+/* Emits into the directions [from, to] of the fan, 0 <= from <= to; an interior fan goes round (to
+ * may exceed the total angle). */
+static void emit_cone(struct gd__wavefront *front, uint32_t vertex, double from, double to)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];
+    double total = mesh->total_angle[vertex];
+    bool interior = mesh->vertex_kind[vertex] != GD_VERTEX_BOUNDARY;
+    const struct emitter emitter = {vertex, front->distance[vertex]};
+    for (int lap = 0; lap < (interior ? 2 : 1); lap++) {
+        double turn = lap * total;
+        for (uint32_t i = first; i < end; i++) {
+            double begin = mesh->fan[i].angle + turn,
+                   stop = (i + 1 < end ? mesh->fan[i + 1].angle : total) + turn;
+            if (stop < from - GD_TOL_CONE) continue;
+            if (begin > to + GD_TOL_CONE) break;
+            const struct gd_fan *fan = &mesh->fan[i];
+            if (interior && begin >= from - GD_TOL_CONE)
+                reach_along_edge(front, vertex, fan->tip, mesh->side[fan->side].length);
+            if (stop <= from || begin >= to) continue;
+            emit_through_face(front, &emitter, fan,
+                              (struct sector){from - begin, to - begin, stop - begin},
+                              (struct gd__local){0, 0});
+        }
+    }
+}
+
+/* A boundary vertex offers its distance along all of its edges: always true, and the cone's edge
+ * cases need no care. */
+static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        uint32_t side = mesh->fan[i].side, last = gd__side_previous(mesh, side);
+        reach_along_edge(front, vertex, mesh->fan[i].tip, mesh->side[side].length);
+        if (gd__side_is_boundary(mesh, last ^ 1))
+            reach_along_edge(front, vertex, mesh->origin[last], mesh->side[last].length);
+    }
+}
+
+/* The vertex is a seed, and none comes nearer to it. */
+static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
+{
+    const struct gd__birth *birth = gd__wavefront_birth(front, vertex);
+    uint32_t vertices = front->mesh->vertex_count;
+    return birth->source >= vertices && birth->source != GD_NONE && birth->side == GD_NONE &&
+           front->seeds[birth->source - vertices].point.kind == GD_POINT_VERTEX;
+}
+
+static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    double total = mesh->total_angle[vertex];
+    *gd__wavefront_emitted(front, vertex) = front->distance[vertex];
+    front->effort.vertices_emitted++;
+    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY,
+         is_seed = is_seed_vertex(front, vertex);
+    if (boundary) reach_all_neighbours(front, vertex);
+    if (is_seed || front->methods.no_cone) {
+        emit_cone(front, vertex, 0, total);
+        return;
+    }
+    double in = incoming_angle(front, vertex);
+    if (boundary) {
+        if (in + M_PI < total) emit_cone(front, vertex, in + M_PI, total);
+        if (in - M_PI > 0) emit_cone(front, vertex, 0, in - M_PI);
+    } else {
+        double from = in + M_PI < total ? in + M_PI : in + M_PI - total;
+        emit_cone(front, vertex, from, from + total - 2 * M_PI);
+    }
+}
+
+/* The other wavefront of a domain emits from common vertices itself. Of the others it has to know
+ * the distance, as windows of theirs may come to it. */
+void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+{
+    struct gd__domain *domain = front->domain;
+    if (!domain) {
+        emit_vertex(front, vertex);
+        return;
+    }
+    if (!gd__domain_has_vertex(domain, vertex)) return;
+    domain->is_common = gd__domain_shares_vertex(domain, vertex);
+    if (!domain->is_common) gd__wavefront_tell(front, vertex);
+    if (!front->status) emit_vertex(front, vertex);
+    domain->is_common = false;
+}
+
+/* --- seeds beside a vertex -------------------------------------------------------------------- */
+
+/* A seed beside a vertex, and how far it sees round the vertex, in radians. The ways past the two
+ * sides of a convex vertex are as long where they meet, half of the fan away. Elsewhere sight ends
+ * behind the vertex, or at the boundary. */
+struct beside {
+    struct emitter emitter;
+    struct gd__polar polar;
+    double left, right; /* counter-clockwise, and clockwise */
+};
+
+static struct beside beside_of(const struct gd__wavefront *front, uint32_t seed,
+                               const struct gd__polar *polar)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    double total = mesh->total_angle[polar->vertex];
+    struct beside b = {.emitter = {mesh->vertex_count + seed, front->seeds[seed].offset},
+                       .polar = *polar,
+                       .left = M_PI,
+                       .right = M_PI};
+    if (mesh->vertex_kind[polar->vertex] == GD_VERTEX_CONVEX) b.left = b.right = total / 2;
+    if (mesh->vertex_kind[polar->vertex] == GD_VERTEX_BOUNDARY) {
+        b.left = fmin(M_PI, total - polar->angle);
+        b.right = fmin(M_PI, polar->angle);
+    }
+    return b;
+}
+
+/* The seed sees all of an edge of the vertex from (x, -y) in the frame of a side. What it casts
+ * across the side's face is emitted from the vertex; queries in that face want the wedge. */
+static void store_edge(struct gd__wavefront *front, const struct beside *b, uint32_t side,
+                       struct gd__local at)
+{
+    struct gd__window window = {.b1 = front->mesh->side[side].length,
+                                .x = at.x,
+                                .y = -at.y,
+                                .sigma = b->emitter.sigma,
+                                .source = b->emitter.source};
+    if (window.y > 0) gd__store_window(front, side, &window);
+}
+
+/* Offers a neighbour of the vertex the straight way from the seed: `way` long, and it starts at
+ * `at` in the frame of `side`, opposite to the neighbour. */
+static void reach_neighbour(struct gd__wavefront *front, const struct beside *b, uint32_t side,
+                            struct gd__local at, struct gd__local way)
+{
+    struct gd__birth birth = {.x = at.x, .y = -at.y, .side = side, .source = b->emitter.source};
+    gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
+                        b->emitter.sigma + sqrt(way.x * way.x + way.y * way.y), birth);
+}
+
+/* Emits into the face of a fan's entry that begins `ahead` radians counter-clockwise of the
+ * seed. */
+static void emit_to_left(struct gd__wavefront *front, const struct beside *b, uint32_t entry,
+                         double ahead, double opening)
+{
+    const struct gd_fan *fan = &front->mesh->fan[entry];
+    const struct gd_side *s = &front->mesh->side[fan->side];
+    struct gd__local at = gd__polar_place(&b->polar, -ahead);
+    struct gd__local way = {s->left_length * s->left_x - at.x, s->left_length * s->left_y - at.y};
+    store_edge(front, b, fan->side, at);
+    emit_through_face(front, &b->emitter, fan,
+                      (struct sector){0, fmin(b->left - ahead, opening), opening}, at);
+    if (ahead + opening <= b->left + GD_TOL_CONE) reach_neighbour(front, b, fan->side, at, way);
+}
+
+/* Emits into the face of a fan's entry that ends `ahead` radians clockwise of the seed. */
+static void emit_to_right(struct gd__wavefront *front, const struct beside *b, uint32_t entry,
+                          double ahead, double opening)
+{
+    const struct gd_fan *fan = &front->mesh->fan[entry];
+    const struct gd_side *s = &front->mesh->side[fan->side];
+    uint32_t last = gd__side_previous(front->mesh, fan->side);
+    struct gd__local at = gd__polar_place(&b->polar, opening + ahead),
+                     turned = gd__polar_place(&b->polar, -ahead);
+    turned.x = s->left_length - turned.x; /* in the frame of the face's last side */
+    store_edge(front, b, last, turned);
+    emit_through_face(front, &b->emitter, fan,
+                      (struct sector){fmax(0, opening - (b->right - ahead)), opening, opening}, at);
+    if (ahead + opening <= b->right + GD_TOL_CONE)
+        reach_neighbour(front, b, last, turned, (struct gd__local){s->length - at.x, at.y});
+}
+
+void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd__polar *polar)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    const struct beside b = beside_of(front, seed, polar);
+    uint32_t first = mesh->fan_first[polar->vertex], end = mesh->fan_first[polar->vertex + 1];
+    bool is_closed = mesh->vertex_kind[polar->vertex] != GD_VERTEX_BOUNDARY;
+    double left = gd__fan_end(mesh, polar->vertex, polar->entry) - polar->angle,
+           right = polar->angle - mesh->fan[polar->entry].angle;
+    for (uint32_t i = polar->entry; left < b.left;) {
+        i = i + 1 < end || !is_closed ? i + 1 : first;
+        if (i == end) break;
+        double opening = gd__fan_end(mesh, polar->vertex, i) - mesh->fan[i].angle;
+        emit_to_left(front, &b, i, left, opening);
+        left += opening;
+    }
+    for (uint32_t i = polar->entry; right < b.right;) {
+        if (i == first && !is_closed) break;
+        i = i > first ? i - 1 : end - 1;
+        double opening = gd__fan_end(mesh, polar->vertex, i) - mesh->fan[i].angle;
+        /* else a face of the seed's edge */
+        if (right > 0) emit_to_right(front, &b, i, right, opening);
+        right += opening;
+    }
+}

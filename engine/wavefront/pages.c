@@ -1,0 +1,106 @@
+#include "wavefront/pages.h"
+
+#include <stdlib.h>
+
+/* buckets: some edges. Much shorter, and pages come back at once; longer, and more of them wait */
+#define REST       4
+#define SLAB_PAGES 32
+
+struct gd__page_slab {
+    struct gd__page_slab *next;
+    char pages[]; /* SLAB_PAGES of them */
+};
+
+enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
+                              uint32_t made_most, struct gd__purse *purse)
+{
+    enum gd_status status =
+        gd__purse_take(purse, count * (sizeof *pages->page + sizeof *pages->made));
+    if (status) return status;
+    *pages =
+        (struct gd__pages){.count = count, .size = size, .made_most = made_most, .purse = purse};
+    pages->page = calloc(count, sizeof *pages->page);
+    pages->made = calloc(count, sizeof *pages->made);
+    if (pages->page && pages->made) return GD_OK;
+    gd__pages_close(pages);
+    return GD_NO_MEMORY;
+}
+
+void gd__pages_close(struct gd__pages *pages)
+{
+    while (pages->slab) {
+        struct gd__page_slab *next = pages->slab->next;
+        free(pages->slab);
+        pages->slab = next;
+    }
+    free(pages->page);
+    free(pages->made);
+    *pages = (struct gd__pages){0};
+}
+
+static void enter(struct gd__pages *pages, struct gd__page *page, uint32_t now)
+{
+    page->in_line = true;
+    page->entered = now;
+    page->next = NULL;
+    if (pages->first)
+        pages->last->next = page;
+    else
+        pages->first = page;
+    pages->last = page;
+}
+
+void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now)
+{
+    page->rested = now;
+    if (!page->in_line) enter(pages, page, now);
+}
+
+/* A page that has rested long enough, taken from its place; NULL: there is none. Those that woke up
+ * in the line leave it, or begin anew. */
+static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
+{
+    while (pages->first && pages->first->entered + REST < now) {
+        struct gd__page *page = pages->first;
+        pages->first = page->next;
+        page->in_line = false;
+        if (page->waiting || page->stays) continue;
+        if (page->rested + REST < now) {
+            pages->page[page->number] = NULL;
+            return page;
+        }
+        enter(pages, page, now);
+    }
+    return NULL;
+}
+
+static enum gd_status add_slab(struct gd__pages *pages)
+{
+    size_t bytes = sizeof(struct gd__page_slab) + SLAB_PAGES * pages->size;
+    enum gd_status status = gd__purse_take(pages->purse, bytes);
+    struct gd__page_slab *slab = status ? NULL : malloc(bytes);
+    if (!slab) return status ? status : GD_NO_MEMORY;
+    slab->next = pages->slab;
+    pages->slab = slab;
+    pages->fresh = SLAB_PAGES;
+    return GD_OK;
+}
+
+static struct gd__page *take_new(struct gd__pages *pages, enum gd_status *status)
+{
+    if (!pages->fresh) *status = add_slab(pages);
+    return *status ? NULL : (struct gd__page *)(pages->slab->pages + --pages->fresh * pages->size);
+}
+
+enum gd_status gd__pages_make(struct gd__pages *pages, uint32_t number, uint32_t now)
+{
+    enum gd_status status = GD_OK;
+    struct gd__page *page = take_rested(pages, now);
+    if (!page) page = take_new(pages, &status);
+    if (!page) return status;
+    if (pages->made[number] < UINT8_MAX) pages->made[number]++;
+    *page = (struct gd__page){
+        .number = number, .rested = now, .stays = pages->made[number] > pages->made_most};
+    pages->page[number] = page;
+    return GD_OK;
+}

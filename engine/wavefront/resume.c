@@ -1,0 +1,212 @@
+#include <string.h>
+
+#include "wavefront/wavefront.h"
+
+/* Resuming: a propagation that ended at a bound goes on from there (doc 022). Its distances, births
+ * and wedges are taken over as they are; all of them are paths that exist, those up to the bound
+ * final. What the bound kept back is made again from what is stored: children of wedges, windows of
+ * vertices that emitted, and the vertices behind the bound, which have not emitted yet.
+ *
+ * A window is of use on an edge only if it is nearer somewhere than the ways along the edge from
+ * its ends, so that where these keep all of an edge within the bound nothing that was kept back is
+ * missed. Elsewhere everything is cast once more, and what cannot have been kept back is dropped
+ * where it is offered: a window whose nearest point lies within the bound by more than its ends may
+ * have moved, as they are those of a wedge, stored to 2^-32 of its edge, on another edge. What is
+ * offered twice for it is found twice, no more. Windows are cast unjoined: one that the bound kept
+ * back must not go with one that it did not. */
+
+#define COPY_BYTES  ((size_t)1 << 20) /* between two looks at the monitor */
+#define CHECK_NODES 1024              /* edges or vertices */
+
+/* How far an end of a window may lie from where it lay when the window was first cast. The ray
+ * through it turns by what its end was rounded by over its length up to there, which is half of the
+ * whole at least where the whole is twice the face, and meets the side at a slant. No end leaves
+ * the side. */
+static double slack(const struct gd__wavefront *front, uint32_t side, const struct gd__window *w)
+{
+    /* of the face that the window came across */
+    const struct gd_side *s = &front->mesh->side[side ^ 1];
+    double longest = fmax(s->length, fmax(s->left_length, s->right_length)),
+           rounded = GD_TOL_STRAIGHT * longest;
+    if (gd__window_is_linear(w)) return fmin(s->length, rounded / w->y);
+    double r0 = hypot(w->b0 - w->x, w->y), r1 = hypot(w->b1 - w->x, w->y);
+    return fmin(r0, r1) > 2 * longest ? fmin(s->length, rounded * fmax(r0, r1) / w->y) : s->length;
+}
+
+void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side, struct gd__children *windows)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < windows->count; i++) {
+        struct gd__window w = gd__windows_get(&windows->at, i);
+        double nearest = gd__window_nearest(&w);
+        if (nearest + slack(front, side, &w) > front->inner * (1 - GD_TOL_BOUND))
+            gd__windows_put(&windows->at, kept++, &w);
+    }
+    windows->count = kept;
+}
+
+static void look(struct gd__wavefront *front, uint32_t node)
+{
+    double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
+    if (node % CHECK_NODES == 0 && !front->status)
+        front->status = gd_control_check(front->monitor, part);
+}
+
+/* --- what there is ---------------------------------------------------------------------------- */
+
+static void copy(struct gd__wavefront *front, void *to, const void *from, size_t bytes)
+{
+    for (size_t at = 0; at < bytes && !front->status; at += COPY_BYTES) {
+        size_t part = bytes - at < COPY_BYTES ? bytes - at : COPY_BYTES;
+        memcpy((char *)to + at, (const char *)from + at, part);
+        front->status = gd_control_check(front->monitor, 0);
+    }
+}
+
+/* Anything in the workspace may be touched from here on. A vertex beyond the bound may have emitted
+ * with a distance that is none of its own now: 0 tells no more than that it may have. */
+static void take_over(struct gd__wavefront *front, const struct gd__begun *begun)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    struct gd_workspace *work = front->work;
+    work->touched_count = work->touched_capacity + 1;
+    copy(front, front->distance, begun->distance, mesh->vertex_count * sizeof *front->distance);
+    copy(front, front->birth, begun->birth, mesh->vertex_count * sizeof *front->birth);
+    copy(front, front->newest, begun->newest, mesh->edge_count * sizeof *front->newest);
+    if (!front->status) front->status = gd__region_reserve(&work->wedges, begun->wedge_bytes);
+    if (front->status) return;
+    copy(front, work->wedges.base, begun->wedges, begun->wedge_bytes);
+    work->wedges.used = begun->wedge_bytes;
+    front->wedge_count = begun->wedge_count;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        if (front->distance[v] < GD__FAR)
+            front->emitted[v] = front->distance[v] <= begun->bound ? front->distance[v] : 0;
+}
+
+/* --- what the bound kept back ----------------------------------------------------------------- */
+
+/* Some of the edge a-b may lie beyond the bound. */
+static bool is_open(const struct gd__wavefront *front, uint32_t a, uint32_t b, double length)
+{
+    return 0.5 * (front->distance[a] + front->distance[b] + length) >
+           front->inner * (1 - GD_TOL_BOUND);
+}
+
+/* Windows of the side may have children beyond the bound. */
+static bool leads_beyond(const struct gd__wavefront *front, uint32_t side)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    const struct gd_side *s = &mesh->side[side];
+    if (gd__side_is_boundary(mesh, side)) return false;
+    uint32_t apex = gd__side_apex(mesh, side);
+    return is_open(front, mesh->origin[side], apex, s->left_length) ||
+           is_open(front, apex, mesh->origin[side ^ 1], s->right_length);
+}
+
+/* Puts the end that two windows share where it was before it was rounded, if it is the edge of a
+ * shadow: of two sources the farther one sees the nearer one in it. There the windows tie in
+ * distance and direction: unless they meet in the very ray they overlap on edge after edge, and are
+ * contested for it. */
+static void mend_end(struct gd__window *a, struct gd__window *b, double length)
+{
+    if (a->b1 != b->b0 || gd__window_is_linear(a) || gd__window_is_linear(b)) return;
+    double ray = a->x - a->y * (a->x - b->x) / (a->y - b->y);
+    if (fabs(ray - a->b1) <= 2 * GD__WEDGE_UNIT * length && ray > a->b0 && ray < b->b1)
+        a->b1 = b->b0 = ray;
+}
+
+/* The side's windows of a chunk to the tail of the scratch; returns how many. Some are narrower
+ * than what their ends are stored to. */
+static uint32_t unpack(struct gd__wavefront *front, uint32_t side, const struct gd__chunk *chunk)
+{
+    struct gd__stack *stack = &front->work->scratch.stack[0];
+    struct gd__window_builder *tail = &front->work->scratch.tail;
+    uint32_t count = 0;
+    front->status = gd__stack_reserve(stack, chunk->count + 1);
+    if (!front->status) front->status = gd__window_builder_reserve(tail, chunk->count + 1);
+    if (front->status) return 0;
+    stack->count = 0;
+    gd__recall(front, chunk, side, true, stack);
+    double length = front->mesh->side[side].length;
+    for (uint32_t i = 0; i + 1 < stack->count; i++)
+        mend_end(&stack->windows[i], &stack->windows[i + 1], length);
+    for (uint32_t i = 0; i < stack->count; i++)
+        if (stack->windows[i].b1 > stack->windows[i].b0)
+            gd__windows_put(&tail->at, count++, &stack->windows[i]);
+    return count;
+}
+
+static void cast_chunk(struct gd__wavefront *front, uint32_t side, const struct gd__chunk *chunk)
+{
+    uint32_t count = unpack(front, side, chunk);
+    struct gd__windows windows = front->work->scratch.tail.at;
+    struct gd__receiver at = gd__wavefront_receiver(front, side);
+    if (count) count = front->kernel->filter(&windows, count, at.length, at.d0, at.d1);
+    if (count) gd__cast(front, &at, &windows, count);
+}
+
+static void cast_edge(struct gd__wavefront *front, uint32_t edge)
+{
+    bool leads[2] = {leads_beyond(front, 2 * edge), leads_beyond(front, 2 * edge + 1)};
+    if (!leads[0] && !leads[1]) return;
+    for (uint32_t at = front->newest[edge]; at != GD_NONE && !front->status;) {
+        const struct gd__chunk *chunk =
+            (const struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
+        for (uint32_t k = 0; k < 2 && !front->status; k++)
+            if (leads[k]) cast_chunk(front, 2 * edge + k, chunk);
+        at = chunk->previous;
+    }
+}
+
+static void cast_edges(struct gd__wavefront *front)
+{
+    for (uint32_t edge = 0; edge < front->mesh->edge_count && !front->status; edge++) {
+        look(front, edge);
+        if (front->status || front->newest[edge] == GD_NONE) continue;
+        front->sides_visited++;
+        cast_edge(front, edge);
+    }
+}
+
+static bool sees_beyond(const struct gd__wavefront *front, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        uint32_t side = mesh->fan[i].side;
+        if (is_open(front, mesh->fan[i].tip, gd__side_apex(mesh, side),
+                    mesh->side[side].right_length))
+            return true;
+    }
+    return false;
+}
+
+static void emit_vertices(struct gd__wavefront *front)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    for (uint32_t v = 0; v < mesh->vertex_count && !front->status; v++) {
+        look(front, v);
+        double distance = front->distance[v];
+        if (front->status || mesh->vertex_kind[v] == GD_VERTEX_CONVEX || distance >= GD__FAR)
+            continue;
+        if (distance > front->bound) continue;
+        if (distance > front->inner)
+            gd__queue_push(front->queue, 2 * mesh->edge_count + v, distance, &front->waiting[v]);
+        else if (sees_beyond(front, v))
+            gd__emit_vertex(front, v);
+    }
+}
+
+void gd__resume(struct gd__wavefront *front, const struct gd__begun *begun)
+{
+    bool joins = !front->methods.no_coalescing;
+    take_over(front, begun);
+    if (front->status) return;
+    gd__queue_begin(front->queue, begun->bound);
+    front->inner = begun->bound;
+    front->methods.no_coalescing = front->work->scratch.apart = true;
+    gd__emit_seeds(front);
+    cast_edges(front);
+    emit_vertices(front);
+    front->methods.no_coalescing = front->work->scratch.apart = !joins;
+    front->inner = 0;
+}

@@ -1,0 +1,404 @@
+#include "wavefront/wavefront.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/prefetch.h"
+
+/* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on
+   needles */
+#define BUCKET_WIDTH 0.3
+#define KEY_WEIGHT   0.25 /* a side's key between the nearer and the farther end's distance */
+/* propagated between two looks at the monitor, where an item counts as ITEM_WINDOWS besides: well
+   under a millisecond */
+#define CHECK_WINDOWS 4096
+#define ITEM_WINDOWS  16
+#define RECORDS_AHEAD 9 /* places in the queue: see prefetch_records */
+#define NAMED_AHEAD   5
+#define WORK_AHEAD    2
+/* of a mesh that a second-level cache all but holds: asking for more than records costs 3 %
+   there */
+#define SIDES_IN_CACHE 20000
+#define WORK_LEAST     (UINT64_C(1) << 25) /* windows: a second's work */
+#define WORK_FACTOR    64
+
+/* --- distances, windows, order ---------------------------------------------------------------- */
+
+static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
+{
+    if (front->guide) {
+        double through =
+            (front->distance[vertex] + front->guide->node[vertex].upper) * (1 + GD_TOL_BOUND);
+        if (through < front->bound) front->bound = through;
+        return;
+    }
+    for (int i = 0; i < 4; i++) {
+        if (front->target_corner[i] != vertex) continue;
+        double through = (front->distance[vertex] + front->target_leg[i]) * (1 + GD_TOL_CHECK);
+        if (through < front->bound) front->bound = through;
+    }
+}
+
+/* The chunks of the vertex's present distance begin here: its page has to stay. */
+static void note_fall(struct gd__wavefront *front, uint32_t vertex)
+{
+    uint32_t since = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+    if (!front->near) {
+        front->work->since[vertex] = since;
+    } else if (since) {
+        struct gd__vertex_page *page = gd__near_vertex(front->near, vertex);
+        page->since[vertex % GD__PAGE_VERTICES] = since;
+        page->page.stays = true;
+    }
+}
+
+static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distance)
+{
+    uint32_t *waiting = gd__wavefront_waiting(front, vertex), before = *waiting;
+    gd__queue_push(front->queue, 2 * front->mesh->edge_count + vertex, distance, waiting);
+    if (front->near && before == GD_NONE) gd__near_vertex(front->near, vertex)->page.waiting++;
+}
+
+/* A distance that is shorter. Vertices that windows are on their way from already are noted: see
+ * prune.c. */
+static void settle(struct gd__wavefront *front, uint32_t vertex, double distance,
+                   const struct gd__birth *birth, bool has_emitted)
+{
+    if (!front->near && front->distance[vertex] >= GD__FAR)
+        gd__workspace_touch(front->work, 2 * front->work->edges + vertex, true);
+    if (has_emitted) {
+        note_fall(front, vertex);
+        front->falls++;
+    }
+    front->distance[vertex] = distance;
+    *gd__wavefront_birth(front, vertex) = *birth;
+    shrink_bound(front, vertex);
+    if (front->mesh->vertex_kind[vertex] != GD_VERTEX_CONVEX &&
+        distance + gd__wavefront_rest(front, vertex) <= front->bound)
+        wait_at(front, vertex, distance);
+}
+
+void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance,
+                         struct gd__birth birth)
+{
+    if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
+    struct gd__domain *domain = front->domain;
+    if (domain && !gd__domain_has_vertex(domain, vertex)) return;
+    if (front->near && !front->status)
+        front->status =
+            gd__near_need_vertex(front->near, front->mesh, vertex, front->queue->current);
+    if (front->status) return;
+    settle(front, vertex, distance, &birth, *gd__wavefront_emitted(front, vertex) < GD__FAR);
+    if (domain && gd__domain_shares_vertex(domain, vertex)) gd__wavefront_tell(front, vertex);
+}
+
+void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex)
+{
+    struct gd__vertex_letter letter = {.vertex = vertex,
+                                       .has_emitted = front->emitted[vertex] < GD__FAR,
+                                       .distance = front->distance[vertex],
+                                       .birth = front->birth[vertex]};
+    if (!front->status) front->status = gd__domain_send_vertex(front->domain, &letter);
+}
+
+void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_letter *letter)
+{
+    if (letter->distance < front->distance[letter->vertex])
+        settle(front, letter->vertex, letter->distance, &letter->birth,
+               letter->has_emitted || front->emitted[letter->vertex] < GD__FAR);
+}
+
+/* An end that is not reached yet counts as a length farther than the other. Without branches, which
+ * would be as good as random. */
+static double key_of(const struct gd__receiver *to)
+{
+    double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1);
+    return near + KEY_WEIGHT * (apart < to->length ? apart : to->length);
+}
+
+/* Where neither end is reached, as before a narrow cone, what waits there says how near it is. */
+static double key_of_list(const struct gd__receiver *to, const struct gd__list *list)
+{
+    double key = key_of(to);
+    if (key < GD__FAR) return key;
+    struct gd__windows windows = gd__list_windows(list);
+    struct gd__window w = gd__windows_get(&windows, 0);
+    return gd__window_nearest(&w);
+}
+
+/* What crosses the cut. */
+static void send(struct gd__wavefront *front, uint32_t side, const struct gd__children *children)
+{
+    if (children->count && !front->domain->is_common && !front->status)
+        front->status = gd__domain_send_windows(front->domain, side, children);
+}
+
+/* The list of a side that is about to get windows; NULL: front->status says why not. */
+static inline struct gd__list *open_list(struct gd__wavefront *front, uint32_t side)
+{
+    if (!front->near) return &front->lists[side];
+    front->status = gd__near_need_side(front->near, side, front->queue->current);
+    if (front->status) return NULL;
+    struct gd__list *list = gd__wavefront_list(front, side);
+    if (!list->count) gd__near_side(front->near, side)->page.waiting++;
+    return list;
+}
+
+/* Windows that are wanted are those that come near enough; false: none are. */
+static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__receiver *to,
+                               struct gd__children *children)
+{
+    if (front->guide)
+        children->count = front->kernel->filter(&children->at, children->count, to->length,
+                                                front->bound - to->l0, front->bound - to->l1);
+    else if (front->bound < GD__FAR)
+        children->count = front->kernel->within(&children->at, children->count, front->bound);
+    if (front->inner > 0) gd__keep_beyond(front, to->side, children);
+    return children->count && !front->status;
+}
+
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
+                           struct gd__children *children)
+{
+    bool is_ours = !front->domain || gd__domain_has_side(front->domain, to->side);
+    if (!is_ours) send(front, to->side, children);
+    if (!is_ours || !keep_wanted(front, to, children)) {
+        gd__children_close(children, &front->work->pool);
+        return;
+    }
+    struct gd__list *list = open_list(front, to->side);
+    if (!list) return; /* what is in the pool is let go all at once */
+    gd__wavefront_note_windows(front, list, to->side, children->count);
+    if (!list->count || to->falls < list->falls) list->falls = to->falls;
+    front->status = gd__list_insert(list, &front->work->pool, children,
+                                    front->narrowest * to->length, &front->work->scratch);
+    if (!front->status)
+        gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
+}
+
+static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+{
+    struct gd__children *one = &front->work->left;
+    struct gd__receiver to = gd__wavefront_receiver(front, side);
+    front->status = gd__children_open(one, &front->work->pool, 1);
+    if (front->status) return;
+    gd__windows_put(&one->at, 0, window);
+    one->count = 1;
+    gd__wavefront_deliver(front, &to, one);
+}
+
+void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
+                                   const struct gd__window *window)
+{
+    if (front->status) return;
+    if (!front->takes_all) {
+        deliver_one(front, side, window);
+        return;
+    }
+    struct gd__list *list = &front->lists[side];
+    gd__wavefront_note_windows(front, list, side, 1); /* list->falls is of the oldest: it stays */
+    front->status =
+        gd__list_add_one(list, &front->work->pool, window,
+                         front->narrowest * front->mesh->side[side].length, &front->work->scratch);
+    if (!front->status)
+        gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
+}
+
+/* --- set-up ----------------------------------------------------------------------------------- */
+
+/* The corners of the target's faces and the straight ways to them: an upper bound of its distance
+ * at any time. */
+static void aim(struct gd__wavefront *front, const struct gd_point *target)
+{
+    struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}};
+    if (target) anchor = gd__anchor(front->mesh, target);
+    for (int i = 0; i < 4; i++) {
+        front->target_corner[i] = anchor.corner[i];
+        front->target_leg[i] = anchor.leg[i];
+    }
+}
+
+/* Buckets fit the smallest component that holds a seed: one that is a million times smaller than
+ * another must not fall into one bucket. */
+static double bucket_width(const struct gd__wavefront *front)
+{
+    double least = GD__FAR;
+    const struct gd_mesh *mesh = front->mesh;
+    if (mesh->summary.components == 1) return BUCKET_WIDTH * mesh->component[0].grain;
+    for (uint32_t i = 0; i < front->seed_count; i++) {
+        double grain = mesh->component[gd_point_component(mesh, &front->seeds[i].point)].grain;
+        if (grain < least) least = grain;
+    }
+    return BUCKET_WIDTH * least;
+}
+
+/* Windows that no surface of sense comes near: the square root is what smooth ones grow by. */
+static uint64_t work_limit(const struct gd_mesh *mesh)
+{
+    double sides = 2 * (double)mesh->edge_count;
+    return WORK_LEAST + (uint64_t)(WORK_FACTOR * sides * sqrt(sides));
+}
+
+static bool has_segments(const struct gd__wavefront *front)
+{
+    for (uint32_t i = 0; i < front->seed_count; i++)
+        if (front->seeds[i].is_segment) return true;
+    return false;
+}
+
+enum gd_status gd__wavefront_open(struct gd__wavefront *front,
+                                  const struct gd__propagation *propagation)
+{
+    struct gd_workspace *work = front->work;
+    enum gd_status status =
+        propagation->without_wedges
+            ? gd__workspace_open_near(work, front->mesh, bucket_width(front), front->monitor)
+            : gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
+    front->near = propagation->without_wedges ? &work->near : NULL;
+    front->lists = work->lists;
+    front->distance = front->near ? work->near.distance : work->distance;
+    front->emitted = work->emitted;
+    front->waiting = work->waiting;
+    front->newest = work->newest;
+    front->birth = work->birth;
+    front->queue = work->queue;
+    front->kernel = has_segments(front) ? gd__kernel_in_use_linear() : gd__kernel_in_use();
+    front->work->scratch.apart = front->methods.no_coalescing;
+    front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
+    front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
+    front->bound = propagation->radius;
+    front->takes_all = !front->domain && !front->guide && !front->near && !propagation->begun &&
+                       !propagation->target && propagation->radius >= GD__FAR;
+    aim(front, propagation->target);
+    return status;
+}
+
+/* --- the loop --------------------------------------------------------------------------------- */
+
+/* One record of a near page has been worked on. */
+static void leave(const struct gd__wavefront *front, struct gd__pages *pages, struct gd__page *page)
+{
+    if (--page->waiting == 0) gd__pages_rest(pages, page, front->queue->current);
+}
+
+static void work_on_side(struct gd__wavefront *front, uint32_t side)
+{
+    if (front->near && !gd__near_side(front->near, side)) return;
+    struct gd__list *list = gd__wavefront_list(front, side);
+    if (list->bucket != front->queue->current) return;
+    list->bucket = GD_NONE;
+    gd__propagate_side(front, side);
+    if (front->near) leave(front, &front->near->sides, &gd__near_side(front->near, side)->page);
+}
+
+static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
+{
+    if (front->near && !gd__near_vertex(front->near, vertex)) return;
+    uint32_t *waiting = gd__wavefront_waiting(front, vertex);
+    if (*waiting != front->queue->current) return;
+    *waiting = GD_NONE;
+    double distance = front->distance[vertex];
+    if (distance != *gd__wavefront_emitted(front, vertex) &&
+        distance + gd__wavefront_rest(front, vertex) <= front->bound)
+        gd__emit_vertex(front, vertex);
+    if (front->near)
+        leave(front, &front->near->vertices, &gd__near_vertex(front->near, vertex)->page);
+}
+
+/* Asks, in three steps, for what a node in the queue will need: its records, */
+GD__ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t sides = 2 * mesh->edge_count;
+    if (node < sides) {
+        if (!front->near) __builtin_prefetch(&front->lists[node]);
+        __builtin_prefetch(&mesh->side[node]);
+        __builtin_prefetch(&mesh->origin[node]);
+        if (!front->near) __builtin_prefetch(&front->newest[node >> 1]);
+    } else if (node != GD_NONE) {
+        __builtin_prefetch(&front->distance[node - sides]);
+        if (!front->near) __builtin_prefetch(&front->birth[node - sides]);
+        __builtin_prefetch(&mesh->fan_first[node - sides]);
+    }
+}
+
+/* what the records name, */
+GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t sides = 2 * mesh->edge_count;
+    if (node < sides) {
+        const struct gd_side *s = &mesh->side[node];
+        __builtin_prefetch(&front->distance[mesh->origin[node]]);
+        __builtin_prefetch(&front->distance[mesh->origin[node ^ 1]]);
+        if (s->left == GD_NONE) return;
+        __builtin_prefetch(&mesh->origin[s->right]);
+    } else if (node != GD_NONE) {
+        if (front->near && !gd__near_vertex(front->near, node - sides)) return;
+        uint32_t first = mesh->fan_first[node - sides],
+                 side = gd__wavefront_birth(front, node - sides)->side;
+        for (uint32_t i = first; i < first + 8; i += 4) __builtin_prefetch(&mesh->fan[i]);
+        if (side != GD_NONE) __builtin_prefetch(&mesh->side[side]);
+    }
+}
+
+/* and what these name. */
+GD__ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t sides = 2 * mesh->edge_count;
+    if (node < sides) {
+        if (front->near && !gd__near_side(front->near, node)) return;
+        const struct gd__list *list = gd__wavefront_list(front, node);
+        const char *block = list->block;
+        size_t array = gd__list_capacity(list) * sizeof(double),
+               second = list->count > GD__WINDOWS_GROUP ? GD__WINDOWS_GROUP * sizeof(double) : 0;
+        for (int i = 0; i < 6 && block; i++) {
+            __builtin_prefetch(block + i * array);
+            __builtin_prefetch(block + i * array + second);
+        }
+        if (mesh->side[node].left != GD_NONE)
+            __builtin_prefetch(&front->distance[mesh->origin[mesh->side[node].right]]);
+    } else if (node != GD_NONE) {
+        for (uint32_t i = mesh->fan_first[node - sides]; i < mesh->fan_first[node - sides + 1];
+             i++) {
+            __builtin_prefetch(&mesh->side[mesh->fan[i].side]);
+            __builtin_prefetch(&front->distance[mesh->fan[i].tip]);
+        }
+    }
+}
+
+static void check(struct gd__wavefront *front)
+{
+    double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
+    if (!front->status) front->status = gd_control_check(front->monitor, part);
+    if (!front->status &&
+        front->effort.windows_propagated + front->effort.wedges_recalled > front->work_limit)
+        front->status = GD_RUNAWAY;
+}
+
+void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most)
+{
+    uint32_t sides = 2 * front->mesh->edge_count, node;
+    const bool is_large = sides > SIDES_IN_CACHE;
+    uint64_t next_check = 0;
+    for (uint64_t work = 0; work < most && !front->status; work++) {
+        node = gd__queue_pop(front->queue, end);
+        if (node == GD_NONE) break;
+        prefetch_records(front,
+                         gd__queue_peek(front->queue, is_large ? RECORDS_AHEAD : WORK_AHEAD));
+        if (is_large) {
+            prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
+            prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
+        }
+        if (node < sides)
+            work_on_side(front, node);
+        else
+            work_on_vertex(front, node - sides);
+        if (front->effort.windows_propagated + ITEM_WINDOWS * work >= next_check) {
+            next_check = front->effort.windows_propagated + ITEM_WINDOWS * work + CHECK_WINDOWS;
+            check(front);
+        }
+    }
+    if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;
+}

@@ -1,0 +1,236 @@
+#include "wavefront/workspace.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/large.h"
+
+/* bytes of address space, not of memory: more than most fields have, see gd__region_open */
+#define WEDGES_AN_EDGE ((size_t)2 << 10)
+/* of all nodes: beyond it cleaning everything in order is cheaper than by list */
+#define TOUCHED_PART 4
+
+/* --- clean arrays ----------------------------------------------------------------------------- */
+
+static void clean_lists(struct gd_workspace *w, uint32_t first, uint32_t end)
+{
+    for (uint32_t side = first; side < end; side++)
+        w->lists[side] = (struct gd__list){.bucket = GD_NONE};
+}
+
+static void clean_vertices(struct gd_workspace *w, uint32_t first, uint32_t end)
+{
+    for (uint32_t v = first; v < end; v++) {
+        w->emitted[v] = GD__FAR;
+        w->since[v] = 0;
+        w->waiting[v] = GD_NONE;
+    }
+}
+
+static void clean_results(struct gd_workspace *w, uint32_t first, uint32_t end)
+{
+    for (uint32_t v = first; v < end; v++) {
+        w->distance[v] = GD__FAR;
+        w->birth[v] = (struct gd__birth){.side = GD_NONE, .source = GD_NONE};
+    }
+}
+
+static void clean_all(struct gd_workspace *w)
+{
+    clean_lists(w, 0, 2 * w->edges);
+    clean_vertices(w, 0, w->vertices);
+    if (!w->newest) return;
+    clean_results(w, 0, w->result_vertices);
+    memset(w->newest, 0xff, sizeof *w->newest * w->result_edges);
+}
+
+static void clean_touched(struct gd_workspace *w, uint32_t node)
+{
+    uint32_t sides = 2 * w->edges;
+    if (node < sides) {
+        clean_lists(w, node, node + 1);
+        if (w->newest) w->newest[node >> 1] = GD_NONE;
+    } else {
+        clean_vertices(w, node - sides, node - sides + 1);
+        if (w->newest) clean_results(w, node - sides, node - sides + 1);
+    }
+}
+
+void gd__workspace_clean(struct gd_workspace *w)
+{
+    if (w->touched_count > w->touched_capacity) {
+        clean_all(w);
+    } else {
+        for (uint32_t i = 0; i < w->touched_count; i++) clean_touched(w, w->touched[i]);
+    }
+    w->touched_count = 0;
+    gd__near_close(&w->near);
+    w->wedges.used = 0;
+    if (w->queue) gd__queue_clear(w->queue);
+}
+
+/* --- room ------------------------------------------------------------------------------------- */
+
+static void free_results(struct gd_workspace *w)
+{
+    free(w->distance);
+    free(w->birth);
+    free(w->newest);
+    w->distance = NULL;
+    w->birth = NULL;
+    w->newest = NULL;
+}
+
+static void free_arrays(struct gd_workspace *w)
+{
+    free_results(w);
+    free(w->lists);
+    free(w->emitted);
+    free(w->since);
+    free(w->waiting);
+    free(w->touched);
+    w->lists = NULL;
+    w->emitted = NULL;
+    w->waiting = w->since = w->touched = NULL;
+    w->edges = w->vertices = w->touched_capacity = w->touched_count = 0;
+}
+
+static bool take_arrays(struct gd_workspace *w, uint32_t edges, uint32_t vertices)
+{
+    uint32_t touched = (2 * edges + vertices) / TOUCHED_PART;
+    w->lists = gd__large_array(2 * (size_t)edges, sizeof *w->lists);
+    w->emitted = gd__large_array(vertices, sizeof *w->emitted);
+    w->since = gd__large_array(vertices, sizeof *w->since);
+    w->waiting = gd__large_array(vertices, sizeof *w->waiting);
+    w->touched = gd__large_array(touched, sizeof *w->touched);
+    if (!w->lists || !w->emitted || !w->since || !w->waiting || !w->touched) return false;
+    w->edges = edges;
+    w->vertices = vertices;
+    w->touched_capacity = touched;
+    clean_lists(w, 0, 2 * edges);
+    clean_vertices(w, 0, vertices);
+    return true;
+}
+
+/* The results fit the mesh at hand: a propagation may keep them. */
+static bool take_results(struct gd_workspace *w, uint32_t edges, uint32_t vertices)
+{
+    if (w->newest && w->result_edges == edges && w->result_vertices == vertices) return true;
+    free_results(w);
+    w->distance = gd__large_array(vertices, sizeof *w->distance);
+    w->birth = gd__large_array(vertices, sizeof *w->birth);
+    w->newest = gd__large_array(edges, sizeof *w->newest);
+    if (!w->distance || !w->birth || !w->newest) {
+        free_results(w);
+        return false;
+    }
+    w->result_edges = edges;
+    w->result_vertices = vertices;
+    clean_results(w, 0, vertices);
+    memset(w->newest, 0xff, sizeof *w->newest * edges);
+    return true;
+}
+
+size_t gd__workspace_need(const struct gd_mesh *mesh)
+{
+    size_t sides = 2 * (size_t)mesh->edge_count, vertices = mesh->vertex_count;
+    return sides * sizeof(struct gd__list) + mesh->edge_count * sizeof(uint32_t) +
+           sizeof(struct gd__queue) +
+           vertices * (2 * sizeof(double) + sizeof(uint32_t) + sizeof(struct gd__birth) +
+                       sizeof(uint32_t)) +
+           (sides + vertices) / TOUCHED_PART * sizeof(uint32_t);
+}
+
+/* Queue, pool and region; the purse is open. */
+static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                double bucket_width)
+{
+    if (!w->queue) w->queue = gd__queue_create();
+    if (!w->queue) return GD_NO_MEMORY;
+    gd__queue_set_width(w->queue, bucket_width);
+    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, &w->purse);
+    w->left = w->right = (struct gd__children){0};
+    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->purse);
+}
+
+enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                  double bucket_width, const struct gd_control *control)
+{
+    size_t need = gd__workspace_need(mesh);
+    enum gd_status status = gd_control_afford(control, need);
+    if (status) return status;
+    if (mesh->edge_count > w->edges || mesh->vertex_count > w->vertices) {
+        free_arrays(w);
+        if (!take_arrays(w, mesh->edge_count, mesh->vertex_count)) {
+            free_arrays(w);
+            return GD_NO_MEMORY;
+        }
+    }
+    if (!take_results(w, mesh->edge_count, mesh->vertex_count)) return GD_NO_MEMORY;
+    w->purse = (struct gd__purse){.control = control, .held = need};
+    return open_rest(w, mesh, bucket_width);
+}
+
+enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                       double bucket_width, const struct gd_control *control)
+{
+    w->purse = (struct gd__purse){.control = control};
+    enum gd_status status = gd__purse_take(&w->purse, sizeof *w->queue);
+    if (!status) status = gd__near_open(&w->near, mesh, &w->purse);
+    return status ? status : open_rest(w, mesh, bucket_width);
+}
+
+/* --- life ------------------------------------------------------------------------------------- */
+
+struct gd_workspace *gd_workspace_create(void)
+{
+    return calloc(1, sizeof(struct gd_workspace));
+}
+
+struct gd_workspace *gd__workspace_partner(struct gd_workspace *w)
+{
+    if (!w->partner) w->partner = gd_workspace_create();
+    return w->partner;
+}
+
+void gd_workspace_trim(struct gd_workspace *w)
+{
+    free_arrays(w);
+    gd__near_close(&w->near);
+    gd__guide_destroy(&w->guide);
+    gd__queue_destroy(w->queue);
+    gd__region_destroy(&w->wedges);
+    gd__pool_destroy(&w->pool);
+    gd__scratch_destroy(&w->scratch);
+    gd_workspace_destroy(w->partner);
+    *w = (struct gd_workspace){0};
+}
+
+void gd_workspace_destroy(struct gd_workspace *w)
+{
+    if (!w) return;
+    gd_workspace_trim(w);
+    free(w);
+}
+
+void gd_spare_memory(size_t bytes)
+{
+    gd__region_keep_spare(bytes);
+}
+
+size_t gd_workspace_bytes(const struct gd_workspace *w)
+{
+    size_t sides = 2 * (size_t)w->edges, vertices = w->vertices,
+           bytes = sizeof *w + w->pool.bytes + w->wedges.touched;
+    bytes += sides * sizeof *w->lists +
+             vertices * (sizeof *w->emitted + sizeof *w->since + sizeof *w->waiting) +
+             w->touched_capacity * sizeof *w->touched;
+    if (w->newest)
+        bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->birth) +
+                 w->result_edges * sizeof *w->newest;
+    bytes += w->guide.capacity * sizeof *w->guide.node +
+             w->guide.touched_capacity * sizeof *w->guide.touched +
+             w->guide.heap_capacity * sizeof *w->guide.heap + gd__rings_held(&w->guide.rings);
+    if (w->partner) bytes += gd_workspace_bytes(w->partner);
+    return bytes + (w->queue ? sizeof *w->queue : 0);
+}

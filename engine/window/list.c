@@ -1,0 +1,359 @@
+#include "window/list.h"
+
+#include "window/contest.h"
+
+/* Two sorted lists of which one lies before the other but for windows that overlap: window `last`
+ * of the one faces window `first` of the other. */
+struct seam {
+    const struct gd__windows *before, *behind;
+    uint32_t last, first;
+    uint32_t before_left, behind_left; /* windows; 0: all were dropped */
+    bool newer_is_before;              /* ties stay with the older ones */
+};
+
+enum closing { CLOSING_DONE, CLOSING_NEXT, CLOSING_GENERAL };
+
+/* The verdict on the windows that face each other, as if the one before were the challenger. */
+static struct gd__verdict contest_facing(const struct seam *s, double lo, double hi)
+{
+    struct gd__window before = gd__windows_get(s->before, s->last),
+                      behind = gd__windows_get(s->behind, s->first);
+    if (s->newer_is_before) return gd__contest(&before, &behind, lo, hi);
+    struct gd__verdict verdict = gd__contest(&behind, &before, lo, hi);
+    verdict.challenger_first = !verdict.challenger_first;
+    return verdict;
+}
+
+/* Cuts the windows that face each other where they meet; what is beaten all along is dropped.
+ * General is what would have to be contested by windows farther away: nothing is cut then. */
+static enum closing close_facing(struct seam *s, double min_width)
+{
+    double *a0 = &s->before->b0[s->last], *a1 = &s->before->b1[s->last];
+    double *b0 = &s->behind->b0[s->first], *b1 = &s->behind->b1[s->first];
+    double lo = *a0 > *b0 ? *a0 : *b0, hi = *a1 < *b1 ? *a1 : *b1;
+    if (hi - lo <= min_width) {
+        if (*a1 > *b0 + min_width) return CLOSING_GENERAL;
+        if (*a1 > *b0) *(s->newer_is_before ? a1 : b0) = s->newer_is_before ? *b0 : *a1;
+        return CLOSING_DONE;
+    }
+    struct gd__verdict verdict = contest_facing(s, lo, hi);
+    bool before_first = verdict.challenger_first,
+         before_last = before_first != (verdict.switches == 1);
+    if (verdict.switches > 1 || (before_last && !before_first)) return CLOSING_GENERAL;
+    if ((before_first && *b0 < lo) || (!before_last && *a1 > hi)) return CLOSING_GENERAL;
+    double at = before_last ? hi : before_first ? verdict.at[0] : lo;
+    if (before_first) *b0 = at;
+    if (!before_last) *a1 = at;
+    /* something is left */
+    bool a_is_gone = *a1 - *a0 <= min_width, b_is_gone = !a_is_gone && *b1 - *b0 <= min_width;
+    s->last -= a_is_gone;
+    s->before_left -= a_is_gone;
+    s->first += b_is_gone;
+    s->behind_left -= b_is_gone;
+    return (a_is_gone || b_is_gone) && s->before_left && s->behind_left ? CLOSING_NEXT
+                                                                        : CLOSING_DONE;
+}
+
+/* Joins the lists where one lies before the other: cuts what overlaps, and lets go of what has been
+ * dropped of either. False: part of them still has to be merged. `newer` is a view of *count
+ * windows. */
+static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count,
+                       double min_width, bool *newer_is_before)
+{
+    struct gd__windows windows = gd__list_windows(list);
+    uint32_t n = list->count, m = *count;
+    bool starts_later = newer->b0[0] >= windows.b0[0],
+         ends_later = newer->b1[m - 1] >= windows.b1[n - 1];
+    if (starts_later != ends_later) return false;
+    *newer_is_before = !starts_later;
+    struct seam s = starts_later ? (struct seam){&windows, newer, n - 1, 0, n, m, false}
+                                 : (struct seam){newer, &windows, m - 1, 0, m, n, true};
+    enum closing closing;
+    do closing = close_facing(&s, min_width);
+    while (closing == CLOSING_NEXT);
+    if (starts_later) {
+        list->count = s.before_left;
+        *newer = gd__windows_from(newer, s.first);
+        *count = s.behind_left;
+    } else {
+        if (s.first) gd__windows_move(&windows, 0, s.first, s.behind_left);
+        list->count = s.behind_left;
+        *count = s.before_left;
+    }
+    return closing == CLOSING_DONE;
+}
+
+static bool joins_at(const struct gd__windows *a, uint32_t i, const struct gd__windows *b,
+                     uint32_t j, double min_width)
+{
+    if (a->source[i] != b->source[j]) return false;
+    struct gd__window before = gd__windows_get(a, i), behind = gd__windows_get(b, j);
+    return gd__window_joins(&before, &behind, min_width);
+}
+
+/* Puts `count` windows behind those of the list; the first one may lengthen the list's last one
+ * instead (`join`). */
+static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struct gd__windows newer,
+                             uint32_t count, double min_width, bool join)
+{
+    struct gd__windows windows = gd__list_windows(list);
+    if (join && list->count && joins_at(&windows, list->count - 1, &newer, 0, min_width)) {
+        windows.b1[list->count - 1] = newer.b1[0];
+        newer = gd__windows_from(&newer, 1);
+        count--;
+    }
+    if (list->count + count + GD__WINDOWS_GROUP > gd__list_capacity(list)) {
+        enum gd_status status =
+            gd__block_enlarge(&list->block, &list->size_class, pool,
+                              list->count + count + GD__WINDOWS_GROUP, list->count);
+        if (status) return status;
+        windows = gd__list_windows(list);
+    }
+    gd__windows_copy(&windows, list->count, &newer, 0, count);
+    list->count += count;
+    return GD_OK;
+}
+
+/* Puts the first `count` of the newer windows before those of the list, which go over into their
+ * block; the list's becomes the newer ones'. */
+static enum gd_status prepend(struct gd__list *list, struct gd__pool *pool,
+                              struct gd__children *newer, uint32_t count, double min_width,
+                              bool join)
+{
+    struct gd__windows windows = gd__list_windows(list);
+    if (join && list->count && joins_at(&newer->at, count - 1, &windows, 0, min_width))
+        windows.b0[0] = newer->at.b0[--count];
+    enum gd_status status = gd__children_grow(newer, pool, count + list->count, count);
+    if (status) return status;
+    gd__windows_copy(&newer->at, count, &windows, 0, list->count);
+    struct gd__list old = *list;
+    list->block = newer->block;
+    list->size_class = newer->size_class;
+    list->count += count;
+    newer->block = old.block;
+    newer->size_class = old.size_class;
+    newer->at = windows;
+    return GD_OK;
+}
+
+/* Part [from, to) of the list and part [first, last) of the newer windows: those that overlap.
+ * Where there are none, all the newer ones go to `from` and first = last = their count. */
+struct overlap {
+    uint32_t from, to, first, last;
+};
+
+static struct overlap find_overlap(const struct gd__windows *list, uint32_t count,
+                                   const struct gd__windows *newer, uint32_t newer_count)
+{
+    double begin = newer->b0[0], end = newer->b1[newer_count - 1];
+    struct overlap o = {0, count, 0, newer_count};
+    while (o.from < count && list->b1[o.from] <= begin) o.from++;
+    while (o.to > o.from && list->b0[o.to - 1] >= end) o.to--;
+    if (o.to == o.from) return (struct overlap){o.from, o.from, newer_count, newer_count};
+    while (o.first < newer_count && newer->b1[o.first] <= list->b0[o.from]) o.first++;
+    while (o.last > o.first && newer->b0[o.last - 1] >= list->b1[o.to - 1]) o.last--;
+    return o;
+}
+
+/* The windows that take the place of list [from, to): newer [0, first), merged ones, newer [last,
+ * count). */
+struct insertion {
+    const struct gd__windows *newer;
+    const struct gd__stack *merged;
+    struct overlap at;
+    uint32_t count;     /* of newer */
+    uint32_t skip, end; /* newer [skip, first) and [last, end): what is not joined to a neighbour */
+};
+
+/* Lengthens the neighbours of an insertion instead of inserting windows that see the same
+ * source. */
+static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in,
+                            double min_width)
+{
+    if (in->at.from > 0 && (in->at.first > 0 || !in->merged) &&
+        joins_at(list, in->at.from - 1, in->newer, 0, min_width)) {
+        list->b1[in->at.from - 1] = in->newer->b1[0];
+        in->skip = 1;
+    }
+    if (in->at.to < count && (in->at.last < in->count || !in->merged) && in->count > in->skip &&
+        joins_at(in->newer, in->count - 1, list, in->at.to, min_width)) {
+        list->b0[in->at.to] = in->newer->b0[in->count - 1];
+        in->end = in->count - 1;
+    }
+    if (in->at.first > in->end) in->at.first = in->end;
+}
+
+/* Rebuilds the list around an insertion. Copies write whole groups, so each part is written after
+ * what is before it. */
+static enum gd_status splice(struct gd__list *list, struct gd__pool *pool,
+                             const struct insertion *in, struct gd__window_builder *scratch)
+{
+    uint32_t tail = list->count - in->at.to,
+             before = in->at.first > in->skip ? in->at.first - in->skip : 0,
+             behind = in->end > in->at.last ? in->end - in->at.last : 0,
+             merged = in->merged ? in->merged->count : 0;
+    uint32_t count = in->at.from + before + merged + behind + tail, at = in->at.from;
+    enum gd_status status = tail ? gd__window_builder_reserve(scratch, tail) : GD_OK;
+    struct gd__windows windows = gd__list_windows(list);
+    if (!status && tail) gd__windows_copy(&scratch->at, 0, &windows, in->at.to, tail);
+    if (!status && count + GD__WINDOWS_GROUP > gd__list_capacity(list))
+        status = gd__block_enlarge(&list->block, &list->size_class, pool, count + GD__WINDOWS_GROUP,
+                                   in->at.from);
+    if (status) return status;
+    windows = gd__list_windows(list);
+    gd__windows_copy(&windows, at, in->newer, in->skip, before);
+    at += before;
+    for (uint32_t i = 0; i < merged; i++) gd__windows_put(&windows, at++, &in->merged->windows[i]);
+    gd__windows_copy(&windows, at, in->newer, in->at.last, behind);
+    at += behind;
+    gd__windows_copy(&windows, at, &scratch->at, 0, tail);
+    list->count = count;
+    return GD_OK;
+}
+
+/* Merges what overlaps, into scratch->stack[2]. */
+static enum gd_status merge_overlap(const struct gd__windows *list, const struct gd__windows *newer,
+                                    struct overlap o, double min_width, struct gd__scratch *scratch)
+{
+    struct gd__stack *existing = &scratch->stack[0], *challengers = &scratch->stack[1],
+                     *merged = &scratch->stack[2];
+    enum gd_status status = gd__stack_reserve(existing, o.to - o.from + 1);
+    if (!status) status = gd__stack_reserve(challengers, o.last - o.first + 1);
+    if (!status)
+        status = gd__stack_reserve(merged, gd__merged_bound(o.to - o.from, o.last - o.first));
+    if (status) return status;
+    existing->count = challengers->count = merged->count = 0;
+    gd__stack_load(existing, list, o.from, o.to);
+    gd__stack_load(challengers, newer, o.first, o.last);
+    gd__merge(existing->windows, existing->count, challengers->windows, challengers->count,
+              min_width, merged);
+    return GD_OK;
+}
+
+/* The general case of an insertion: what overlaps is merged. */
+static enum gd_status merge(struct gd__list *list, struct gd__pool *pool,
+                            const struct gd__windows *newer, uint32_t count, double min_width,
+                            struct gd__scratch *scratch)
+{
+    struct insertion in = {.newer = newer, .count = count, .end = count};
+    struct gd__windows windows = gd__list_windows(list);
+    in.at = find_overlap(&windows, list->count, newer, count);
+    if (in.at.to > in.at.from) {
+        enum gd_status status = merge_overlap(&windows, newer, in.at, min_width, scratch);
+        if (status) return status;
+        in.merged = &scratch->stack[2];
+    }
+    if (!scratch->apart) join_neighbours(&windows, list->count, &in, min_width);
+    return splice(list, pool, &in, &scratch->tail);
+}
+
+static enum gd_status add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
+                          double min_width, struct gd__scratch *scratch)
+{
+    struct gd__windows view = newer->at;
+    uint32_t count = newer->count;
+    bool is_before;
+    if (!close_seam(list, &view, &count, min_width, &is_before))
+        return merge(list, pool, &view, count, min_width, scratch);
+    if (!count) return GD_OK;
+    if (is_before) return prepend(list, pool, newer, count, min_width, !scratch->apart);
+    return append(list, pool, view, count, min_width, !scratch->apart);
+}
+
+enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
+                            struct gd__children *newer, double min_width,
+                            struct gd__scratch *scratch)
+{
+    enum gd_status status = add(list, pool, newer, min_width, scratch);
+    gd__children_close(newer, pool);
+    return status;
+}
+
+/* --- one window ------------------------------------------------------------------------------- */
+
+#define FEW 3 /* windows that another one is put among in their own block */
+/* each is cut in three, with the new one between them and at both ends */
+#define MOST_PARTS (4 * FEW + 1)
+_Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP,
+               "the smallest block of a list has room for them");
+
+/* Parts of windows, in order, as they are written to a list. */
+struct parts {
+    struct gd__windows at;
+    uint32_t count;
+    const struct gd__window *last;
+    double min_width;
+};
+
+static void put_part(struct parts *parts, const struct gd__window *w, double from, double to)
+{
+    if (parts->last == w && parts->at.b1[parts->count - 1] == from) {
+        parts->at.b1[parts->count - 1] = to;
+        return;
+    }
+    if (to - from <= parts->min_width) return;
+    uint32_t i = parts->count++;
+    gd__windows_put(&parts->at, i, w);
+    parts->at.b0[i] = from;
+    parts->at.b1[i] = to;
+    parts->last = w;
+}
+
+/* The overlap of the new window with one of the list, which wins ties. */
+static void put_overlap(struct parts *parts, const struct gd__window *w, const struct gd__window *o,
+                        double lo, double hi)
+{
+    struct gd__verdict verdict = {0};
+    if (hi - lo > parts->min_width) verdict = gd__contest(w, o, lo, hi);
+    bool is_new = verdict.challenger_first;
+    for (int i = 0; i <= verdict.switches; i++, is_new = !is_new) {
+        double to = i < verdict.switches ? verdict.at[i] : hi;
+        put_part(parts, is_new ? w : o, lo, to);
+        lo = to;
+    }
+}
+
+/* What is left of windows of a list and a new one. */
+static void put_among(struct parts *parts, const struct gd__window *windows, uint32_t count,
+                      const struct gd__window *w)
+{
+    double from = w->b0; /* of the new one what lies before is put */
+    for (const struct gd__window *o = windows; o < windows + count; o++) {
+        double lo = o->b0 > w->b0 ? o->b0 : w->b0, hi = o->b1 < w->b1 ? o->b1 : w->b1;
+        if (from < lo) put_part(parts, w, from, hi < lo ? hi : lo);
+        if (o->b0 < lo) put_part(parts, o, o->b0, hi < lo ? hi : lo);
+        if (lo < hi) put_overlap(parts, w, o, lo, hi);
+        if (hi < o->b1) put_part(parts, o, hi > o->b0 ? hi : o->b0, o->b1);
+        if (from < hi) from = hi;
+    }
+    put_part(parts, w, from, w->b1);
+}
+
+static bool has_source(const struct gd__windows *windows, uint32_t count, uint32_t source)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (windows->source[i] == source) return true;
+    return false;
+}
+
+enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
+                                const struct gd__window *window, double min_width,
+                                struct gd__scratch *scratch)
+{
+    struct parts parts = {.at = gd__list_windows(list), .min_width = min_width};
+    if (list->count > FEW || has_source(&parts.at, list->count, window->source)) {
+        struct gd__children one = {.count = 1};
+        enum gd_status status = gd__children_open(&one, pool, 1);
+        if (status) return status;
+        gd__windows_put(&one.at, 0, window);
+        return gd__list_add(list, pool, &one, min_width, scratch);
+    }
+    struct gd__window there[FEW];
+    for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&parts.at, i);
+    put_among(&parts, there, list->count, window);
+    /* where nothing is wide enough, all stays as it was */
+    if (parts.count) list->count = parts.count;
+    if (parts.count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
+    return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP,
+                             list->count);
+}

@@ -1,0 +1,244 @@
+#include "window/stack.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "window/contest.h"
+
+enum gd_status gd__stack_reserve(struct gd__stack *stack, uint32_t capacity)
+{
+    if (capacity <= stack->capacity) return GD_OK;
+    uint32_t grown = capacity < 32 ? 32 : 2 * capacity;
+    struct gd__window *windows = realloc(stack->windows, sizeof *windows * (size_t)grown);
+    if (!windows) return GD_NO_MEMORY;
+    stack->windows = windows;
+    stack->capacity = grown;
+    return GD_OK;
+}
+
+void gd__stack_destroy(struct gd__stack *stack)
+{
+    free(stack->windows);
+    *stack = (struct gd__stack){0};
+}
+
+void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, uint32_t first,
+                    uint32_t end)
+{
+    for (uint32_t i = first; i < end; i++)
+        stack->windows[stack->count++] = gd__windows_get(windows, i);
+}
+
+/* Appends the piece [from, to] of a window; a piece that continues the last one of the same window
+ * lengthens it. */
+static void append_piece(struct gd__stack *out, const struct gd__window *w, double from, double to,
+                         double min_width, const struct gd__window **last)
+{
+    if (*last == w && out->windows[out->count - 1].b1 == from) {
+        out->windows[out->count - 1].b1 = to;
+        return;
+    }
+    if (to - from <= min_width) return;
+    struct gd__window *piece = &out->windows[out->count++];
+    *piece = *w;
+    piece->b0 = from;
+    piece->b1 = to;
+    *last = w;
+}
+
+/* A cursor over a sorted list: the window at hand and where its unread part starts. */
+struct cursor {
+    const struct gd__window *at, *end;
+    double from;
+};
+
+static bool done(const struct cursor *c)
+{
+    return c->at == c->end;
+}
+
+static void advance(struct cursor *c, double to)
+{
+    c->at++;
+    if (!done(c)) c->from = c->at->b0 > to ? c->at->b0 : to;
+}
+
+/* Passes the whole rest of the window at hand on. */
+static void take_rest(struct cursor *c, double min_width, struct gd__stack *out,
+                      const struct gd__window **last)
+{
+    append_piece(out, c->at, c->from, c->at->b1, min_width, last);
+    advance(c, -HUGE_VAL);
+}
+
+/* Both windows at hand start at the same place: contests their overlap and steps over it. */
+static void take_overlap(struct cursor *existing, struct cursor *newer, double min_width,
+                         struct gd__stack *out, const struct gd__window **last)
+{
+    double from = existing->from,
+           to = existing->at->b1 < newer->at->b1 ? existing->at->b1 : newer->at->b1;
+    struct gd__verdict verdict = gd__contest(newer->at, existing->at, from, to);
+    bool newer_wins = verdict.challenger_first;
+    for (int i = 0; i <= verdict.switches; i++) {
+        double until = i < verdict.switches ? verdict.at[i] : to;
+        append_piece(out, newer_wins ? newer->at : existing->at, from, until, min_width, last);
+        newer_wins = !newer_wins;
+        from = until;
+    }
+    existing->from = newer->from = to;
+    if (existing->at->b1 <= to + min_width) advance(existing, to);
+    if (newer->at->b1 <= to + min_width) advance(newer, to);
+}
+
+void gd__merge(const struct gd__window *existing, uint32_t existing_count,
+               const struct gd__window *newer, uint32_t newer_count, double min_width,
+               struct gd__stack *out)
+{
+    struct cursor e = {existing, existing + existing_count, existing_count ? existing->b0 : 0};
+    struct cursor n = {newer, newer + newer_count, newer_count ? newer->b0 : 0};
+    const struct gd__window *last = NULL;
+    while (!done(&e) || !done(&n)) {
+        if (done(&n) || (!done(&e) && e.at->b1 <= n.from + min_width)) {
+            take_rest(&e, min_width, out, &last);
+        } else if (done(&e) || n.at->b1 <= e.from + min_width) {
+            take_rest(&n, min_width, out, &last);
+        } else if (e.from < n.from) {
+            append_piece(out, e.at, e.from, n.from, min_width, &last);
+            e.from = n.from;
+        } else if (n.from < e.from) {
+            append_piece(out, n.at, n.from, e.from, min_width, &last);
+            n.from = e.from;
+        } else {
+            take_overlap(&e, &n, min_width, out, &last);
+        }
+    }
+}
+
+/* The general case of a push: merges the window with the part of the list that reaches past its
+ * start. */
+static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__window *window,
+                                      double min_width, struct gd__stack *scratch)
+{
+    uint32_t start = list->count;
+    while (start > 0 && list->windows[start - 1].b1 > window->b0 + min_width) start--;
+    enum gd_status status = gd__stack_reserve(scratch, gd__merged_bound(list->count - start, 1));
+    if (!status) status = gd__stack_reserve(list, start + gd__merged_bound(list->count - start, 1));
+    if (status) return status;
+    scratch->count = 0;
+    gd__merge(list->windows + start, list->count - start, window, 1, min_width, scratch);
+    memcpy(list->windows + start, scratch->windows, sizeof *scratch->windows * scratch->count);
+    list->count = start + scratch->count;
+    return GD_OK;
+}
+
+enum push { PUSH_REST, PUSH_AGAIN, PUSH_DONE, PUSH_GENERAL };
+
+static void put(struct gd__stack *list, const struct gd__window *w, double from, double to,
+                double min_width)
+{
+    if (to - from <= min_width) return;
+    struct gd__window *place = &list->windows[list->count++]; /* field by field: see push */
+    place->b0 = from;
+    place->b1 = to;
+    place->x = w->x;
+    place->y = w->y;
+    place->sigma = w->sigma;
+    place->source = w->source;
+    place->tags = w->tags;
+}
+
+/* The part of the window that lies before the last one of the list is useless: others are there
+ * already, without a gap, and better. */
+static bool is_beaten_before(const struct gd__stack *list, const struct gd__window *w,
+                             double min_width)
+{
+    double last = list->windows[list->count - 1].b0, until = last < w->b1 ? last : w->b1;
+    for (uint32_t i = list->count - 1; i > 0 && w->b0 < until - min_width; i--) {
+        const struct gd__window *owner = &list->windows[i - 1];
+        if (owner->b0 >= until) continue;
+        if (owner->b1 < until - min_width) return false;
+        double lo = w->b0 > owner->b0 ? w->b0 : owner->b0,
+               hi = owner->b1 < until ? owner->b1 : until;
+        struct gd__verdict verdict = gd__contest(w, owner, lo, hi);
+        if (verdict.switches || verdict.challenger_first) return false;
+        until = owner->b0;
+    }
+    return w->b0 >= until - min_width;
+}
+
+/* The window is better than the last one in [from, to), which falls into two pieces; what reaches
+ * beyond that one is left. There is room. */
+static enum push split_last(struct gd__stack *list, struct gd__window *w, double from, double to,
+                            double min_width)
+{
+    struct gd__window whole = list->windows[--list->count];
+    put(list, &whole, whole.b0, from, min_width);
+    put(list, w, from, to, min_width);
+    put(list, &whole, to, whole.b1, min_width);
+    w->b0 = whole.b1;
+    return w->b1 > w->b0 ? PUSH_REST : PUSH_DONE;
+}
+
+/* Contests the window with the last one, which it overlaps; the frequent outcomes trim one of the
+ * two in place. There is room for three more. */
+static enum push contest_last(struct gd__stack *list, struct gd__window *w, double min_width)
+{
+    struct gd__window *last = &list->windows[list->count - 1];
+    double lo = w->b0 > last->b0 ? w->b0 : last->b0, hi = w->b1 < last->b1 ? w->b1 : last->b1;
+    if (hi - lo <= min_width) {
+        if (w->b1 <= last->b0 + min_width) /* its place is farther back */
+            return is_beaten_before(list, w, min_width) ? PUSH_DONE : PUSH_GENERAL;
+        w->b0 = last->b1;
+        return PUSH_REST;
+    }
+    struct gd__verdict verdict = gd__contest(w, last, lo, hi);
+    if (verdict.switches > 1) return PUSH_GENERAL;
+    bool wins_first = verdict.challenger_first, wins_last = wins_first != (verdict.switches == 1);
+    if (w->b0 < lo && !wins_first && is_beaten_before(list, w, min_width)) w->b0 = lo;
+    /* where it begins to be better */
+    double from = wins_first ? lo : wins_last ? verdict.at[0] : hi;
+    if (hi == last->b1 && wins_last) {
+        if (wins_first && lo <= last->b0 + min_width) {
+            list->count--;
+            return PUSH_AGAIN;
+        }
+        if (w->b0 < lo) return PUSH_GENERAL;
+        last->b1 = w->b0 = from;
+        if (last->b1 - last->b0 <= min_width) list->count--;
+        return PUSH_REST;
+    }
+    if (w->b0 < lo) return PUSH_GENERAL;
+    if (wins_first || wins_last)
+        return split_last(list, w, from, wins_last ? hi : verdict.at[0], min_width);
+    if (hi >= w->b1 - min_width) return PUSH_DONE;
+    w->b0 = hi;
+    return PUSH_REST;
+}
+
+/* gd__stack_push of a window that is used up. It is handled where it lies: copied from memory it
+ * was just written to, it would be waited for. */
+static enum gd_status push(struct gd__stack *list, struct gd__window *w, double min_width,
+                           struct gd__stack *scratch)
+{
+    if (list->count && gd__window_joins(&list->windows[list->count - 1], w, min_width)) {
+        struct gd__window *last = &list->windows[list->count - 1];
+        if (w->b1 > last->b1) last->b1 = w->b1;
+        return GD_OK;
+    }
+    enum gd_status status = gd__stack_reserve(list, list->count + 3);
+    if (status) return status;
+    enum push push = PUSH_AGAIN;
+    while (push == PUSH_AGAIN && list->count &&
+           w->b0 < list->windows[list->count - 1].b1 - min_width)
+        push = contest_last(list, w, min_width);
+    if (push == PUSH_GENERAL) return merge_into_tail(list, w, min_width, scratch);
+    if (push != PUSH_DONE) put(list, w, w->b0, w->b1, min_width);
+    return GD_OK;
+}
+
+enum gd_status gd__stack_push(struct gd__stack *list, const struct gd__window *window,
+                              double min_width, struct gd__stack *scratch)
+{
+    struct gd__window w = *window;
+    return push(list, &w, min_width, scratch);
+}

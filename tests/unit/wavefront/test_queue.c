@@ -1,0 +1,248 @@
+#include "tests/support/test.h"
+
+#include <string.h>
+
+#include "gd/polygons.h"
+#include "wavefront/queue.h"
+
+enum { NODES = 100 };
+
+static struct gd__queue *queue;
+static uint32_t waiting[NODES]; /* the bucket of each node */
+
+static int open_queue(void **state)
+{
+    (void)state;
+    memset(waiting, 0xff, sizeof waiting);
+    queue = gd__queue_create();
+    if (!queue) return -1;
+    gd__queue_set_width(queue, 0.5);
+    return 0;
+}
+
+static int close_queue(void **state)
+{
+    (void)state;
+    gd__queue_destroy(queue);
+    return 0;
+}
+
+static void push(uint32_t node, double key)
+{
+    gd__queue_push(queue, node, key, &waiting[node]);
+}
+
+/* The first node that waits for its turn: entries that became stale are passed over, as owners
+ * do. */
+static uint32_t pop(void)
+{
+    for (;;) {
+        uint32_t node = gd__queue_pop(queue, GD_NONE);
+        if (node == GD_NONE) return GD_NONE;
+        if (waiting[node] != queue->current) continue;
+        waiting[node] = GD_NONE;
+        return node;
+    }
+}
+
+static void pops_in_order_of_buckets(void **state)
+{
+    (void)state;
+    push(7, 3.2);
+    push(3, 0.1);
+    push(5, 1.7);
+    push(4, 0.4); /* the bucket of node 3, behind it */
+    static const uint32_t order[] = {3, 4, 5, 7, GD_NONE};
+    for (int i = 0; i < 5; i++) assert_int_equal(pop(), order[i]);
+}
+
+static void first_in_first_out_within_a_bucket(void **state)
+{
+    (void)state;
+    /* one bucket, whatever the order of keys */
+    for (uint32_t i = 0; i < NODES; i++) push(i, 7 + 0.4 * (i % 2));
+    for (uint32_t i = 0; i < NODES; i++) assert_int_equal(pop(), i);
+}
+
+/* A node that moves forward leaves a stale entry behind; one that would move back stays, without a
+ * new entry. */
+static void deletes_lazily(void **state)
+{
+    (void)state;
+    push(1, 5);
+    push(2, 3);
+    push(1, 1); /* forward */
+    push(2, 9); /* stays */
+    assert_int_equal(queue->size, 3);
+    assert_int_equal(pop(), 1);
+    assert_int_equal(pop(), 2);
+    assert_int_equal(queue->size, 1);
+    assert_int_equal(pop(), GD_NONE); /* passes over the old entry of node 1 */
+    assert_int_equal(queue->size, 0);
+}
+
+/* A node that comes back into the very bucket of its stale entry is there twice, and is given out
+ * once. */
+static void a_stale_entry_does_not_pop_twice(void **state)
+{
+    (void)state;
+    push(1, 5);
+    push(1, 1);
+    assert_int_equal(pop(), 1);
+    push(1, 5);
+    assert_int_equal(queue->size, 2);
+    assert_int_equal(pop(), 1);
+    assert_int_equal(pop(), GD_NONE);
+}
+
+/* Keys beyond the ring and below the current bucket are legal: they only lose their exact order. */
+static void takes_any_key(void **state)
+{
+    (void)state;
+    push(1, 1e300);
+    push(2, 2);
+    assert_int_equal(pop(), 2);
+    push(3, 0); /* the past */
+    assert_int_equal(pop(), 3);
+    assert_int_equal(pop(), 1);
+    for (int lap = 0; lap < 3; lap++) { /* from the end of the ring, and of numbers */
+        push(4, 1e300);
+        push(5, 0);
+        assert_int_equal(pop(), 5);
+        assert_int_equal(pop(), 4);
+    }
+}
+
+/* Keys that all lie beyond a ring that begins at zero keep their order in one that begins near
+ * them, those a little nearer too. */
+static void begins_near_its_keys(void **state)
+{
+    (void)state;
+    double far = 2.0 * GD__QUEUE_BUCKETS;
+    gd__queue_begin(queue, far);
+    push(1, far + 3);
+    push(2, far + 1);
+    push(3, far - 2);
+    push(4, far);
+    static const uint32_t order[] = {3, 4, 2, 1, GD_NONE};
+    for (int i = 0; i < 5; i++) assert_int_equal(pop(), order[i]);
+}
+
+/* A bucket that is filled while it is emptied keeps the size of what waits in it, not of all that
+ * came by. */
+static void a_bucket_filled_while_emptied_stays_small(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < NODES; i++) push(i, 1);
+    for (uint32_t i = 0; i < 1000000; i++) {
+        uint32_t node = pop();
+        assert_int_equal(node, i % NODES);
+        push(node, 0);
+    }
+    for (uint32_t i = 0; i < GD__QUEUE_BUCKETS; i++) assert_true(queue->bucket[i].capacity <= 1024);
+}
+
+static void peeks_at_what_comes_next(void **state)
+{
+    (void)state;
+    push(0, 0.1);
+    push(1, 0.2);
+    push(2, 0.3);
+    push(3, 0.7); /* the next bucket */
+    push(4, 0.8);
+    push(5, 2.1); /* farther than anyone looks */
+    assert_int_equal(pop(), 0);
+    for (uint32_t places = 1; places < 5; places++)
+        assert_int_equal(gd__queue_peek(queue, places), places);
+    assert_int_equal(gd__queue_peek(queue, 5), GD_NONE);
+    assert_int_equal(gd__queue_peek(queue, 1000), GD_NONE);
+}
+
+/* Against a set: what waits is given out once each, never before a bucket that comes earlier. */
+static void keeps_every_node_once(void **state)
+{
+    (void)state;
+    struct rng rng = {3};
+    bool in[NODES] = {false};
+    double clock = 0;
+    for (int i = 0; i < 300000; i++) {
+        uint32_t node = rng_below(&rng, NODES);
+        if (rng_unit(&rng) < 0.6) {
+            push(node, clock + rng_between(&rng, 0, i % 3 ? 30 : 3000));
+            in[node] = true;
+        } else if ((node = pop()) != GD_NONE) {
+            assert_true(in[node]);
+            in[node] = false;
+            for (uint32_t other = 0; other < NODES; other++)
+                assert_true(waiting[other] >= queue->current);
+            clock = queue->current * 0.5;
+        }
+    }
+    uint32_t left = 0;
+    for (int i = 0; i < NODES; i++) left += in[i];
+    while (left--) assert_int_not_equal(pop(), GD_NONE);
+    assert_int_equal(pop(), GD_NONE);
+    assert_false(queue->out_of_memory);
+}
+
+/* Cleared from any state it is as good as new; another width counts from then on. */
+static void clears(void **state)
+{
+    (void)state;
+    for (int round = 0; round < 3; round++) {
+        for (uint32_t i = 0; i < NODES; i++) push(i, i * i);
+        for (int i = 0; i < NODES / 2; i++) pop();
+        gd__queue_clear(queue);
+        memset(waiting, 0xff, sizeof waiting);
+        assert_int_equal(queue->size, 0);
+        assert_int_equal(pop(), GD_NONE);
+        gd__queue_set_width(queue, 100);
+        push(1, 99);
+        push(2, 1);
+        push(3, 100);
+        for (uint32_t node = 1; node <= 3; node++) assert_int_equal(pop(), node);
+        gd__queue_clear(queue);
+        gd__queue_set_width(queue, 0.5);
+    }
+    gd__queue_destroy(NULL);
+}
+
+/* Pops stop before a bucket and go on from there; what comes late goes to the bucket at hand. */
+static void stops_before_a_bucket(void **state)
+{
+    (void)state;
+    gd__queue_set_width(queue, 1);
+    assert_int_equal(gd__queue_first(queue), GD_NONE);
+    push(1, 2.5);
+    push(2, 7.5);
+    assert_int_equal(gd__queue_first(queue), 2);
+    assert_int_equal(gd__queue_pop(queue, 2), GD_NONE);
+    assert_int_equal(gd__queue_pop(queue, 3), 1);
+    assert_int_equal(gd__queue_pop(queue, 7), GD_NONE);
+    assert_int_equal(gd__queue_first(queue), 7);
+    push(3, 0.5);
+    assert_int_equal(gd__queue_pop(queue, 7), 3);
+    assert_int_equal(gd__queue_pop(queue, 7), GD_NONE);
+    assert_int_equal(gd__queue_pop(queue, 8), 2);
+    assert_int_equal(gd__queue_pop(queue, GD_NONE), GD_NONE);
+}
+
+#define WITH_QUEUE(test) cmocka_unit_test_setup_teardown(test, open_queue, close_queue)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        WITH_QUEUE(pops_in_order_of_buckets),
+        WITH_QUEUE(first_in_first_out_within_a_bucket),
+        WITH_QUEUE(deletes_lazily),
+        WITH_QUEUE(a_stale_entry_does_not_pop_twice),
+        WITH_QUEUE(takes_any_key),
+        WITH_QUEUE(begins_near_its_keys),
+        WITH_QUEUE(a_bucket_filled_while_emptied_stays_small),
+        WITH_QUEUE(peeks_at_what_comes_next),
+        WITH_QUEUE(keeps_every_node_once),
+        WITH_QUEUE(clears),
+        WITH_QUEUE(stops_before_a_bucket),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,100 @@
+/* Windows at random, and the model that lists are compared with: at each place the least over all
+ * windows that were offered. */
+#ifndef TESTS_UNIT_WEDGE_MODEL_H
+#define TESTS_UNIT_WEDGE_MODEL_H
+
+#include "tests/support/test.h"
+
+#include <math.h>
+
+#include "window/list.h"
+
+#define WIDTH 1e-10 /* windows of at most this width may be dropped */
+
+/* On an edge of length 1. */
+static inline struct gd__window random_window(struct rng *rng, uint32_t source)
+{
+    double a = rng_unit(rng), b = rng_unit(rng);
+    return (struct gd__window){.b0 = fmin(a, b),
+                               .b1 = fmax(a, b),
+                               .x = rng_between(rng, -1, 2),
+                               .y = rng_between(rng, 0.01, 1.5),
+                               .sigma = rng_between(rng, 0, 0.5),
+                               .source = source};
+}
+
+static inline void append_window(struct gd__stack *stack, struct gd__window window)
+{
+    check_ok(gd__stack_reserve(stack, stack->count + 1), NULL);
+    stack->windows[stack->count++] = window;
+}
+
+/* INFINITY where no window is. */
+static inline double least_distance(const struct gd__stack *windows, double t)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < windows->count; i++)
+        if (windows->windows[i].b0 <= t && t <= windows->windows[i].b1)
+            least = fmin(least, gd__window_distance(&windows->windows[i], t));
+    return least;
+}
+
+static inline void check_sorted_and_disjoint(const struct gd__stack *list)
+{
+    for (uint32_t i = 0; i < list->count; i++) {
+        assert_true(list->windows[i].b1 - list->windows[i].b0 > WIDTH);
+        if (i) assert_true(list->windows[i].b0 >= list->windows[i - 1].b1 - WIDTH);
+    }
+}
+
+/* The list is sorted, disjoint, and at every place as short as the best that was offered. */
+static inline void check_envelope(const struct gd__stack *list, const struct gd__stack *offered)
+{
+    check_sorted_and_disjoint(list);
+    for (int k = 1; k < 200; k++) {
+        double t = k / 200.0 + 1e-4; /* off the ends, where a window may begin or stop */
+        check_close(least_distance(list, t), least_distance(offered, t), 1e-12);
+    }
+}
+
+/* Each window is a piece of the one that was offered with its source's number, 0 to count - 1. */
+static inline void check_pieces(const struct gd__stack *list, const struct gd__stack *offered)
+{
+    for (uint32_t i = 0; i < list->count; i++) {
+        const struct gd__window *piece = &list->windows[i];
+        assert_true(piece->source < offered->count);
+        const struct gd__window *whole = &offered->windows[piece->source];
+        assert_true(piece->x == whole->x && piece->y == whole->y && piece->sigma == whole->sigma);
+        assert_true(piece->b0 >= whole->b0 - WIDTH && piece->b1 <= whole->b1 + WIDTH);
+    }
+}
+
+/* Windows of a stack as arrays. */
+static inline void build_windows(const struct gd__stack *from, struct gd__window_builder *out)
+{
+    check_ok(gd__window_builder_reserve(out, from->count), NULL);
+    for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
+}
+
+/* Windows of a stack as children that nobody has looked at yet: from `tangled` on they may
+ * overlap. */
+static inline void build_children(const struct gd__stack *from, uint32_t tangled,
+                                  struct gd__pool *pool, struct gd__children *out)
+{
+    check_ok(gd__children_open(out, pool, from->count), NULL);
+    for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
+    out->count = from->count;
+    out->tangled = tangled;
+    out->tangled_last = from->count - 1;
+}
+
+/* And back. */
+static inline void load_windows(const struct gd__windows *from, uint32_t count,
+                                struct gd__stack *out)
+{
+    check_ok(gd__stack_reserve(out, count + 1), NULL);
+    out->count = 0;
+    gd__stack_load(out, from, 0, count);
+}
+
+#endif

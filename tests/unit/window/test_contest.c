@@ -1,0 +1,239 @@
+/* Property 6 of the paper: equation (1) has zero, one, two or infinitely many solutions in the
+ * overlap of two windows. */
+#include "tests/support/test.h"
+
+#include "window/contest.h"
+
+static struct gd__window window(double x, double y, double sigma)
+{
+    return (struct gd__window){.b0 = 0, .b1 = 1, .x = x, .y = y, .sigma = sigma};
+}
+
+static double gap(const struct gd__window *a, const struct gd__window *b, double t)
+{
+    return fabs(gd__window_distance(a, t) - gd__window_distance(b, t));
+}
+
+static void no_solution(void **state)
+{
+    (void)state;
+    struct gd__window near = window(0.4, 0.3, 0), far = window(0.5, 0.3, 5);
+    struct gd__verdict verdict = gd__contest(&near, &far, 0, 1);
+    assert_true(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 0);
+    verdict = gd__contest(&far, &near, 0, 1);
+    assert_false(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 0);
+}
+
+static void one_solution(void **state)
+{
+    (void)state;
+    struct gd__window left = window(-0.5, 0.7, 0), right = window(1.5, 0.7, 0);
+    struct gd__verdict verdict = gd__contest(&left, &right, 0, 1);
+    assert_true(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 1);
+    check_close(verdict.at[0], 0.5, 1e-15);
+    right.sigma = 0.25; /* a branch of a hyperbola */
+    verdict = gd__contest(&right, &left, 0, 1);
+    assert_false(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 1);
+    assert_true(gap(&left, &right, verdict.at[0]) < 1e-15);
+}
+
+static void two_solutions(void **state)
+{
+    (void)state;
+    struct gd__window wide = window(0.5, 1, 0),
+                      /* the narrow one wins a piece in the middle */
+        narrow = window(0.5, 0.1, 0.8);
+    struct gd__verdict verdict = gd__contest(&narrow, &wide, 0, 1);
+    assert_false(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 2);
+    assert_true(verdict.at[0] < 0.5 && verdict.at[1] > 0.5);
+    check_close(verdict.at[0] + verdict.at[1], 1, 1e-14);
+    for (int i = 0; i < 2; i++) assert_true(gap(&wide, &narrow, verdict.at[i]) < 1e-15);
+    verdict = gd__contest(&wide, &narrow, 0, 1);
+    assert_true(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 2);
+}
+
+static void infinitely_many_solutions_are_a_tie_for_the_owner(void **state)
+{
+    (void)state;
+    /* mirror images across the edge look the same on it */
+    struct gd__window a = window(0.3, 0.4, 1), b = a;
+    struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
+    assert_false(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 0);
+    b.x += 1e-16; /* and so do images that differ by rounding */
+    b.sigma += 1e-16;
+    assert_int_equal(gd__contest(&a, &b, 0, 1).switches, 0);
+    assert_false(gd__contest(&a, &b, 0, 1).challenger_first);
+}
+
+/* Pitfall 1 of the design: at a tangential double root a Newton step would jump far. */
+static void a_double_root_changes_nothing(void **state)
+{
+    (void)state;
+    /* equal at t = 0.5 only */
+    struct gd__window wide = window(0.5, 1, 0), touching = window(0.5, 0.1, 0.9);
+    for (double shift = -1e-15; shift <= 1e-15; shift += 5e-16) {
+        touching.sigma = 0.9 + shift;
+        struct gd__verdict verdict = gd__contest(&touching, &wide, 0, 1);
+        assert_false(verdict.challenger_first);
+        if (verdict.switches) assert_true(verdict.at[1] - verdict.at[0] < 1e-6);
+    }
+}
+
+/* From the ends of a long edge two sources close to it look equally far; close by, one is much
+ * nearer. */
+static void a_tie_at_both_ends_is_no_tie_between(void **state)
+{
+    (void)state;
+    struct gd__window near = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 1e-4},
+                      far = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 3e-4};
+    for (double sigma = 0; sigma < 1e-4; sigma += 4e-5) {
+        near.sigma = sigma * 1e-10; /* unequal sigma takes the other way through the contest */
+        assert_true(gd__contest(&near, &far, 0, 1e4).challenger_first);
+        assert_int_equal(gd__contest(&near, &far, 0, 1e4).switches, 0);
+        assert_false(gd__contest(&far, &near, 0, 1e4).challenger_first);
+        assert_int_equal(gd__contest(&far, &near, 0, 1e4).switches, 0);
+    }
+}
+
+/* Law: the verdict's winner is nowhere worse than the other by more than rounding. */
+static void winner_is_never_worse(void **state)
+{
+    (void)state;
+    struct rng rng = {1};
+    double worst = 0;
+    int counts[3] = {0, 0, 0};
+    for (int i = 0; i < 200000; i++) {
+        double scale = pow(10, rng_between(&rng, -3, 3));
+        struct gd__window a =
+            window(rng_between(&rng, -1, 2) * scale, exp(rng_between(&rng, -8, 1)) * scale, 0);
+        struct gd__window b =
+            window(rng_between(&rng, -1, 2) * scale, exp(rng_between(&rng, -8, 1)) * scale, 0);
+        double mode = rng_between(&rng, 0, 1), hi = scale;
+        /* at an end as often as in the middle */
+        double tie = hi * (int)rng_between(&rng, 0, 3) / 2;
+        if (mode > 0.2)
+            b.sigma = (gd__window_distance(&a, tie) - gd__window_distance(&b, tie)) *
+                      (mode > 0.6 ? 1 : mode);
+        if (b.sigma < 0) {
+            a.sigma = -b.sigma;
+            b.sigma = 0;
+        }
+        struct gd__verdict verdict = gd__contest(&a, &b, 0, hi);
+        counts[verdict.switches]++;
+        for (int k = 0; k <= 50; k++) {
+            double t = hi * k / 50;
+            bool challenger = verdict.challenger_first;
+            for (int j = 0; j < verdict.switches; j++) challenger ^= t > verdict.at[j];
+            double da = gd__window_distance(&a, t), db = gd__window_distance(&b, t),
+                   excess = challenger ? da - db : db - da;
+            if (excess / (da + db) > worst) worst = excess / (da + db);
+        }
+    }
+    print_message("# contest: 200000 random pairs, switches 0/1/2: %d/%d/%d, worst relative excess "
+                  "of a winner %.1e\n",
+                  counts[0], counts[1], counts[2], worst);
+    assert_true(counts[1] > 10000 && counts[2] > 100);
+    assert_true(worst < 1e-12);
+}
+
+/* --- linear windows --------------------------------------------------------------------------- */
+
+/* Of a line seen under that angle along the edge, that far from the edge's origin. */
+static struct gd__window linear(double angle, double sigma)
+{
+    return (struct gd__window){.b0 = 0,
+                               .b1 = 1,
+                               .x = cos(angle),
+                               .y = sin(angle),
+                               .sigma = sigma,
+                               .source = GD__SOURCE_LINEAR};
+}
+
+static void a_line_and_a_point_part_at_a_parabola(void **state)
+{
+    (void)state;
+    /* the point wins in the middle */
+    struct gd__window line = linear(M_PI / 2, 0.5), point = window(0.5, 0.1, 0.2);
+    struct gd__verdict verdict = gd__contest(&point, &line, 0, 1);
+    assert_false(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 2);
+    double half = sqrt(0.3 * 0.3 - 0.1 * 0.1);
+    check_close(verdict.at[0], 0.5 - half, 1e-14);
+    check_close(verdict.at[1], 0.5 + half, 1e-14);
+    line = linear(1.1, 0.75); /* at a slant: one place in the edge */
+    for (int i = 0; i < 2; i++) {
+        verdict = i ? gd__contest(&line, &point, 0, 1) : gd__contest(&point, &line, 0, 1);
+        assert_int_equal(verdict.switches, 1);
+        assert_true(gap(&line, &point, verdict.at[0]) < 1e-15);
+        assert_true(verdict.challenger_first == (i == 0));
+    }
+}
+
+static void two_lines_part_at_one_place(void **state)
+{
+    (void)state;
+    struct gd__window a = linear(2.0, 0.3), b = linear(1.0, 0.6);
+    struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
+    assert_true(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 1);
+    check_close(verdict.at[0], 0.3 / (cos(1.0) - cos(2.0)), 1e-14);
+    assert_int_equal(gd__contest(&a, &a, 0, 1).switches, 0);
+    assert_false(gd__contest(&a, &a, 0, 1).challenger_first);
+}
+
+/* A segment's end is as near as the segment along the line on which the one's sight gives way to
+ * the other's: a double root. */
+static void where_a_line_ends_nothing_changes(void **state)
+{
+    (void)state;
+    struct gd__window line = linear(M_PI / 2, 0.5), end = window(1, 0.5, 0);
+    assert_false(gd__contest(&end, &line, 0, 1).challenger_first);
+    assert_int_equal(gd__contest(&end, &line, 0, 1).switches, 0);
+    assert_true(gd__contest(&line, &end, 0, 1).challenger_first);
+}
+
+static void random_contests_with_lines(void **state)
+{
+    (void)state;
+    struct rng rng = {3};
+    for (int i = 0; i < 20000; i++) {
+        struct gd__window a = linear(rng_between(&rng, 0.01, 3.13), rng_between(&rng, 0, 2)),
+                          b = rng_below(&rng, 2)
+                                  ? linear(rng_between(&rng, 0.01, 3.13), rng_between(&rng, 0, 2))
+                                  : window(rng_between(&rng, -1, 2), rng_between(&rng, 0.01, 1),
+                                           rng_between(&rng, 0, 1));
+        struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
+        for (int k = 0; k < 50; k++) {
+            double t = rng_unit(&rng),
+                   difference = gd__window_distance(&a, t) - gd__window_distance(&b, t);
+            bool a_wins = verdict.challenger_first;
+            for (int s = 0; s < verdict.switches; s++) a_wins ^= t > verdict.at[s];
+            if (fabs(difference) > 1e-12) assert_true(a_wins == (difference < 0));
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_solution),
+        cmocka_unit_test(one_solution),
+        cmocka_unit_test(two_solutions),
+        cmocka_unit_test(infinitely_many_solutions_are_a_tie_for_the_owner),
+        cmocka_unit_test(a_double_root_changes_nothing),
+        cmocka_unit_test(a_tie_at_both_ends_is_no_tie_between),
+        cmocka_unit_test(winner_is_never_worse),
+        cmocka_unit_test(a_line_and_a_point_part_at_a_parabola),
+        cmocka_unit_test(two_lines_part_at_one_place),
+        cmocka_unit_test(where_a_line_ends_nothing_changes),
+        cmocka_unit_test(random_contests_with_lines),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

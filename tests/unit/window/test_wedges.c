@@ -1,0 +1,183 @@
+/* Wedges: what the general writer makes of windows, gaps and ends, and what is read back. */
+#include "tests/unit/window/model.h"
+
+#include <stdlib.h>
+
+#include "gd/polygons.h"
+#include "window/wedges.h"
+
+enum { MOST = 12 };
+
+/* The wedges of a list, and room for them. */
+struct written {
+    double data[3 * (2 * MOST + 1)];
+    struct gd__wedges wedges;
+    uint32_t count;
+};
+
+static struct gd__window_builder builder;
+
+static int free_builder(void **state)
+{
+    (void)state;
+    gd__window_builder_destroy(&builder);
+    return 0;
+}
+
+static void write(const struct gd__stack *list, double length, bool mirrored, struct written *out)
+{
+    build_windows(list, &builder);
+    out->count = gd__wedges_write(&builder.at, list->count, length, mirrored, out->data);
+    assert_true(out->count <= gd__wedges_bound(list->count));
+    out->wedges = (struct gd__wedges){out->data, out->data + out->count,
+                                      (uint64_t *)(out->data + 2 * (size_t)out->count)};
+}
+
+static void check_wedge(const struct written *written, uint32_t i, double length, double b0,
+                        double b1, uint32_t source)
+{
+    struct gd__window w = gd__wedge_window(written->wedges, written->count, i, length);
+    assert_true(fabs(w.b0 - b0) <= length * GD__WEDGE_UNIT &&
+                fabs(w.b1 - b1) <= length * GD__WEDGE_UNIT);
+    assert_int_equal(w.source, source);
+}
+
+static void marks_gaps_before_between_and_behind(void **state)
+{
+    (void)state;
+    struct gd__window windows[2] = {{.b0 = 1, .b1 = 2, .x = 1, .y = 3, .source = 7},
+                                    {.b0 = 3, .b1 = 3.5, .x = 2, .y = 1, .source = 8}};
+    struct gd__stack list = {windows, 2, 2};
+    struct written w;
+    write(&list, 4, false, &w);
+    assert_int_equal(w.count, 5);
+    check_wedge(&w, 0, 4, 0, 1, GD_NONE);
+    check_wedge(&w, 1, 4, 1, 2, 7);
+    check_wedge(&w, 2, 4, 2, 3, GD_NONE);
+    check_wedge(&w, 3, 4, 3, 3.5, 8);
+    check_wedge(&w, 4, 4, 3.5, 4, GD_NONE);
+    write(&list, 4, true, &w); /* of the edge's other side */
+    assert_int_equal(w.count, 5);
+    check_wedge(&w, 0, 4, 0, 0.5, GD_NONE);
+    check_wedge(&w, 1, 4, 0.5, 1, 8);
+    check_wedge(&w, 2, 4, 1, 2, GD_NONE);
+    check_wedge(&w, 3, 4, 2, 3, 7);
+    check_wedge(&w, 4, 4, 3, 4, GD_NONE);
+    assert_true(w.wedges.x[1] == 2 && w.wedges.y[1] == 1 && w.wedges.x[3] == 3 &&
+                w.wedges.y[3] == 3);
+}
+
+/* Windows apart by no more than rounding leave none; the first begins at the end of the edge. */
+static void closes_what_rounding_left_open(void **state)
+{
+    (void)state;
+    double d = 0.1 * GD_TOL_ADJACENT;
+    struct gd__window windows[2] = {{.b0 = d, .b1 = 0.5, .y = 1, .source = 1},
+                                    {.b0 = 0.5 + d, .b1 = 1 - d, .y = 1, .source = 2}};
+    struct gd__stack list = {windows, 2, 2};
+    struct written w;
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        write(&list, 1, mirrored, &w);
+        assert_int_equal(w.count, 2);
+        assert_int_equal(gd__wedge_start(w.wedges.start[0]), 0);
+        check_wedge(&w, mirrored ? 1 : 0, 1, mirrored ? 0.5 : 0, mirrored ? 1 : 0.5, 1);
+    }
+}
+
+/* The side of the source is in the sign of y, also where y is zero. */
+static void tells_the_side_by_the_sign(void **state)
+{
+    (void)state;
+    struct gd__window window = {.b0 = 0, .b1 = 1, .x = 0.25, .y = 0, .source = 3};
+    struct gd__stack list = {&window, 1, 1};
+    struct written w;
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        write(&list, 1, mirrored, &w);
+        struct gd__window read = gd__wedge_window(w.wedges, 1, 0, 1);
+        assert_int_equal(read.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
+        assert_true(read.x == (mirrored ? 0.75 : 0.25) && read.y == 0 && !signbit(read.y));
+    }
+}
+
+/* At random: what is read back is what was written, to 2^-32 of the edge, in the frame of side
+ * 0. */
+static void reads_back_what_was_written(void **state)
+{
+    (void)state;
+    struct rng rng = {9};
+    struct gd__stack list = {0};
+    for (int round = 0; round < 20000; round++) {
+        double length = exp(rng_between(&rng, -3, 3)), at = 0;
+        bool mirrored = round % 2;
+        uint32_t count = 1 + rng_below(&rng, MOST), next = 0;
+        list.count = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            struct gd__window w = random_window(&rng, i);
+            w.b0 = at += rng_unit(&rng) < 0.5 ? 0 : 0.3 * length / MOST;
+            w.b1 = at = i + 1 == count && round % 3
+                            ? length
+                            : at + rng_between(&rng, 0.01, 0.7) * length / MOST;
+            append_window(&list, w);
+        }
+        struct written w;
+        write(&list, length, mirrored, &w);
+        for (uint32_t i = 0; i < w.count; i++) {
+            struct gd__window read = gd__wedge_window(w.wedges, w.count, i, length);
+            if (i)
+                assert_true(gd__wedge_start(w.wedges.start[i]) >=
+                            gd__wedge_start(w.wedges.start[i - 1]));
+            if (read.source == GD_NONE) {
+                assert_true(w.wedges.x[i] == 0 && w.wedges.y[i] == 0);
+                continue;
+            }
+            struct gd__window expected = list.windows[mirrored ? count - 1 - next : next];
+            if (mirrored) expected = gd__window_mirrored(&expected, length);
+            assert_true(read.x == expected.x && read.y == expected.y &&
+                        read.source == expected.source);
+            assert_int_equal(read.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
+            check_wedge(&w, i, length, expected.b0, expected.b1, expected.source);
+            next++;
+        }
+        assert_int_equal(next, count);
+        assert_int_equal(gd__wedge_start(w.wedges.start[0]), 0);
+    }
+    gd__stack_destroy(&list);
+}
+
+/* A linear window comes back as it was, on both sides of the edge, and its ends rounded inwards. */
+static void linear_windows_come_back(void **state)
+{
+    (void)state;
+    double length = 2.5;
+    for (int degree = 1; degree < 180; degree++) {
+        double angle = degree * M_PI / 180, b0[9] = {0.3}, b1[9] = {1.7}, x[9] = {cos(angle)},
+               y[9] = {sin(angle)}, sigma[9] = {-0.25};
+        uint32_t source[9] = {GD__SOURCE_LINEAR | 77};
+        struct gd__windows windows = {b0, b1, x, y, sigma, source};
+        for (int mirrored = 0; mirrored < 2; mirrored++) {
+            double data[9];
+            assert_int_equal(gd__wedges_write(&windows, 1, length, mirrored, data), 3);
+            struct gd__wedges wedges = {data, data + 3, (uint64_t *)(data + 6)};
+            struct gd__window w = gd__wedge_window(wedges, 3, 1, length);
+            assert_int_equal(w.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
+            if (mirrored) w = gd__window_mirrored(&w, length);
+            assert_true(w.b0 >= 0.3 - 1e-15 && w.b0 < 0.3 + 1e-9 && w.b1 <= 1.7 + 1e-15 &&
+                        w.b1 > 1.7 - 1e-9);
+            assert_true(fabs(w.x - x[0]) < 4e-16 && fabs(w.y - y[0]) < 4e-16 &&
+                        fabs(w.sigma + 0.25) < 2e-15);
+            assert_int_equal(w.source, source[0]);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(marks_gaps_before_between_and_behind, free_builder),
+        cmocka_unit_test_teardown(closes_what_rounding_left_open, free_builder),
+        cmocka_unit_test_teardown(tells_the_side_by_the_sign, free_builder),
+        cmocka_unit_test_teardown(reads_back_what_was_written, free_builder),
+        cmocka_unit_test(linear_windows_come_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
