@@ -8,8 +8,8 @@
 
 #include "server/fields/hot_points.h"
 
-#define FIRST_BUCKETS 8
-#define FAILURE_NS    UINT64_C(1000000000) /* a build that failed is not repeated for so long */
+#define BUCKETS    4096
+#define FAILURE_NS UINT64_C(1000000000) /* a build that failed is not repeated for so long */
 
 /* The seeds of a field, compared in order and bit by bit, and its reach. Of two fields with equal
  * seeds, the one of larger reach answers all requests of the other. */
@@ -25,11 +25,12 @@ struct entry {
     atomic_uint references;      /* of the mesh cache and of the pins */
     struct server_mesh_cache *fields;
     struct field_key key; /* owned */
-    struct entry *next_in_bucket;
-    SLIST_ENTRY(entry) next; /* of the removed entries, or of the pinned ones during an eviction */
+    LIST_ENTRY(entry) in_bucket;
+    LIST_ENTRY(entry) next;        /* of the mesh cache; then of the removed entries */
+    LIST_ENTRY(entry) next_pinned; /* during an eviction */
 };
 
-SLIST_HEAD(entries, entry);
+LIST_HEAD(entries, entry);
 
 struct server_pending_build {
     LIST_ENTRY(server_pending_build) next;
@@ -48,8 +49,8 @@ struct server_mesh_cache {
     atomic_uint references;
     struct server_cache *cache;
     bool is_closed;
-    struct entry **buckets;
-    uint32_t bucket_count, count;        /* bucket_count is 0 or a power of two */
+    struct entries entries;
+    uint32_t count;
     struct server_hot_points hot_points; /* asked about while they had no field */
     struct failure failure;              /* the last one */
 };
@@ -58,51 +59,44 @@ struct server_cache {
     struct server_budget *budget;
     struct server_workers *workers;
     pthread_mutex_t lock;
-    struct server_eviction eviction;          /* of all entries in mesh caches */
+    struct entries buckets[BUCKETS];          /* of all mesh caches, by hash */
+    struct server_eviction eviction;          /* of the same entries */
     LIST_HEAD(, server_pending_build) builds; /* as many as jobs are queued or run, at most */
     struct server_cache_statistics statistics;
 };
 
 /* --- keys ------------------------------------------------------------------------------------- */
 
-static uint64_t hash_add(uint64_t hash, uint64_t value)
-{
-    hash = (hash ^ value) * UINT64_C(0x9E3779B97F4A7C15);
-    return hash ^ hash >> 29;
-}
+#define POINT_WORDS (sizeof(struct gd_point) / sizeof(uint64_t)) /* it has no padding */
 
-static uint64_t hash_add_number(uint64_t hash, double number)
+static uint64_t hash_add(uint64_t hash, const void *words, size_t count)
 {
-    uint64_t bits;
-    memcpy(&bits, &number, sizeof bits);
-    return hash_add(hash, bits);
-}
-
-static uint64_t hash_add_point(uint64_t hash, const struct gd_point *point)
-{
-    hash = hash_add(hash_add(hash, (uint64_t)point->kind), point->element);
-    for (int i = 0; i < 3; i++) hash = hash_add_number(hash, point->weight[i]);
+    for (const char *at = words; count--; at += sizeof(uint64_t)) {
+        uint64_t word;
+        memcpy(&word, at, sizeof word);
+        hash = (hash ^ word) * UINT64_C(0x9E3779B97F4A7C15);
+        hash ^= hash >> 29;
+    }
     return hash;
 }
 
 static uint64_t hash_add_seed(uint64_t hash, const struct gd_seed *seed)
 {
-    hash = hash_add_point(hash, &seed->point);
-    if (seed->is_segment) hash = hash_add_point(hash, &seed->end);
-    return hash_add_number(hash, seed->offset);
+    hash = hash_add(hash, &seed->point, POINT_WORDS);
+    if (seed->is_segment) hash = hash_add(hash, &seed->end, POINT_WORDS);
+    return hash_add(hash, &seed->offset, 1);
 }
 
 static bool is_equal_seed(const struct gd_seed *a, const struct gd_seed *b)
 {
-    if (!gd_point_equal(&a->point, &b->point) || a->offset != b->offset ||
-        a->is_segment != b->is_segment)
-        return false;
-    return !a->is_segment || gd_point_equal(&a->end, &b->end);
+    return gd_point_equal(&a->point, &b->point) && a->offset == b->offset &&
+           a->is_segment == b->is_segment && (!a->is_segment || gd_point_equal(&a->end, &b->end));
 }
 
-static struct field_key key_of(const struct gd_field_request *request)
+static struct field_key key_of(const struct server_mesh_cache *fields,
+                               const struct gd_field_request *request)
 {
-    uint64_t hash = request->seed_count;
+    uint64_t hash = (uintptr_t)fields ^ request->seed_count;
     for (uint32_t i = 0; i < request->seed_count; i++)
         hash = hash_add_seed(hash, &request->seeds[i]);
     return (struct field_key){hash, request->radius, request->seed_count, request->seeds};
@@ -131,10 +125,11 @@ static void key_free(struct field_key *key)
     free((struct gd_seed *)key->seeds);
 }
 
-static struct field_key key_of_point(const struct gd_point *source, struct gd_seed *seed)
+static struct field_key key_of_point(const struct server_mesh_cache *fields,
+                                     const struct gd_point *source, struct gd_seed *seed)
 {
     *seed = (struct gd_seed){.point = *source};
-    return key_of(&(struct gd_field_request){.seeds = seed, .seed_count = 1});
+    return key_of(fields, &(struct gd_field_request){.seeds = seed, .seed_count = 1});
 }
 
 static bool key_is_point(const struct field_key *key)
@@ -190,8 +185,8 @@ static void entry_release(struct entry *entry)
 
 static void entries_release(struct entries *entries)
 {
-    for (struct entry *entry; (entry = SLIST_FIRST(entries));) {
-        SLIST_REMOVE_HEAD(entries, next);
+    for (struct entry *entry; (entry = LIST_FIRST(entries));) {
+        LIST_REMOVE(entry, next);
         entry_release(entry);
     }
 }
@@ -201,19 +196,19 @@ void server_cache_unpin(const struct server_cached *cached)
     entry_release((struct entry *)cached);
 }
 
-/* --- a mesh's table of entries, under the lock ------------------------------------------------ */
+/* --- entries, under the lock ------------------------------------------------------------------ */
 
-static struct entry **table_bucket(const struct server_mesh_cache *fields, uint64_t hash)
+static struct entries *bucket_of(struct server_cache *cache, const struct field_key *key)
 {
-    return &fields->buckets[hash & (fields->bucket_count - 1)];
+    return &cache->buckets[key->hash % BUCKETS];
 }
 
 /* The entry of these seeds, of any reach; or NULL. */
 static struct entry *table_find(const struct server_mesh_cache *fields, const struct field_key *key)
 {
-    if (!fields->bucket_count) return NULL;
-    struct entry *entry = *table_bucket(fields, key->hash);
-    while (entry && !key_equal(&entry->key, key)) entry = entry->next_in_bucket;
+    struct entry *entry;
+    LIST_FOREACH(entry, bucket_of(fields->cache, key), in_bucket)
+    if (entry->fields == fields && key_equal(&entry->key, key)) break;
     return entry;
 }
 
@@ -225,110 +220,83 @@ static struct entry *table_find_covering(const struct server_mesh_cache *fields,
     return entry && key_covers(&entry->key, key) ? entry : NULL;
 }
 
-static void table_push(struct server_mesh_cache *fields, struct entry *entry)
+/* Removes an entry that is no longer in the order of eviction into `removed`, for the caller to
+ * release without the lock. */
+static void table_remove(struct entry *entry, struct entries *removed)
 {
-    struct entry **bucket = table_bucket(fields, entry->key.hash);
-    entry->next_in_bucket = *bucket;
-    *bucket = entry;
-}
-
-/* Makes room for one more; false without memory. */
-static bool table_reserve(struct server_mesh_cache *fields)
-{
-    if (fields->count < fields->bucket_count) return true;
-    struct entry **before = fields->buckets;
-    uint32_t before_count = fields->bucket_count;
-    uint32_t bucket_count = before_count ? 2 * before_count : FIRST_BUCKETS;
-    struct entry **buckets = calloc(bucket_count, sizeof *buckets);
-    if (!buckets) return false;
-    fields->buckets = buckets;
-    fields->bucket_count = bucket_count;
-    for (uint32_t i = 0; i < before_count; i++) {
-        for (struct entry *entry = before[i], *next; entry; entry = next) {
-            next = entry->next_in_bucket;
-            table_push(fields, entry);
-        }
-    }
-    free(before);
-    return true;
-}
-
-/* Removes an entry that is no longer in the order of eviction; the caller releases it without the
- * lock. */
-static void table_remove(struct entry *entry)
-{
-    struct entry **link = table_bucket(entry->fields, entry->key.hash);
-    while (*link != entry) link = &(*link)->next_in_bucket;
-    *link = entry->next_in_bucket;
+    LIST_REMOVE(entry, in_bucket);
+    LIST_REMOVE(entry, next);
+    LIST_INSERT_HEAD(removed, entry, next);
     entry->fields->count--;
     entry->fields->cache->statistics.fields--;
 }
 
-/* Removes an entry from table and order; the caller releases it without the lock. */
-static void entry_withdraw(struct entry *entry)
+/* The same with an entry that is in the order. */
+static void entry_withdraw(struct entry *entry, struct entries *removed)
 {
     server_heap_remove(&entry->fields->cache->eviction.order, &entry->cached.worth.node);
-    table_remove(entry);
+    table_remove(entry, removed);
 }
 
-/* Adds an entry (NULL is harmless), with one more reference, to table and order, unless the mesh
- * cache is closed, or has a field of these seeds that reaches as far, or memory is short. Returns
- * the entry that it replaces, for the caller to release without the lock; or NULL. */
-static struct entry *entry_put(struct entry *entry)
+/* Adds an entry (NULL is harmless), with one more reference, unless the mesh cache is closed, or
+ * has a field of these seeds that reaches as far, or memory is short. Withdraws the entry that it
+ * replaces. */
+static void entry_put(struct entry *entry, struct entries *removed)
 {
     if (!entry || entry->fields->is_closed || table_find_covering(entry->fields, &entry->key))
-        return NULL;
+        return;
     struct server_cache *cache = entry->fields->cache;
-    if (!table_reserve(entry->fields) || !server_heap_reserve(&cache->eviction.order)) return NULL;
+    if (!server_heap_reserve(&cache->eviction.order)) return;
     struct entry *nearer = table_find(entry->fields, &entry->key);
     if (nearer) {
         entry->cached.worth.uses += nearer->cached.worth.uses;
-        entry_withdraw(nearer);
+        entry_withdraw(nearer, removed);
     }
     atomic_fetch_add(&entry->references, 1);
-    table_push(entry->fields, entry);
+    LIST_INSERT_HEAD(bucket_of(cache, &entry->key), entry, in_bucket);
+    LIST_INSERT_HEAD(&entry->fields->entries, entry, next);
     entry->fields->count++;
     cache->statistics.fields++;
     server_eviction_insert(&cache->eviction, &entry->cached.worth);
-    return nearer;
+}
+
+/* The entry (NULL is harmless) with one more pin, as callers know it. */
+static const struct server_cached *entry_pin(struct entry *entry)
+{
+    if (!entry) return NULL;
+    atomic_fetch_add(&entry->references, 1);
+    return &entry->cached;
 }
 
 /* --- eviction --------------------------------------------------------------------------------- */
 
-static struct entry *entry_of_worth(struct server_evictable *worth)
+static struct entry *entry_first(struct server_eviction *eviction)
 {
+    struct server_evictable *worth = server_eviction_first(eviction);
     return worth ? (struct entry *)((char *)worth - offsetof(struct entry, cached.worth)) : NULL;
 }
 
-/* Under the lock: removes unpinned entries in the order of eviction until they hold `bytes` or none
- * is left. */
-static struct entries cache_evict(struct server_cache *cache, size_t bytes)
-{
-    struct entries evicted = SLIST_HEAD_INITIALIZER(evicted), pinned = evicted;
-    struct server_eviction *eviction = &cache->eviction;
-    struct entry *first;
-    for (size_t freed = 0;
-         freed < bytes && (first = entry_of_worth(server_eviction_first(eviction)));) {
-        if (atomic_load(&first->references) > 1) {
-            server_heap_remove(&eviction->order, &first->cached.worth.node);
-            SLIST_INSERT_HEAD(&pinned, first, next);
-            continue;
-        }
-        server_eviction_evict(eviction, &first->cached.worth);
-        table_remove(first);
-        SLIST_INSERT_HEAD(&evicted, first, next);
-        freed += first->cached.worth.bytes;
-        cache->statistics.evictions++;
-    }
-    SLIST_FOREACH(first, &pinned, next) server_eviction_insert(eviction, &first->cached.worth);
-    return evicted;
-}
-
+/* Removes unpinned entries in the order of eviction until they hold `bytes` or none is left. */
 static void cache_reclaim(void *user, size_t bytes)
 {
     struct server_cache *cache = user;
+    struct server_eviction *eviction = &cache->eviction;
+    struct entries evicted = LIST_HEAD_INITIALIZER(evicted), pinned = evicted;
+    struct entry *first;
     pthread_mutex_lock(&cache->lock);
-    struct entries evicted = cache_evict(cache, bytes);
+    for (size_t freed = 0; freed < bytes && (first = entry_first(eviction));) {
+        if (atomic_load(&first->references) > 1) {
+            server_heap_remove(&eviction->order, &first->cached.worth.node);
+            LIST_INSERT_HEAD(&pinned, first, next_pinned);
+            continue;
+        }
+        server_eviction_evict(eviction, &first->cached.worth);
+        table_remove(first, &evicted);
+        freed += first->cached.worth.bytes;
+        cache->statistics.evictions++;
+    }
+    LIST_FOREACH(first, &pinned, next_pinned)
+    server_eviction_insert(eviction, &first->cached.worth);
     pthread_mutex_unlock(&cache->lock);
     entries_release(&evicted);
 }
@@ -377,48 +345,29 @@ struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache)
 
 void server_mesh_cache_release(struct server_mesh_cache *fields)
 {
-    if (atomic_fetch_sub(&fields->references, 1) != 1) return;
-    free(fields->buckets);
-    free(fields);
+    if (atomic_fetch_sub(&fields->references, 1) == 1) free(fields);
 }
 
 void server_mesh_cache_close(struct server_mesh_cache *fields)
 {
-    struct entries removed = SLIST_HEAD_INITIALIZER(removed);
+    struct entries removed = LIST_HEAD_INITIALIZER(removed);
     pthread_mutex_lock(&fields->cache->lock);
     fields->is_closed = true;
-    for (uint32_t i = 0; i < fields->bucket_count; i++) {
-        for (struct entry *entry; (entry = fields->buckets[i]);) {
-            entry_withdraw(entry);
-            SLIST_INSERT_HEAD(&removed, entry, next);
-        }
-    }
+    while (!LIST_EMPTY(&fields->entries)) entry_withdraw(LIST_FIRST(&fields->entries), &removed);
     pthread_mutex_unlock(&fields->cache->lock);
     entries_release(&removed);
-}
-
-/* Under the lock. */
-static uint32_t entries_pin_points(struct server_mesh_cache *fields,
-                                   const struct server_cached **pinned)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < fields->bucket_count; i++) {
-        for (struct entry *entry = fields->buckets[i]; entry; entry = entry->next_in_bucket) {
-            if (!key_is_point(&entry->key)) continue;
-            atomic_fetch_add(&entry->references, 1);
-            pinned[count++] = &entry->cached;
-        }
-    }
-    return count;
 }
 
 const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cache *fields,
                                                           uint32_t *count)
 {
+    struct entry *entry;
+    *count = 0;
     pthread_mutex_lock(&fields->cache->lock);
     const struct server_cached **pinned =
         fields->count ? malloc(fields->count * sizeof(struct server_cached *)) : NULL;
-    *count = pinned ? entries_pin_points(fields, pinned) : 0;
+    LIST_FOREACH(entry, &fields->entries, next)
+    if (pinned && key_is_point(&entry->key)) pinned[(*count)++] = entry_pin(entry);
     pthread_mutex_unlock(&fields->cache->lock);
     return pinned;
 }
@@ -439,21 +388,17 @@ static const struct server_cached *entry_find(struct server_mesh_cache *fields,
     struct server_cache *cache = fields->cache;
     pthread_mutex_lock(&cache->lock);
     struct entry *entry = table_find_covering(fields, key);
-    if (entry) {
-        atomic_fetch_add(&entry->references, 1);
-        server_eviction_use(&cache->eviction, &entry->cached.worth);
-        cache->statistics.hits++;
-    } else {
-        cache->statistics.misses++;
-    }
+    *(entry ? &cache->statistics.hits : &cache->statistics.misses) += 1;
+    if (entry) server_eviction_use(&cache->eviction, &entry->cached.worth);
+    const struct server_cached *cached = entry_pin(entry);
     pthread_mutex_unlock(&cache->lock);
-    return entry ? &entry->cached : NULL;
+    return cached;
 }
 
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
                                                     const struct gd_field_request *request)
 {
-    struct field_key key = key_of(request);
+    struct field_key key = key_of(fields, request);
     return entry_find(fields, &key);
 }
 
@@ -461,19 +406,19 @@ const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
                                               const struct gd_point *source)
 {
     struct gd_seed seed;
-    struct field_key key = key_of_point(source, &seed);
+    struct field_key key = key_of_point(fields, source, &seed);
     return entry_find(fields, &key);
 }
 
 void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_request *request)
 {
-    struct field_key key = key_of(request);
+    struct entries removed = LIST_HEAD_INITIALIZER(removed);
+    struct field_key key = key_of(fields, request);
     pthread_mutex_lock(&fields->cache->lock);
     struct entry *entry = table_find(fields, &key);
-    if (entry && entry->key.radius != key.radius) entry = NULL;
-    if (entry) entry_withdraw(entry);
+    if (entry && entry->key.radius == key.radius) entry_withdraw(entry, &removed);
     pthread_mutex_unlock(&fields->cache->lock);
-    entry_release(entry);
+    entries_release(&removed);
 }
 
 /* --- claiming a build ------------------------------------------------------------------------- */
@@ -481,7 +426,7 @@ void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_r
 void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *point)
 {
     struct gd_seed seed;
-    struct field_key key = key_of_point(point, &seed);
+    struct field_key key = key_of_point(fields, point, &seed);
     pthread_mutex_lock(&fields->cache->lock);
     server_hot_points_note(&fields->hot_points, key.hash);
     pthread_mutex_unlock(&fields->cache->lock);
@@ -502,34 +447,30 @@ static struct server_pending_build *pending_find(const struct server_mesh_cache 
     return found;
 }
 
-/* Under the lock: AGAIN, or WAIT for a build of this field or of one that it can be resumed from;
- * else SEARCH. */
-static enum server_cache_turn build_join(struct server_mesh_cache *fields,
-                                         const struct field_key *key, struct server_job *job)
+/* Under the lock: AGAIN; or WAIT for a build of this field or of one that it can be resumed from;
+ * or, if it may be built, BUILD; else, and without memory, SEARCH. */
+static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
+                                          const struct field_key *key, struct server_job *job,
+                                          bool may_build, struct server_pending_build **out)
 {
-    if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
+    struct server_cache *cache = fields->cache;
     struct server_pending_build *build = pending_find(fields, key);
-    if (!build) return SERVER_CACHE_SEARCH;
-    job->next = build->parked;
-    build->parked = job;
-    fields->cache->statistics.waits++;
-    return SERVER_CACHE_WAIT;
-}
-
-/* Under the lock: BUILD, or SEARCH without memory. */
-static enum server_cache_turn build_begin(struct server_mesh_cache *fields,
-                                          const struct field_key *key,
-                                          struct server_pending_build **out)
-{
-    struct server_pending_build *build = calloc(1, sizeof *build);
+    if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
+    if (build) {
+        job->next = build->parked;
+        build->parked = job;
+        cache->statistics.waits++;
+        return SERVER_CACHE_WAIT;
+    }
+    if (may_build) build = calloc(1, sizeof *build);
     if (!build || !key_copy(key, &build->key)) {
         free(build);
         return SERVER_CACHE_SEARCH;
     }
     build->fields = fields;
     atomic_fetch_add(&fields->references, 1);
-    LIST_INSERT_HEAD(&fields->cache->builds, build, next);
-    fields->cache->statistics.builds++;
+    LIST_INSERT_HEAD(&cache->builds, build, next);
+    cache->statistics.builds++;
     *out = build;
     return SERVER_CACHE_BUILD;
 }
@@ -539,12 +480,10 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           struct server_pending_build **build)
 {
     struct gd_seed seed;
-    struct field_key key = key_of_point(source, &seed);
+    struct field_key key = key_of_point(fields, source, &seed);
     pthread_mutex_lock(&fields->cache->lock);
-    enum server_cache_turn turn = build_join(fields, &key, job);
-    if (turn == SERVER_CACHE_SEARCH &&
-        server_hot_points_count(&fields->hot_points, key.hash) >= SERVER_CACHE_SEARCHES)
-        turn = build_begin(fields, &key, build);
+    bool is_hot = server_hot_points_count(&fields->hot_points, key.hash) >= SERVER_CACHE_SEARCHES;
+    enum server_cache_turn turn = build_claim(fields, &key, job, is_hot, build);
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;
 }
@@ -554,14 +493,13 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           struct server_job *job,
                                           struct server_pending_build **build, enum gd_status *why)
 {
-    struct field_key key = key_of(request);
+    struct field_key key = key_of(fields, request);
     pthread_mutex_lock(&fields->cache->lock);
     const struct failure *failure = &fields->failure;
     bool has_failed = failure->key.hash == key.hash && key_covers(&key, &failure->key) &&
                       gd_now_ns() < failure->until_ns;
-    enum server_cache_turn turn = build_join(fields, &key, job);
-    if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = build_begin(fields, &key, build);
-    if (turn == SERVER_CACHE_SEARCH) *why = has_failed ? failure->status : GD_NO_MEMORY;
+    enum server_cache_turn turn = build_claim(fields, &key, job, !has_failed, build);
+    *why = has_failed ? failure->status : GD_NO_MEMORY;
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;
 }
@@ -572,12 +510,10 @@ const struct server_cached *server_cache_find_nearer(struct server_pending_build
     pthread_mutex_lock(&cache->lock);
     struct entry *entry = table_find(build->fields, &build->key);
     if (entry && key_covers(&entry->key, &build->key)) entry = NULL;
-    if (entry) {
-        atomic_fetch_add(&entry->references, 1);
-        cache->statistics.resumed++;
-    }
+    cache->statistics.resumed += entry != NULL;
+    const struct server_cached *nearer = entry_pin(entry);
     pthread_mutex_unlock(&cache->lock);
-    return entry ? &entry->cached : NULL;
+    return nearer;
 }
 
 bool server_cache_is_awaited(struct server_pending_build *build)
@@ -617,12 +553,13 @@ static const struct server_cached *field_publish(struct server_mesh_cache *field
                                                  struct gd_field *field,
                                                  struct server_pending_build *build)
 {
+    struct entries replaced = LIST_HEAD_INITIALIZER(replaced);
     struct entry *entry = entry_create(fields, key, field);
     pthread_mutex_lock(&fields->cache->lock);
     if (build) pending_remove(build, true);
-    struct entry *replaced = entry_put(entry);
+    entry_put(entry, &replaced);
     pthread_mutex_unlock(&fields->cache->lock);
-    entry_release(replaced);
+    entries_release(&replaced);
     if (build) pending_free(build);
     return entry ? &entry->cached : NULL;
 }
@@ -642,7 +579,7 @@ void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *fie
         gd_field_release(field);
         return;
     }
-    struct field_key key = key_of_point(&source, &seed);
+    struct field_key key = key_of_point(fields, &source, &seed);
     server_cache_unpin(field_publish(fields, &key, field, NULL));
 }
 
