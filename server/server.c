@@ -93,9 +93,9 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_workers_expire(server->workers, now_ns);
     server_cache_expire(server->surfaces.cache, now_ns);
     server_loader_expire(server->surfaces.loader, now_ns);
-    server_registry_expire(server->surfaces.registry, now_ns);
-    if (server_workers_cancelled(server->workers))
-        server_registry_cancel(server->surfaces.registry);
+    server_workers_expire(server->surfaces.writer, now_ns);
+    server_workers_expire(server->surfaces.lister, now_ns);
+    if (server_workers_cancelled(server->workers)) server_workers_cancel(server->surfaces.writer);
     server_job_table_expire(server->jobs, now_ns);
     server_events_tick(server->events, now_ns);
 }
@@ -152,6 +152,8 @@ void server_connect(struct server *server)
         .config = config,
         .access = server->access,
         .registry = server->surfaces.registry,
+        .writer = server->surfaces.writer,
+        .lister = server->surfaces.lister,
         .cache = server->surfaces.cache,
         .landmarks = server->surfaces.landmarks,
         .discretizations = server->surfaces.discretizations,

@@ -20,6 +20,8 @@ struct server_api {
     const struct server_config *config;
     struct server_access *access; /* NULL: there are no keys */
     struct server_registry *registry;
+    struct server_workers *writer; /* one thread: what waits for the store's disk */
+    struct server_workers *lister; /* one thread: long lists */
     struct server_cache *cache;
     struct server_loader *loader;
     struct server_landmarks *landmarks; /* NULL: there are none */

@@ -234,13 +234,13 @@ bool server_request_write(struct server_exchange *exchange,
                           bool (*work)(struct server_exchange *exchange))
 {
     server_exchange_defer(exchange, work, NULL);
-    server_registry_submit(exchange->host->api->registry, &exchange->job);
+    (void)server_workers_submit(exchange->host->api->writer, &exchange->job); /* never full */
     return false;
 }
 
 static bool list_submit(struct server_exchange *exchange)
 {
-    server_registry_submit_list(exchange->host->api->registry, &exchange->job);
+    (void)server_workers_submit(exchange->host->api->lister, &exchange->job); /* never full */
     return true;
 }
 

@@ -8,17 +8,16 @@
 #include <time.h>
 
 #include "gd/control.h"
+#include "server/base/sorted.h"
 #include "server/base/thread.h"
 
-#define FIRST_CAPACITY 16
-#define ATTEMPTS       8                    /* of a change, when other daemons are quicker */
-#define NOTED_AT_ONCE  256                  /* uses, while the writer lock is held */
-#define FRESH_NS       UINT64_C(1000000000) /* see doc/014 */
-#define AWAIT_NS       UINT64_C(200000000)
+#define ATTEMPTS      8                    /* of a change, when other daemons are quicker */
+#define NOTED_AT_ONCE 256                  /* uses, while the writer lock is held */
+#define FRESH_NS      UINT64_C(1000000000) /* see doc/014 */
+#define AWAIT_NS      UINT64_C(200000000)
 
 struct slot {
-    struct server_record *record;
-    struct server_surface *surface; /* NULL: not in memory */
+    struct server_listed now; /* its surface is NULL: not in memory */
     atomic_uint_least64_t uses;
     atomic_int_least64_t last;  /* use, seconds since 1970 */
     atomic_uint_least64_t turn; /* of the registry's clock at the last use */
@@ -27,19 +26,12 @@ struct slot {
     atomic_bool was_tried;      /* by server_registry_hottest */
 };
 
-struct slots {
-    struct slot **slots; /* sorted by key */
-    uint32_t count, capacity;
-    bool is_incomplete; /* memory was short while they were collected */
-};
-
 struct server_registry {
     struct server_store *store;
     struct server_budget *budget;
-    struct server_workers *writer, *reader; /* of one thread each */
     pthread_mutex_t writing;
     pthread_rwlock_t lock;
-    struct slots all;                                             /* under `lock` */
+    struct server_sorted all;                                     /* slots by key; under `lock` */
     void (*gone)(void *user, const struct server_record *record); /* or NULL */
     void *gone_user;
     atomic_uint_least64_t clock, loads, unloads;
@@ -52,72 +44,43 @@ struct server_registry {
 
 /* --- slots, under the lock -------------------------------------------------------------------- */
 
-static int slot_compare(const struct slot *slot, const struct server_key *key)
+static int slot_compare(const void *item, const void *key)
 {
-    const struct server_key own = server_record_key(slot->record);
+    const struct slot *slot = item;
+    const struct server_key own = server_record_key(slot->now.record);
     return server_key_compare(&own, key);
-}
-
-/* Index of the first slot whose key is not before `key`. The name "" is before all others. */
-static uint32_t slots_lower_bound(const struct slots *all, const struct server_key *key)
-{
-    uint32_t low = 0, high = all->count;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (slot_compare(all->slots[middle], key) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static struct slot *slots_find(const struct slots *all, const struct server_key *key)
-{
-    uint32_t at = slots_lower_bound(all, key);
-    return at < all->count && slot_compare(all->slots[at], key) == 0 ? all->slots[at] : NULL;
-}
-
-static struct slot *slots_find_record(const struct slots *all, const struct server_record *record)
-{
-    const struct server_key key = server_record_key(record);
-    struct slot *slot = slots_find(all, &key);
-    return slot && slot->record == record ? slot : NULL;
 }
 
 static int slot_compare_items(const void *a, const void *b)
 {
-    const struct slot *const *first = a, *const *second = b;
-    const struct server_key key = server_record_key((*second)->record);
-    return slot_compare(*first, &key);
+    const struct slot *const *second = b;
+    const struct server_key key = server_record_key((*second)->now.record);
+    return slot_compare(*(const struct slot *const *)a, &key);
 }
 
-/* Makes room for one more; false without memory. */
-static bool slots_reserve(struct slots *all)
+/* The slot of that record; NULL: its key has another one or none. */
+static struct slot *slot_of_record(const struct server_registry *registry,
+                                   const struct server_record *record)
 {
-    if (all->count < all->capacity) return true;
-    uint32_t capacity = all->capacity ? 2 * all->capacity : FIRST_CAPACITY;
-    struct slot **slots = realloc(all->slots, capacity * sizeof(struct slot *));
-    if (!slots) return false;
-    all->slots = slots;
-    all->capacity = capacity;
-    return true;
+    const struct server_key key = server_record_key(record);
+    struct slot *slot = server_sorted_find(&registry->all, &key);
+    return slot && slot->now.record == record ? slot : NULL;
 }
 
-/* Room was reserved. */
-static void slots_insert(struct slots *all, struct slot *slot)
+/* Inserts a slot, for which room was reserved, and returns NULL. If its key has a slot already,
+ * exchanges what they hold, and returns `slot`, which now holds what left. */
+static struct slot *slot_enter(struct server_registry *registry, struct slot *slot)
 {
-    const struct server_key key = server_record_key(slot->record);
-    struct slot **at = all->slots + slots_lower_bound(all, &key);
-    memmove(at + 1, at, (size_t)(all->slots + all->count++ - at) * sizeof *at);
-    *at = slot;
-}
-
-/* Removes the slot of that key, which exists. */
-static struct slot *slots_extract(struct slots *all, const struct server_key *key)
-{
-    struct slot **at = all->slots + slots_lower_bound(all, key), *slot = *at;
-    memmove(at, at + 1, (size_t)(all->slots + --all->count - at) * sizeof *at);
+    const struct server_key key = server_record_key(slot->now.record);
+    struct slot *found = server_sorted_find(&registry->all, &key);
+    if (!found) {
+        server_sorted_insert(&registry->all, server_sorted_index(&registry->all, &key), slot);
+        return NULL;
+    }
+    const struct server_listed left = found->now;
+    found->now = slot->now;
+    found->version = slot->version;
+    slot->now = left;
     return slot;
 }
 
@@ -132,67 +95,72 @@ static void slot_touch(struct server_registry *registry, struct slot *slot)
 
 static struct server_listed slot_share(const struct slot *slot)
 {
-    return (struct server_listed){server_record_retain(slot->record),
-                                  slot->surface ? server_surface_retain(slot->surface) : NULL};
+    const struct server_listed *now = &slot->now;
+    return (struct server_listed){server_record_retain(now->record),
+                                  now->surface ? server_surface_retain(now->surface) : NULL};
 }
 
 /* --- slots, without a lock -------------------------------------------------------------------- */
 
-static struct slot *slot_create(struct server_record *record)
+/* A slot of that record, and of that surface (NULL: it is not in memory), both retained. NULL
+ * without memory. */
+static struct slot *slot_create(struct server_record *record, struct server_surface *surface)
 {
     struct slot *slot = calloc(1, sizeof *slot);
-    if (slot) slot->record = server_record_retain(record);
+    if (!slot) return NULL;
+    slot->now.record = server_record_retain(record);
+    if (surface) slot->now.surface = server_surface_retain(surface);
     return slot;
 }
 
-static void surface_retire(struct server_surface *surface)
+/* NULL is harmless. */
+static void slot_free(struct slot *slot)
 {
-    if (!surface) return;
-    server_surface_retire(surface);
-    server_surface_release(surface);
+    if (slot) server_listed_release(&slot->now);
+    free(slot);
 }
 
 /* Destroys a slot that has left, with its surface, and calls the watcher; NULL is harmless. */
 static void slot_leave(struct server_registry *registry, struct slot *slot)
 {
     if (!slot) return;
-    surface_retire(slot->surface);
-    if (registry->gone && !server_registry_holds(registry, slot->record->etag))
-        registry->gone(registry->gone_user, slot->record);
-    server_record_release(slot->record);
-    free(slot);
+    if (slot->now.surface) server_surface_retire(slot->now.surface);
+    if (registry->gone && !server_registry_holds(registry, slot->now.record->etag))
+        registry->gone(registry->gone_user, slot->now.record);
+    slot_free(slot);
 }
 
-/* Destroys a slot that was never inserted; its surface stays its maker's. */
-static void slot_drop(struct slot *slot)
-{
-    server_record_release(slot->record);
-    server_surface_release(slot->surface);
-    free(slot);
-}
+/* Slots that are read from the store. */
+struct collection {
+    struct server_sorted slots;
+    bool is_incomplete; /* without memory */
+};
 
 static bool on_stored(void *user, const struct server_stored *stored)
 {
-    struct slots *all = user;
-    struct slot *slot = slots_reserve(all) ? slot_create(stored->record) : NULL;
+    struct collection *all = user;
+    struct slot *slot =
+        server_sorted_reserve(&all->slots) ? slot_create(stored->record, NULL) : NULL;
     all->is_incomplete |= !slot;
     if (!slot) return false;
     slot->uses = slot->noted = stored->uses.count;
     slot->last = stored->uses.last;
     slot->version = stored->version;
-    all->slots[all->count++] = slot;
+    all->slots.items[all->slots.count++] = slot;
     return true;
 }
 
-/* Collects what the store holds; on failure `*all` has a part of it. */
-static enum server_store_outcome slots_collect(struct server_registry *registry, struct slots *all)
+/* Collects what the store holds; on failure `*out` has a part of it. */
+static enum server_store_outcome slots_collect(struct server_registry *registry,
+                                               struct server_sorted *out)
 {
-    *all = (struct slots){0};
-    enum server_store_outcome outcome = registry->store->each(registry->store, on_stored, all);
-    for (uint32_t i = 0; i < all->count; i++)
-        server_record_count(all->slots[i]->record, registry->budget);
-    if (all->count) qsort(all->slots, all->count, sizeof(struct slot *), slot_compare_items);
-    return !outcome && all->is_incomplete ? SERVER_STORE_NO_MEMORY : outcome;
+    struct collection all = {.slots = {.compare = slot_compare}};
+    enum server_store_outcome outcome = registry->store->each(registry->store, on_stored, &all);
+    *out = all.slots;
+    for (uint32_t i = 0; i < out->count; i++)
+        server_record_count(((struct slot *)out->items[i])->now.record, registry->budget);
+    if (out->count) qsort(out->items, out->count, sizeof *out->items, slot_compare_items);
+    return !outcome && all.is_incomplete ? SERVER_STORE_NO_MEMORY : outcome;
 }
 
 /* --- memory ----------------------------------------------------------------------------------- */
@@ -209,37 +177,41 @@ static size_t slot_unloadable(void *user)
     size_t bytes = 0;
     pthread_rwlock_rdlock(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
-        const struct server_surface *surface = registry->all.slots[i]->surface;
-        if (can_unload(surface)) bytes += surface->bytes;
+        const struct slot *slot = registry->all.items[i];
+        if (can_unload(slot->now.surface)) bytes += slot->now.surface->bytes;
     }
     pthread_rwlock_unlock(&registry->lock);
     return bytes;
 }
 
-/* Under the lock: the least recently used slot whose surface can be unloaded; or NULL. */
-static struct slot *coldest_slot(const struct slots *all, bool without_fields)
+/* Takes the least recently used surface that can be unloaded; or NULL. */
+static struct server_surface *surface_take_coldest(struct server_registry *registry,
+                                                   bool without_fields)
 {
     struct slot *coldest = NULL;
-    for (uint32_t i = 0; i < all->count; i++) {
-        struct slot *slot = all->slots[i];
-        if (!can_unload(slot->surface) || (coldest && slot->turn >= coldest->turn)) continue;
-        if (without_fields && server_mesh_cache_count(slot->surface->fields)) continue;
+    struct server_surface *surface = NULL;
+    pthread_rwlock_wrlock(&registry->lock);
+    for (uint32_t i = 0; i < registry->all.count; i++) {
+        struct slot *slot = registry->all.items[i];
+        if (!can_unload(slot->now.surface) || (coldest && slot->turn >= coldest->turn)) continue;
+        if (without_fields && server_mesh_cache_count(slot->now.surface->fields)) continue;
         coldest = slot;
     }
-    return coldest;
+    if (coldest) {
+        surface = coldest->now.surface;
+        coldest->now.surface = NULL;
+    }
+    pthread_rwlock_unlock(&registry->lock);
+    return surface;
 }
 
 static void surfaces_unload(struct server_registry *registry, size_t bytes, bool without_fields)
 {
-    for (size_t freed = 0; freed < bytes;) {
-        pthread_rwlock_wrlock(&registry->lock);
-        struct slot *slot = coldest_slot(&registry->all, without_fields);
-        struct server_surface *surface = slot ? slot->surface : NULL;
-        if (slot) slot->surface = NULL;
-        pthread_rwlock_unlock(&registry->lock);
-        if (!surface) return;
+    struct server_surface *surface;
+    for (size_t freed = 0;
+         freed < bytes && (surface = surface_take_coldest(registry, without_fields));) {
         freed += surface->bytes;
-        surface_retire(surface);
+        server_surface_release(surface); /* the last reference */
         atomic_fetch_add(&registry->unloads, 1);
     }
 }
@@ -267,7 +239,7 @@ bool server_registry_holds(struct server_registry *registry, const char *etag)
     bool found = false;
     pthread_rwlock_rdlock(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count && !found; i++)
-        found = strcmp(registry->all.slots[i]->record->etag, etag) == 0;
+        found = strcmp(((struct slot *)registry->all.items[i])->now.record->etag, etag) == 0;
     pthread_rwlock_unlock(&registry->lock);
     return found;
 }
@@ -276,7 +248,7 @@ bool server_registry_find(struct server_registry *registry, const struct server_
                           struct server_listed *out)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct slot *slot = slots_find(&registry->all, key);
+    const struct slot *slot = server_sorted_find(&registry->all, key);
     if (slot) *out = slot_share(slot);
     pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
@@ -286,19 +258,13 @@ bool server_registry_use(struct server_registry *registry, const struct server_k
                          struct server_surface **out)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct slot *slot = slots_find(&registry->all, key);
+    struct slot *slot = server_sorted_find(&registry->all, key);
     if (slot) {
         slot_touch(registry, slot);
-        *out = slot->surface ? server_surface_retain(slot->surface) : NULL;
+        *out = slot->now.surface ? server_surface_retain(slot->now.surface) : NULL;
     }
     pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
-}
-
-/* Index of the first slot after `key`. */
-static uint32_t slots_after(const struct slots *all, const struct server_key *key)
-{
-    return slots_lower_bound(all, key) + (slots_find(all, key) != NULL);
 }
 
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
@@ -307,18 +273,18 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
     const char *name = after->name ? after->name : "", *begin = prefix ? prefix : "";
     const struct server_key from = {after->tenant, after->kind, name};
     const struct server_key first = {after->tenant, after->kind, begin};
-    const struct slots *all = &registry->all;
     uint32_t listed = 0;
     pthread_rwlock_rdlock(&registry->lock);
     /* In byte order the names that begin with `begin` follow each other. */
-    uint32_t at =
-        strcmp(name, begin) < 0 ? slots_lower_bound(all, &first) : slots_after(all, &from);
-    for (; listed < most && at < all->count; at++) {
-        const struct server_record *record = all->slots[at]->record;
+    uint32_t at = strcmp(name, begin) < 0 ? server_sorted_index(&registry->all, &first)
+                                          : server_sorted_after(&registry->all, &from);
+    for (; listed < most && at < registry->all.count; at++) {
+        const struct slot *slot = registry->all.items[at];
+        const struct server_record *record = slot->now.record;
         if (record->kind != from.kind || strcmp(record->tenant, from.tenant) != 0 ||
             strncmp(record->name, begin, strlen(begin)) != 0)
             break;
-        out[listed++] = slot_share(all->slots[at]);
+        out[listed++] = slot_share(slot);
     }
     pthread_rwlock_unlock(&registry->lock);
     return listed;
@@ -326,14 +292,14 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
 
 bool server_registry_next(struct server_registry *registry, struct server_listed *listed)
 {
-    const struct slots *all = &registry->all;
     struct server_listed before = *listed;
     struct server_key key;
+    uint32_t at = 0;
     *listed = (struct server_listed){0};
     if (before.record) key = server_record_key(before.record);
     pthread_rwlock_rdlock(&registry->lock);
-    uint32_t at = before.record ? slots_after(all, &key) : 0;
-    if (at < all->count) *listed = slot_share(all->slots[at]);
+    if (before.record) at = server_sorted_after(&registry->all, &key);
+    if (at < registry->all.count) *listed = slot_share(registry->all.items[at]);
     pthread_rwlock_unlock(&registry->lock);
     server_listed_release(&before);
     return listed->record != NULL;
@@ -347,7 +313,7 @@ struct server_registry_statistics server_registry_statistics(struct server_regis
     pthread_rwlock_rdlock(&registry->lock);
     statistics.surfaces = registry->all.count;
     for (uint32_t i = 0; i < registry->all.count; i++)
-        statistics.loaded += registry->all.slots[i]->surface != NULL;
+        statistics.loaded += ((struct slot *)registry->all.items[i])->now.surface != NULL;
     pthread_rwlock_unlock(&registry->lock);
     return statistics;
 }
@@ -367,9 +333,9 @@ struct server_store *server_registry_store(const struct server_registry *registr
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface)
 {
     pthread_rwlock_wrlock(&registry->lock);
-    struct slot *slot = slots_find_record(&registry->all, surface->record);
-    if (slot && !slot->surface) {
-        slot->surface = server_surface_retain(surface);
+    struct slot *slot = slot_of_record(registry, surface->record);
+    if (slot && !slot->now.surface) {
+        slot->now.surface = server_surface_retain(surface);
         atomic_fetch_add(&registry->loads, 1);
     }
     pthread_rwlock_unlock(&registry->lock);
@@ -380,14 +346,14 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
     struct slot *hottest = NULL;
     pthread_rwlock_rdlock(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
-        struct slot *slot = registry->all.slots[i];
-        if (slot->surface || slot->was_tried) continue;
+        struct slot *slot = registry->all.items[i];
+        if (slot->now.surface || slot->was_tried) continue;
         if (!hottest || slot->uses > hottest->uses ||
             (slot->uses == hottest->uses && slot->last > hottest->last))
             hottest = slot;
     }
     if (hottest) atomic_store(&hottest->was_tried, true);
-    struct server_record *record = hottest ? server_record_retain(hottest->record) : NULL;
+    struct server_record *record = hottest ? server_record_retain(hottest->now.record) : NULL;
     pthread_rwlock_unlock(&registry->lock);
     return record;
 }
@@ -400,11 +366,11 @@ static uint32_t slots_collect_uses(struct server_registry *registry,
     uint32_t count = 0;
     pthread_rwlock_rdlock(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count && count < NOTED_AT_ONCE; i++) {
-        struct slot *slot = registry->all.slots[i];
+        struct slot *slot = registry->all.items[i];
         uint64_t now = atomic_load(&slot->uses);
         if (now == slot->noted) continue;
         slot->noted = now;
-        records[count] = slot->record;
+        records[count] = slot->now.record;
         uses[count++] = (struct server_store_uses){now, atomic_load(&slot->last)};
     }
     pthread_rwlock_unlock(&registry->lock);
@@ -426,27 +392,23 @@ void server_registry_note_uses(struct server_registry *registry)
 
 /* --- following a shared store ----------------------------------------------------------------- */
 
-/* Under the slots' lock: applies a change, unless this daemon made it itself; `*left` is the slot
- * that it replaces or removes. False without memory. */
-static bool change_apply(struct server_registry *registry, const struct server_key *key,
-                         const struct server_store_change *change, struct slot **left)
+/* Applies a change, unless this daemon made it itself; `*left` is the slot that it replaces or
+ * removes. False without memory. */
+static bool change_follow(struct server_registry *registry, const struct server_key *key,
+                          const struct server_store_change *change, struct slot **left)
 {
-    struct slot *before = slots_find(&registry->all, key), *after = NULL;
+    struct server_sorted *all = &registry->all;
+    const struct slot *before = server_sorted_find(all, key);
     if (before && before->version >= change->version) return true;
-    if (change->record) {
-        after = slots_reserve(&registry->all) ? slot_create(change->record) : NULL;
-        if (!after) return false;
-        server_record_count(change->record, registry->budget);
-        after->version = change->version;
+    if (!change->record) {
+        if (before) *left = server_sorted_remove(all, server_sorted_index(all, key));
+        return true;
     }
-    if (before) *left = slots_extract(&registry->all, key);
-    if (before && after) {
-        after->uses = before->uses;
-        after->noted = before->noted;
-        after->last = before->last;
-        after->was_tried = before->was_tried;
-    }
-    if (after) slots_insert(&registry->all, after);
+    struct slot *after = server_sorted_reserve(all) ? slot_create(change->record, NULL) : NULL;
+    if (!after) return false;
+    server_record_count(change->record, registry->budget);
+    after->version = change->version;
+    *left = slot_enter(registry, after);
     return true;
 }
 
@@ -460,7 +422,7 @@ static bool on_change(void *user, const struct server_store_change *change)
     strcpy(text, change->key);
     if (!server_key_read(text, &key)) return true; /* of a later version of this program */
     pthread_rwlock_wrlock(&registry->lock);
-    bool is_applied = change_apply(registry, &key, change, &left);
+    bool is_applied = change_follow(registry, &key, change, &left);
     pthread_rwlock_unlock(&registry->lock);
     if (is_applied) registry->seen = change->version;
     slot_leave(registry, left);
@@ -468,14 +430,15 @@ static bool on_change(void *user, const struct server_store_change *change)
 }
 
 /* Exchanges the slots whose version did not change, so that their surfaces stay in memory. */
-static void keep_unchanged(struct slots *all, struct slots *fresh)
+static void keep_unchanged(struct server_sorted *all, struct server_sorted *fresh)
 {
     for (uint32_t i = 0; i < fresh->count; i++) {
-        const struct server_key key = server_record_key(fresh->slots[i]->record);
-        struct slot *slot = slots_find(all, &key);
-        if (!slot || slot->version != fresh->slots[i]->version) continue;
-        all->slots[slots_lower_bound(all, &key)] = fresh->slots[i];
-        fresh->slots[i] = slot;
+        struct slot *new = fresh->items[i], *slot;
+        const struct server_key key = server_record_key(new->now.record);
+        slot = server_sorted_find(all, &key);
+        if (!slot || slot->version != new->version) continue;
+        all->items[server_sorted_index(all, &key)] = new;
+        fresh->items[i] = slot;
     }
 }
 
@@ -483,19 +446,19 @@ static void keep_unchanged(struct slots *all, struct slots *fresh)
  * backup was restored. */
 static enum server_store_outcome registry_reread(struct server_registry *registry)
 {
-    struct slots fresh;
+    struct server_sorted fresh;
     enum server_store_outcome outcome = slots_collect(registry, &fresh);
     if (!outcome) {
         pthread_rwlock_wrlock(&registry->lock);
         keep_unchanged(&registry->all, &fresh);
-        struct slots before = registry->all;
+        struct server_sorted before = registry->all;
         registry->all = fresh;
         fresh = before;
         pthread_rwlock_unlock(&registry->lock);
         registry->seen = 0; /* the slots are not of one moment: each version is compared */
     }
-    for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.slots[i]);
-    free(fresh.slots);
+    for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.items[i]);
+    free(fresh.items);
     return outcome;
 }
 
@@ -527,7 +490,7 @@ bool server_registry_is_fresh(struct server_registry *registry, const struct ser
     if (gd_now_ns() - atomic_load(&registry->followed_ns) > FRESH_NS) return false;
     if (!key) return true;
     pthread_rwlock_rdlock(&registry->lock);
-    bool is_known = slots_find(&registry->all, key) != NULL;
+    bool is_known = server_sorted_find(&registry->all, key) != NULL;
     pthread_rwlock_unlock(&registry->lock);
     return is_known;
 }
@@ -537,7 +500,7 @@ bool server_registry_is_current(struct server_registry *registry,
 {
     (void)server_registry_follow(registry, gd_now_ns());
     pthread_rwlock_rdlock(&registry->lock);
-    bool is_current = slots_find_record(&registry->all, record) != NULL;
+    bool is_current = slot_of_record(registry, record) != NULL;
     pthread_rwlock_unlock(&registry->lock);
     return is_current;
 }
@@ -553,196 +516,125 @@ static void follow_changes(void *user, struct server_thread *thread)
 
 /* --- putting and removing --------------------------------------------------------------------- */
 
-/* What a change rests on: the surface of the key, retained, or all zero. Another daemon may change
- * it at any time, this one can't. */
-struct basis {
-    struct server_listed now;
-    uint64_t version;
+struct change { /* by this daemon */
+    struct server_key key;
+    struct server_surface *surface; /* to be put; NULL: the key's is removed */
+    struct server_content content;
+    const struct server_precondition *precondition; /* NULL: the key has to have this record */
+    struct slot *slot, *left;                       /* that is to enter, that has left; or NULL */
 };
 
-static struct basis basis_find(struct server_registry *registry, const struct server_key *key)
+/* Has the store make the change of `now`, of that version, into which it writes the new one. */
+static enum server_store_outcome change_store(const struct server_registry *registry,
+                                              const struct change *change,
+                                              const struct server_listed *now, uint64_t *version)
 {
-    struct basis basis = {0};
-    pthread_rwlock_rdlock(&registry->lock);
-    const struct slot *slot = slots_find(&registry->all, key);
-    if (slot) basis = (struct basis){slot_share(slot), slot->version};
-    pthread_rwlock_unlock(&registry->lock);
-    return basis;
+    struct server_store *store = registry->store;
+    struct server_record *record = change->surface ? change->surface->record : NULL;
+    bool is_same = now->record && now->record == record;
+    if (!record && !now->record) return SERVER_STORE_ABSENT;
+    if (!change->precondition && !is_same) return SERVER_STORE_ABSENT;
+    if (change->precondition &&
+        !server_precondition_holds(change->precondition, now->record ? now->record->etag : NULL))
+        return SERVER_STORE_PRECONDITION;
+    if (is_same) return store->keep(store, record, &change->content);
+    return record ? store->put(store, record, &change->content, version)
+                  : store->remove(store, now->record, version);
 }
 
-/* Under the follower's and the slots' lock: true when the change of this daemon with that version
- * (0: the store is not shared) is not in the slots yet, and nothing later is. */
-static bool is_news(const struct server_registry *registry, const struct slot *slot,
-                    uint64_t version)
+/* Brings a stored change to the slots, unless they have it or a later one (version 0: the store is
+ * not shared). */
+static void change_apply(struct server_registry *registry, struct change *change, uint64_t version)
 {
-    return !version || (version > registry->seen && (!slot || slot->version < version));
-}
-
-/* A slot for a surface, with room for it. NULL without memory. */
-static struct slot *slot_prepare(struct server_registry *registry, struct server_surface *surface)
-{
-    pthread_rwlock_wrlock(&registry->lock);
-    bool has_room = slots_reserve(&registry->all);
-    pthread_rwlock_unlock(&registry->lock);
-    struct slot *slot = has_room ? slot_create(surface->record) : NULL;
-    if (!slot) return NULL;
-    slot->surface = server_surface_retain(surface);
-    slot_touch(registry, slot);
-    return slot;
-}
-
-/* Inserts a slot that is stored; `*left` is the one that it replaces. */
-static void slot_enter(struct server_registry *registry, struct slot *slot, struct slot **left)
-{
-    const struct server_key key = server_record_key(slot->record);
+    struct server_sorted *all = &registry->all;
     pthread_mutex_lock(&registry->following);
     pthread_rwlock_wrlock(&registry->lock);
-    struct slot *found = slots_find(&registry->all, &key);
-    bool follower_was_quicker = found && found->version && found->version == slot->version;
-    bool enters = follower_was_quicker || is_news(registry, found, slot->version);
-    if (enters && found) *left = slots_extract(&registry->all, &key);
-    if (enters && slots_reserve(&registry->all))
-        slots_insert(&registry->all, slot);
-    else
-        slot_drop(slot);
+    struct slot *found = server_sorted_find(all, &change->key);
+    bool follower_was_quicker = found && found->version && found->version == version;
+    bool is_news = !version || (version > registry->seen && (!found || found->version < version));
+    bool enters = follower_was_quicker || is_news;
+    if (enters && change->slot && server_sorted_reserve(all)) {
+        slot_touch(registry, found ? found : change->slot);
+        change->slot->version = version;
+        change->left = slot_enter(registry, change->slot);
+        change->slot = NULL;
+    } else if (enters && found && !change->surface) {
+        change->left = server_sorted_remove(all, server_sorted_index(all, &change->key));
+    }
     pthread_rwlock_unlock(&registry->lock);
     pthread_mutex_unlock(&registry->following);
 }
 
-/* A put on its way. */
-struct put {
-    struct server_surface *surface;
-    struct server_content content;
-    const struct server_precondition *precondition; /* NULL: the key has to have this record */
-    struct slot *left;                              /* the slot that it replaced */
-};
-
-static enum server_store_outcome surface_put_record(struct server_registry *registry,
-                                                    struct put *put, uint64_t version)
-{
-    struct slot *slot = slot_prepare(registry, put->surface);
-    if (!slot) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome =
-        registry->store->put(registry->store, slot->record, &put->content, &version);
-    if (outcome) {
-        slot_drop(slot);
-        return outcome;
-    }
-    slot->version = version;
-    slot_enter(registry, slot, &put->left);
-    return SERVER_STORE_DONE;
-}
-
-/* Under the writer lock. STALE: another daemon was quicker. */
-static enum server_store_outcome surface_put_once(struct server_registry *registry, struct put *put)
+/* STALE: another daemon was quicker. */
+static enum server_store_outcome change_make(struct server_registry *registry,
+                                             struct change *change)
 {
     struct server_store *store = registry->store;
-    struct server_record *record = put->surface->record;
-    const struct server_key key = server_record_key(record);
+    struct server_surface *surface = change->surface;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    if (store->stage) outcome = store->stage(store, record, &put->content);
+    struct server_listed now = {0};
+    uint64_t version = 0;
+    if (surface && store->stage) outcome = store->stage(store, surface->record, &change->content);
     if (!outcome) outcome = server_registry_follow(registry, gd_now_ns());
     if (outcome) return outcome;
-    struct basis basis = basis_find(registry, &key);
-    bool exists = basis.now.record, is_same = basis.now.record == record;
-    if (!put->precondition && !is_same)
-        outcome = SERVER_STORE_ABSENT;
-    else if (put->precondition &&
-             !server_precondition_holds(put->precondition, exists ? basis.now.record->etag : NULL))
-        outcome = SERVER_STORE_PRECONDITION;
-    else if (is_same)
-        outcome = store->keep(store, record, &put->content);
-    else
-        outcome = surface_put_record(registry, put, basis.version);
-    server_listed_release(&basis.now);
+    pthread_rwlock_wrlock(&registry->lock);
+    bool has_room = !surface || server_sorted_reserve(&registry->all);
+    const struct slot *slot = server_sorted_find(&registry->all, &change->key);
+    if (slot) {
+        now = slot_share(slot);
+        version = slot->version;
+    }
+    pthread_rwlock_unlock(&registry->lock);
+    bool exists = now.record, is_same = surface && now.record == surface->record;
+    outcome = has_room ? change_store(registry, change, &now, &version) : SERVER_STORE_NO_MEMORY;
+    server_listed_release(&now);
     if (outcome) return outcome;
-    if (is_same) server_registry_keep(registry, put->surface);
-    return exists ? SERVER_STORE_REPLACED : SERVER_STORE_CREATED;
+    if (is_same)
+        server_registry_keep(registry, surface);
+    else
+        change_apply(registry, change, version);
+    return !surface ? SERVER_STORE_DONE : exists ? SERVER_STORE_REPLACED : SERVER_STORE_CREATED;
+}
+
+static enum server_store_outcome change_run(struct server_registry *registry, struct change *change)
+{
+    enum server_store_outcome outcome = SERVER_STORE_STALE;
+    pthread_mutex_lock(&registry->writing);
+    for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
+        outcome = change_make(registry, change);
+    if (outcome <= SERVER_STORE_REPLACED) registry->store->tidy(registry->store);
+    pthread_mutex_unlock(&registry->writing);
+    slot_leave(registry, change->left);
+    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
 enum server_store_outcome server_registry_put(struct server_registry *registry,
                                               struct server_surface *surface, const void *bytes,
                                               const struct server_precondition *precondition)
 {
-    struct put put = {
+    struct change change = {
+        .key = server_record_key(surface->record),
         .surface = surface,
         .content =
             {.parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = surface->attachment}},
         .precondition = precondition};
-    enum server_store_outcome outcome = SERVER_STORE_STALE;
     if (!server_record_take(surface->record, registry->budget)) return SERVER_STORE_NO_MEMORY;
-    pthread_mutex_lock(&registry->writing);
-    for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
-        outcome = surface_put_once(registry, &put);
-    if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED)
-        registry->store->tidy(registry->store);
-    pthread_mutex_unlock(&registry->writing);
-    slot_leave(registry, put.left);
-    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
-}
-
-/* Under the writer lock; `*left` is the removed slot. STALE: another daemon was quicker. */
-static enum server_store_outcome surface_remove_once(struct server_registry *registry,
-                                                     const struct server_key *key,
-                                                     const struct server_precondition *precondition,
-                                                     struct slot **left)
-{
-    enum server_store_outcome outcome = server_registry_follow(registry, gd_now_ns());
-    if (outcome) return outcome;
-    struct basis basis = basis_find(registry, key);
-    if (!basis.now.record) return SERVER_STORE_ABSENT;
-    outcome = server_precondition_holds(precondition, basis.now.record->etag)
-                  ? registry->store->remove(registry->store, basis.now.record, &basis.version)
-                  : SERVER_STORE_PRECONDITION;
-    server_listed_release(&basis.now);
-    if (outcome) return outcome;
-    pthread_mutex_lock(&registry->following);
-    pthread_rwlock_wrlock(&registry->lock);
-    const struct slot *found = slots_find(&registry->all, key);
-    if (found && is_news(registry, found, basis.version))
-        *left = slots_extract(&registry->all, key);
-    pthread_rwlock_unlock(&registry->lock);
-    pthread_mutex_unlock(&registry->following);
-    return SERVER_STORE_DONE;
+    change.slot = slot_create(surface->record, surface);
+    if (!change.slot) return SERVER_STORE_NO_MEMORY;
+    enum server_store_outcome outcome = change_run(registry, &change);
+    slot_free(change.slot);
+    return outcome;
 }
 
 enum server_store_outcome server_registry_remove(struct server_registry *registry,
                                                  const struct server_key *key,
                                                  const struct server_precondition *precondition)
 {
-    struct slot *left = NULL;
-    enum server_store_outcome outcome = SERVER_STORE_STALE;
-    pthread_mutex_lock(&registry->writing);
-    for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
-        outcome = surface_remove_once(registry, key, precondition, &left);
-    if (outcome == SERVER_STORE_DONE) registry->store->tidy(registry->store);
-    pthread_mutex_unlock(&registry->writing);
-    slot_leave(registry, left);
-    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
+    struct change change = {.key = *key, .precondition = precondition};
+    return change_run(registry, &change);
 }
 
-/* --- jobs ------------------------------------------------------------------------------------- */
-
-void server_registry_submit(struct server_registry *registry, struct server_job *job)
-{
-    (void)server_workers_submit(registry->writer, job); /* its queue is never full */
-}
-
-void server_registry_submit_list(struct server_registry *registry, struct server_job *job)
-{
-    (void)server_workers_submit(registry->reader, job); /* its queue is never full */
-}
-
-void server_registry_expire(struct server_registry *registry, uint64_t now_ns)
-{
-    server_workers_expire(registry->writer, now_ns);
-    server_workers_expire(registry->reader, now_ns);
-}
-
-void server_registry_cancel(struct server_registry *registry)
-{
-    server_workers_cancel(registry->writer);
-}
+/* --- life ------------------------------------------------------------------------------------- */
 
 void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record), void *user)
@@ -751,14 +643,9 @@ void server_registry_watch(struct server_registry *registry,
     registry->gone_user = user;
 }
 
-/* --- life ------------------------------------------------------------------------------------- */
-
 static bool registry_start(struct server_registry *registry)
 {
-    registry->writer = server_workers_create(1, UINT32_MAX);
-    registry->reader = server_workers_create(1, UINT32_MAX);
-    if (!registry->writer || !registry->reader || slots_collect(registry, &registry->all))
-        return false;
+    if (slots_collect(registry, &registry->all)) return false;
     if (!server_registry_is_shared(registry)) return true;
     if (server_registry_follow(registry, gd_now_ns())) return false;
     registry->follower = server_thread_start(follow_changes, registry);
@@ -778,6 +665,7 @@ struct server_registry *server_registry_create(struct server_store *store,
     pthread_mutex_init(&registry->writing, NULL);
     pthread_mutex_init(&registry->following, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
+    registry->all.compare = slot_compare;
     if (!registry_start(registry)) {
         server_registry_destroy(registry);
         return NULL;
@@ -794,16 +682,14 @@ void server_registry_destroy(struct server_registry *registry)
 {
     if (!registry) return;
     server_thread_stop(registry->follower);
-    server_workers_destroy(registry->writer);
-    server_workers_destroy(registry->reader);
     registry->budget->reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){0};
     registry->budget->reclaimers[SERVER_RECLAIM_MESHES] = (struct server_reclaimer){0};
     registry->gone = NULL;
-    for (uint32_t i = 0; i < registry->all.count; i++) slot_leave(registry, registry->all.slots[i]);
+    for (uint32_t i = 0; i < registry->all.count; i++) slot_leave(registry, registry->all.items[i]);
     registry->store->close(registry->store);
     pthread_rwlock_destroy(&registry->lock);
     pthread_mutex_destroy(&registry->following);
     pthread_mutex_destroy(&registry->writing);
-    free(registry->all.slots);
+    free(registry->all.items);
     free(registry);
 }

@@ -1,12 +1,10 @@
 /* Registry: the surfaces by key (key.h), those in memory and those that can be loaded.
  *
- * DESIGN. An array of slots, sorted by key. A slot has a record, and the surface while that is in
- * memory. A change holds the writer lock until the store has made it durable: so preconditions are
- * checked together with the write. The slots have a reader-writer lock that is held for moments
- * only: so readers never wait for the disk. Writers wait for the disk and for each other: the
- * registry has a thread for their jobs, its writer, and a second one, its reader, for lists. Order
- * of locks: writer, follower, slots. Surfaces are retired and released without the slots' lock,
- * since that frees fields.
+ * DESIGN. Slots, sorted by key, have a record, and the surface while that is in memory. A change
+ * holds the writer lock until the store has made it durable: so preconditions are checked together
+ * with the write. The slots have a reader-writer lock that is held for moments only: readers never
+ * wait for the disk. Order of locks: writer, follower, slots. Surfaces are retired and released
+ * without the slots' lock, since that frees fields.
  *
  * Shared store: a thread applies the changes of other daemons to the slots, under the follower's
  * lock: when the database signals a change, and every 200 ms. A request has a worker follow first
@@ -23,27 +21,16 @@
 #include "server/exchange/etag.h"
 #include "server/store/store.h"
 #include "server/surfaces/surface.h"
-#include "server/work/workers.h"
 
 struct server_registry;
 
-/* Lists what the store holds, loads nothing, starts the threads. The registry owns the store and
- * becomes a reclaimer of the budget, which is borrowed. NULL without memory or thread: then the
- * store is closed. */
+/* Lists what the store holds, loads nothing. The registry owns the store and becomes a reclaimer of
+ * the budget, which is borrowed. NULL without memory or thread: then the store is closed. */
 struct server_registry *server_registry_create(struct server_store *store,
                                                struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
 
-/* --- writing, in jobs of the registry's writer ------------------------------------------------ */
-
-/* Queues a job for the writer, or one that makes a list for the reader. Queues are unbounded and in
- * order: the caller limits them. Jobs end as job.h says. */
-void server_registry_submit(struct server_registry *registry, struct server_job *job);
-void server_registry_submit_list(struct server_registry *registry, struct server_job *job);
-
-/* Refuses the jobs that are late; the writer's jobs, now and from now on. */
-void server_registry_expire(struct server_registry *registry, uint64_t now_ns);
-void server_registry_cancel(struct server_registry *registry);
+/* --- writing ---------------------------------------------------------------------------------- */
 
 /* Has `gone` called, without any lock, when a record has left and no other has its ETag. Before the
  * first change. */
@@ -51,7 +38,7 @@ void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record),
                            void *user);
 
-/* Puts a surface under its record's key, durably, with its attachment and `bytes`, the file that it
+/* Both wait for the disk. Puts a surface under its record's key, durably, with its attachment and `bytes`, the file that it
  * was made from (borrowed): CREATED or REPLACED. If the key has this record already, the surface is
  * kept in memory and its stored bytes are repaired if need be: REPLACED. Without a precondition
  * (NULL) only that is done, and ABSENT means that the key has another record or none. Else

@@ -82,7 +82,9 @@ bool server_surfaces_create(struct server_surfaces *surfaces,
     if (!surfaces->cache) return false;
     struct server_store *store = surfaces_open_store(config, error, error_size);
     if (store) surfaces->registry = server_registry_create(store, budget);
-    if (!surfaces->registry || !surfaces_open_field_store(surfaces, parts, error, error_size))
+    surfaces->writer = server_workers_create(1, UINT32_MAX);
+    surfaces->lister = server_workers_create(1, UINT32_MAX);
+    if (!surfaces->registry || !surfaces->writer || !surfaces->lister || !surfaces_open_field_store(surfaces, parts, error, error_size))
         return false;
     surfaces->discretizations =
         server_discretizations_create(parts->workspaces, (uint32_t)config->max_faces);
@@ -105,6 +107,8 @@ void server_surfaces_destroy(struct server_surfaces *surfaces)
 {
     server_scrub_destroy(surfaces->scrub);
     server_loader_destroy(surfaces->loader);
+    server_workers_destroy(surfaces->writer);
+    server_workers_destroy(surfaces->lister);
     server_registry_destroy(surfaces->registry);
     server_discretizations_destroy(surfaces->discretizations);
     server_landmarks_destroy(surfaces->landmarks);

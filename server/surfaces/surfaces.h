@@ -14,6 +14,7 @@
 struct server_surfaces {
     struct server_cache *cache;
     struct server_registry *registry;
+    struct server_workers *writer, *lister; /* one thread each, with queues that are never full */
     struct server_field_store *field_store; /* NULL: nothing is stored */
     struct server_landmarks *landmarks;     /* NULL: there are none */
     struct server_discretizations *discretizations;

@@ -90,7 +90,7 @@ static bool remove_surface(struct server_exchange *exchange)
 
 static bool submit_to_writer(struct server_exchange *exchange)
 {
-    server_registry_submit(exchange->host->api->registry, &exchange->job);
+    (void)server_workers_submit(exchange->host->api->writer, &exchange->job);
     return true;
 }
 

@@ -55,6 +55,8 @@ static inline void daemon_start(struct server_store *store)
     server->workers = server_workers_create(1, 10);
     server->surfaces.cache = server_cache_create(&server->budget, server->workers);
     server->surfaces.registry = server_registry_create(store, &server->budget);
+    server->surfaces.writer = server_workers_create(1, UINT32_MAX);
+    server->surfaces.lister = server_workers_create(1, UINT32_MAX);
     server->surfaces.loader =
         server_loader_create(&(struct server_loader_parts){.budget = &server->budget,
                                                            .workers = server->workers,

@@ -28,6 +28,8 @@ static int start_server(uint64_t max_jobs, uint64_t ttl_s)
     server.workers = server_workers_create(1, 2);
     server.surfaces.cache = server_cache_create(&server.budget, server.workers);
     server.surfaces.registry = server_registry_create(server_store_memory_create(), &server.budget);
+    server.surfaces.writer = server_workers_create(1, UINT32_MAX);
+    server.surfaces.lister = server_workers_create(1, UINT32_MAX);
     server.surfaces.loader =
         server_loader_create(&(struct server_loader_parts){.workers = server.workers});
     server.events = server_events_create();

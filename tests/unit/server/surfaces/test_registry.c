@@ -432,35 +432,6 @@ static void what_is_stored_is_confirmed(void **state)
     server_listed_release(&before);
 }
 
-/* --- the writer ------------------------------------------------------------------------------- */
-
-static void the_writer_runs_one_job_after_the_other(void **state)
-{
-    struct fixture *fixture = *state;
-    struct test_job first, late, last;
-    sem_t hold;
-    sem_init(&hold, 0, 0);
-    test_job_init(&first, &hold);
-    test_job_init(&late, NULL);
-    test_job_init(&last, NULL);
-    late.job.deadline_ns = 100;
-    server_registry_submit(fixture->registry, &first.job);
-    server_registry_submit(fixture->registry, &late.job);
-    server_registry_submit(fixture->registry, &last.job);
-    server_registry_expire(fixture->registry, 100);
-    sem_wait(&late.done);
-    assert_int_equal(late.why, SERVER_REFUSAL_DEADLINE);
-    assert_int_equal(last.runs, 0);
-    sem_post(&hold);
-    sem_wait(&last.done);
-    assert_int_equal(first.runs, 1);
-    server_registry_cancel(fixture->registry);
-    server_registry_submit(fixture->registry, &first.job);
-    assert_int_equal(first.refusals, 1);
-    assert_int_equal(first.why, SERVER_REFUSAL_DRAINING);
-    sem_destroy(&hold);
-}
-
 static void *put_and_remove(void *user)
 {
     struct fixture *fixture = user;
@@ -499,7 +470,6 @@ int main(void)
         TEST(replacing_ends_the_fields),
         TEST(tells_what_is_gone_with_its_last_name),
         TEST(the_store_tidies_once_all_is_known),
-        TEST(the_writer_runs_one_job_after_the_other),
         TEST(many_threads_at_once),
         STORED(what_the_store_refuses_changes_nothing),
         STORED(unused_ones_make_room_the_coldest_first),

@@ -1,0 +1,72 @@
+/* Sorted array of pointers to items, each with a key of its own. Not thread-safe. */
+#ifndef SERVER_BASE_SORTED_H
+#define SERVER_BASE_SORTED_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct server_sorted { /* empty: all zero but `compare` */
+    void **items;      /* for free() */
+    uint32_t count, capacity;
+    int (*compare)(const void *item, const void *key); /* as strcmp */
+};
+
+/* Index of the first item whose key is not below `key`. O(log n). */
+static inline uint32_t server_sorted_index(const struct server_sorted *sorted, const void *key)
+{
+    uint32_t low = 0, high = sorted->count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (sorted->compare(sorted->items[middle], key) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* The item of that key, or NULL. */
+static inline void *server_sorted_find(const struct server_sorted *sorted, const void *key)
+{
+    uint32_t at = server_sorted_index(sorted, key);
+    bool is_found = at < sorted->count && sorted->compare(sorted->items[at], key) == 0;
+    return is_found ? sorted->items[at] : NULL;
+}
+
+/* Index of the first item whose key is above `key`. */
+static inline uint32_t server_sorted_after(const struct server_sorted *sorted, const void *key)
+{
+    return server_sorted_index(sorted, key) + (server_sorted_find(sorted, key) != NULL);
+}
+
+/* Makes room for one more item; false without memory. */
+static inline bool server_sorted_reserve(struct server_sorted *sorted)
+{
+    if (sorted->count < sorted->capacity) return true;
+    uint32_t capacity = sorted->capacity ? 2 * sorted->capacity : 16;
+    void **items = realloc(sorted->items, capacity * sizeof *items);
+    if (!items) return false;
+    sorted->items = items;
+    sorted->capacity = capacity;
+    return true;
+}
+
+/* Inserts an item at the index of its key. Room was reserved. */
+static inline void server_sorted_insert(struct server_sorted *sorted, uint32_t at, void *item)
+{
+    void **place = &sorted->items[at];
+    memmove(place + 1, place, (sorted->count++ - at) * sizeof *place);
+    *place = item;
+}
+
+/* Removes the item at an index and returns it. */
+static inline void *server_sorted_remove(struct server_sorted *sorted, uint32_t at)
+{
+    void **place = &sorted->items[at], *item = *place;
+    memmove(place, place + 1, (--sorted->count - at) * sizeof *place);
+    return item;
+}
+
+#endif
