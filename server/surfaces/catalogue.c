@@ -8,8 +8,8 @@
 
 #include "proto/json/writer.h"
 #include "server/base/sha256.h"
+#include "server/base/sorted.h"
 
-#define FIRST_CAPACITY     8
 #define VERSION_CHARACTERS 8 /* an id begins with so many of the ETag */
 
 #define MEMSIZE                                                                                    \
@@ -18,8 +18,7 @@
 struct server_catalogue {
     struct server_attached attached; /* first; to a record */
     pthread_mutex_t lock;
-    struct server_resource **resources; /* sorted by id */
-    uint32_t count, capacity;
+    struct server_sorted resources; /* by id */
     uint64_t clock;
     char forgotten[SERVER_CATALOGUE_FORGOTTEN][PROTO_FIELD_ID + 1]; /* a ring; empty: none */
     uint32_t next_forgotten;
@@ -65,20 +64,13 @@ struct gd_field_request server_resource_request(const struct server_resource *re
                                      .radius = resource->description.max_distance};
 }
 
-static void text_append_point(struct proto_writer *text, const struct gd_point *point)
-{
-    const uint32_t place[] = {(uint32_t)point->kind, point->element};
-    proto_append(text, (const char *)place, sizeof place);
-    proto_append(text, (const char *)point->weight, sizeof point->weight);
-}
-
 /* Member by member, without the padding. */
 static void text_append_seed(struct proto_writer *text, const struct gd_seed *seed)
 {
-    text_append_point(text, &seed->point);
+    proto_append(text, (const char *)&seed->point, sizeof seed->point);
     proto_append(text, (const char *)&seed->offset, sizeof seed->offset);
     proto_append(text, seed->is_segment ? "s" : "p", 1);
-    if (seed->is_segment) text_append_point(text, &seed->end);
+    if (seed->is_segment) proto_append(text, (const char *)&seed->end, sizeof seed->end);
 }
 
 bool server_resource_name(const char *etag, const struct proto_located_set *set,
@@ -105,29 +97,9 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
 
 /* --- the list, under the lock ----------------------------------------------------------------- */
 
-/* Index of the first resource whose id is not before `id`; `*found`: it has this id. */
-static uint32_t catalogue_search(const struct server_catalogue *catalogue, const char *id,
-                                 bool *found)
+static int resource_compare(const void *resource, const void *id)
 {
-    uint32_t low = 0, high = catalogue->count;
-    *found = false;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        int order = strcmp(catalogue->resources[middle]->id, id);
-        *found |= order == 0;
-        if (order < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static struct server_resource *catalogue_extract(struct server_catalogue *catalogue, uint32_t at)
-{
-    struct server_resource **place = &catalogue->resources[at], *resource = *place;
-    memmove(place, place + 1, (--catalogue->count - at) * sizeof *place);
-    return resource;
+    return strcmp(((const struct server_resource *)resource)->id, id);
 }
 
 /* A place of that id in the ring of forgotten ids; or NULL. */
@@ -140,7 +112,7 @@ static char *find_forgotten(struct server_catalogue *catalogue, const char *id)
 
 static void resource_forget(struct server_catalogue *catalogue, uint32_t at)
 {
-    struct server_resource *resource = catalogue_extract(catalogue, at);
+    struct server_resource *resource = server_sorted_remove(&catalogue->resources, at);
     uint32_t place = catalogue->next_forgotten++ % SERVER_CATALOGUE_FORGOTTEN;
     memcpy(catalogue->forgotten[place], resource->id, sizeof resource->id);
     server_resource_release(resource);
@@ -155,42 +127,30 @@ struct usage {              /* of a key */
 static struct usage usage_of(const struct server_catalogue *catalogue, const char *key)
 {
     struct usage usage = {0};
-    for (uint32_t i = 0; i < catalogue->count; i++) {
-        const struct server_resource *resource = catalogue->resources[i];
+    uint64_t oldest = 0;
+    for (uint32_t i = 0; i < catalogue->resources.count; i++) {
+        const struct server_resource *resource = catalogue->resources.items[i];
         if (key && strcmp(resource->key, key) != 0) continue;
-        if (!usage.count++ || resource->turn < catalogue->resources[usage.oldest]->turn)
-            usage.oldest = i;
         usage.bytes += resource->bytes;
+        if (usage.count++ && resource->turn >= oldest) continue;
+        oldest = resource->turn;
+        usage.oldest = i;
     }
     return usage;
 }
 
-/* Makes room for one more; without memory, by forgetting one. */
-static void catalogue_reserve(struct server_catalogue *catalogue)
-{
-    if (catalogue->count < catalogue->capacity) return;
-    uint32_t capacity = 2 * catalogue->capacity;
-    struct server_resource **more = realloc(catalogue->resources, capacity * sizeof *more);
-    if (!more) {
-        resource_forget(catalogue, usage_of(catalogue, NULL).oldest);
-        return;
-    }
-    catalogue->resources = more;
-    catalogue->capacity = capacity;
-}
-
+/* Without memory for one more, forgets one of the others. */
 static void catalogue_insert(struct server_catalogue *catalogue, struct server_resource *resource)
 {
-    bool found;
+    struct server_sorted *resources = &catalogue->resources;
+    struct usage usage;
     char *forgotten = find_forgotten(catalogue, resource->id);
     if (forgotten) forgotten[0] = '\0';
-    catalogue_reserve(catalogue);
-    uint32_t at = catalogue_search(catalogue, resource->id, &found);
-    struct server_resource **place = &catalogue->resources[at];
-    memmove(place + 1, place, (catalogue->count++ - at) * sizeof *place);
-    *place = resource_retain(resource);
+    if (!server_sorted_reserve(resources))
+        resource_forget(catalogue, usage_of(catalogue, NULL).oldest);
+    server_sorted_insert(resources, server_sorted_index(resources, resource->id),
+                         resource_retain(resource));
     resource->turn = ++catalogue->clock;
-    struct usage usage;
     while ((usage = usage_of(catalogue, resource->key)).count > SERVER_CATALOGUE_RESOURCES ||
            usage.bytes > SERVER_CATALOGUE_BYTES)
         resource_forget(catalogue, usage.oldest);
@@ -208,10 +168,9 @@ struct server_catalogue *server_catalogue_create(void)
     struct server_catalogue *catalogue = calloc(1, sizeof *catalogue);
     if (!catalogue) return NULL;
     catalogue->attached = (struct server_attached){.bytes = MEMSIZE, .destroy = catalogue_detach};
-    catalogue->capacity = FIRST_CAPACITY;
-    catalogue->resources = malloc(FIRST_CAPACITY * sizeof(struct server_resource *));
+    catalogue->resources.compare = resource_compare;
     pthread_mutex_init(&catalogue->lock, NULL);
-    if (catalogue->resources) return catalogue;
+    if (server_sorted_reserve(&catalogue->resources)) return catalogue;
     server_catalogue_destroy(catalogue);
     return NULL;
 }
@@ -219,10 +178,10 @@ struct server_catalogue *server_catalogue_create(void)
 void server_catalogue_destroy(struct server_catalogue *catalogue)
 {
     if (!catalogue) return;
-    for (uint32_t i = 0; i < catalogue->count; i++)
-        server_resource_release(catalogue->resources[i]);
+    for (uint32_t i = 0; i < catalogue->resources.count; i++)
+        server_resource_release(catalogue->resources.items[i]);
     pthread_mutex_destroy(&catalogue->lock);
-    free(catalogue->resources);
+    free(catalogue->resources.items);
     free(catalogue);
 }
 
@@ -239,30 +198,28 @@ struct server_catalogue *server_record_catalogue(struct server_record *record)
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,
                                                     const char *id, struct server_resource **out)
 {
-    bool found;
+    enum server_catalogue_finding finding = SERVER_CATALOGUE_FOUND;
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = catalogue_search(catalogue, id, &found);
-    bool is_forgotten = !found && find_forgotten(catalogue, id);
+    struct server_resource *found = server_sorted_find(&catalogue->resources, id);
     if (found) {
-        *out = resource_retain(catalogue->resources[at]);
-        (*out)->turn = ++catalogue->clock;
+        *out = resource_retain(found);
+        found->turn = ++catalogue->clock;
+    } else {
+        finding = find_forgotten(catalogue, id) ? SERVER_CATALOGUE_FORGOT : SERVER_CATALOGUE_ABSENT;
     }
     pthread_mutex_unlock(&catalogue->lock);
-    return found          ? SERVER_CATALOGUE_FOUND
-           : is_forgotten ? SERVER_CATALOGUE_FORGOT
-                          : SERVER_CATALOGUE_ABSENT;
+    return finding;
 }
 
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
                           struct server_resource **resource)
 {
     struct server_resource *added = *resource;
-    bool found;
     snprintf(added->key, sizeof added->key, "%s", key);
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = catalogue_search(catalogue, added->id, &found);
+    struct server_resource *found = server_sorted_find(&catalogue->resources, added->id);
     if (found)
-        *resource = resource_retain(catalogue->resources[at]);
+        *resource = resource_retain(found);
     else
         catalogue_insert(catalogue, added);
     pthread_mutex_unlock(&catalogue->lock);
@@ -272,10 +229,10 @@ bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
 
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id)
 {
-    bool found;
+    struct server_sorted *resources = &catalogue->resources;
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = catalogue_search(catalogue, id, &found);
-    struct server_resource *removed = found ? catalogue_extract(catalogue, at) : NULL;
+    struct server_resource *removed = server_sorted_find(resources, id);
+    if (removed) server_sorted_remove(resources, server_sorted_index(resources, id));
     pthread_mutex_unlock(&catalogue->lock);
     return removed;
 }
@@ -283,13 +240,12 @@ struct server_resource *server_catalogue_remove(struct server_catalogue *catalog
 uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *after, uint32_t most,
                                struct server_resource **out)
 {
+    const struct server_sorted *resources = &catalogue->resources;
     uint32_t count = 0;
-    bool found;
     pthread_mutex_lock(&catalogue->lock);
-    uint32_t at = catalogue_search(catalogue, after ? after : "", &found);
-    if (found) at++;
-    while (count < most && at < catalogue->count)
-        out[count++] = resource_retain(catalogue->resources[at++]);
+    uint32_t at = server_sorted_after(resources, after ? after : "");
+    while (count < most && at < resources->count)
+        out[count++] = resource_retain(resources->items[at++]);
     pthread_mutex_unlock(&catalogue->lock);
     return count;
 }
