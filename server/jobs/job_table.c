@@ -8,24 +8,34 @@
 #include <string.h>
 
 #include "server/base/log.h"
+#include "server/base/sorted.h"
 #include "server/exchange/events.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/job_id.h"
-#include "server/jobs/job_usage.h"
 #include "server/store/key.h"
 
 #define EXPIRE_NS      UINT64_C(1000000000)
 #define PROGRESS_STEPS 1000000
 
+enum unit { UNIT_JOBS, UNIT_BYTES, UNITS }; /* bytes of answers */
+
+/* What the table has of a key. When it is full the largest user makes room: tenants are compared
+ * first, then the keys of a tenant, so that many keys gain a tenant nothing. */
+struct usage {
+    struct usage *next;                                               /* sorted by tenant */
+    char tenant[SERVER_CREDENTIAL_NAME], key[SERVER_CREDENTIAL_NAME]; /* "" without keys */
+    uint64_t amounts[UNITS];
+    uint64_t active; /* jobs that have not ended */
+};
+
 struct server_job_table {
     struct server_host *host;
     struct server_job_limits limits;
     pthread_mutex_t lock;
-    struct server_deferred_job **list; /* by id */
-    uint32_t count;
+    struct server_sorted list; /* jobs by id, with room for limits.jobs */
     uint64_t expired_ns;
     atomic_size_t held; /* bytes of answers */
-    struct server_job_usage *usages;
+    struct usage *usages;
     uint64_t active; /* jobs that have not ended */
     bool is_draining;
     uint64_t ended[PROTO_JOB_STATE_COUNT];
@@ -44,8 +54,8 @@ struct server_deferred_job {
     enum proto_job_state state;
     struct server_exchange *exchange; /* NULL: it is answered */
     uint64_t ended_ns;
-    struct server_job_usage *usage; /* NULL: the job is not in the table */
-    size_t held;                    /* bytes of SERVER_BUDGET_JOBS that are counted for the job */
+    struct usage *usage; /* NULL: the job is not in the table */
+    size_t held;         /* bytes of SERVER_BUDGET_JOBS that are counted for the job */
     /* Written before the state becomes DONE or FAILED, then constant: */
     struct proto_job_answer answer;
     struct proto_job_header headers[SERVER_RESPONSE_HEADERS];
@@ -112,51 +122,82 @@ static void job_notify(struct server_deferred_job *job)
 
 /* --- the table, under the lock ---------------------------------------------------------------- */
 
-/* Index of the first job whose id is not below `id`. */
-static uint32_t table_index(const struct server_job_table *table, const char *id)
+static int job_compare(const void *job, const void *id)
 {
-    uint32_t low = 0, high = table->count;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (strcmp(table->list[middle]->id, id) < 0)
-            low = middle + 1;
-        else
-            high = middle;
+    return strcmp(((const struct server_deferred_job *)job)->id, id);
+}
+
+/* The usage of a key, added to the list if it is new; NULL without memory. */
+static struct usage *usage_of(struct usage **list, const char *tenant, const char *key)
+{
+    int order;
+    for (; *list && (order = strcmp((*list)->tenant, tenant)) <= 0; list = &(*list)->next)
+        if (order == 0 && strcmp((*list)->key, key) == 0) return *list;
+    struct usage *usage = calloc(1, sizeof *usage);
+    if (!usage) return NULL;
+    snprintf(usage->tenant, sizeof usage->tenant, "%s", tenant);
+    snprintf(usage->key, sizeof usage->key, "%s", key);
+    usage->next = *list;
+    *list = usage;
+    return usage;
+}
+
+/* Counts one job less, and frees a usage without jobs. */
+static void usage_drop_job(struct usage **list, struct usage *usage)
+{
+    if (--usage->amounts[UNIT_JOBS]) return;
+    while (*list != usage) list = &(*list)->next;
+    *list = usage->next;
+    free(usage);
+}
+
+/* The usage whose ended jobs make room for `more` of `newcomer`: of the tenant with the most, the
+ * key with the most, among those with something to drop. The newcomer, if it has the most, even
+ * with nothing to drop. */
+static struct usage *usage_largest(struct usage *list, enum unit unit, const struct usage *newcomer,
+                                   uint64_t more)
+{
+    struct usage *largest = NULL;
+    uint64_t largest_total = 0;
+    for (struct usage *at = list, *first = list; at; first = at) {
+        struct usage *best = NULL; /* of this tenant */
+        uint64_t best_amount = 0, total = 0;
+        for (; at && strcmp(at->tenant, first->tenant) == 0; at = at->next) {
+            uint64_t amount = at->amounts[unit] + (at == newcomer ? more : 0);
+            uint64_t fixed = unit == UNIT_JOBS ? at->active : 0;
+            total += amount;
+            if (at != newcomer && at->amounts[unit] <= fixed) continue;
+            if (best && amount <= best_amount) continue;
+            best = at;
+            best_amount = amount;
+        }
+        if (!best || (largest && total <= largest_total)) continue;
+        largest = best;
+        largest_total = total;
     }
-    return low;
+    return largest;
 }
 
 /* Releases a job that was taken out of the list. */
 static void table_drop(struct server_job_table *table, struct server_deferred_job *job)
 {
-    struct server_job_usage *usage = job->usage;
+    job->usage->amounts[UNIT_BYTES] -= job->held;
+    usage_drop_job(&table->usages, job->usage);
     job->usage = NULL;
-    usage->amounts[SERVER_JOB_UNIT_BYTES] -= job->held;
-    if (--usage->amounts[SERVER_JOB_UNIT_JOBS] == 0) server_job_usage_remove(&table->usages, usage);
     server_deferred_job_release(job);
-}
-
-static void table_remove(struct server_job_table *table, uint32_t index)
-{
-    struct server_deferred_job *job = table->list[index];
-    table->count--;
-    memmove(&table->list[index], &table->list[index + 1],
-            (table->count - index) * sizeof *table->list);
-    table_drop(table, job);
 }
 
 /* Drops the oldest ended job of the largest user, which may be the newcomer with `more`. False: it
  * has none. */
-static bool table_evict(struct server_job_table *table, enum server_job_unit unit,
-                        const struct server_job_usage *newcomer, uint64_t more)
+static bool table_evict(struct server_job_table *table, enum unit unit,
+                        const struct usage *newcomer, uint64_t more)
 {
-    const struct server_job_usage *largest =
-        server_job_usage_largest(table->usages, unit, newcomer, more);
-    for (uint32_t i = 0; i < table->count; i++) {
-        const struct server_deferred_job *job = table->list[i];
+    const struct usage *largest = usage_largest(table->usages, unit, newcomer, more);
+    for (uint32_t i = 0; i < table->list.count; i++) {
+        struct server_deferred_job *job = table->list.items[i];
         if (job->usage != largest || !proto_job_has_ended(job->state)) continue;
-        if (unit == SERVER_JOB_UNIT_BYTES && !job->held) continue;
-        table_remove(table, i);
+        if (unit == UNIT_BYTES && !job->held) continue;
+        table_drop(table, server_sorted_remove(&table->list, i));
         return true;
     }
     return false;
@@ -171,15 +212,15 @@ static bool job_is_expired(const struct server_deferred_job *job, uint64_t now_n
 
 /* Finds room for one more job of the usage, which counts it already. The problem shows a tenant no
  * numbers of others. */
-static bool table_admit(struct server_job_table *table, const struct server_job_usage *usage,
+static bool table_admit(struct server_job_table *table, const struct usage *usage,
                         struct proto_problem *problem)
 {
     const struct server_job_limits *limits = &table->limits;
-    uint64_t own = server_job_usage_active(table->usages, usage->tenant),
-             others = table->active - own;
-    bool has_share = !limits->are_tenanted || !own || 2 * own + others < limits->jobs;
-    if (has_share &&
-        (table->count < limits->jobs || table_evict(table, SERVER_JOB_UNIT_JOBS, usage, 0)))
+    uint64_t own = 0;
+    for (const struct usage *at = table->usages; at; at = at->next)
+        if (strcmp(at->tenant, usage->tenant) == 0) own += at->active;
+    bool has_share = !limits->are_tenanted || !own || own + table->active < limits->jobs;
+    if (has_share && (table->list.count < limits->jobs || table_evict(table, UNIT_JOBS, usage, 0)))
         return true;
     (void)proto_problem_set(
         problem, PROTO_PROBLEM_OVERLOADED,
@@ -194,19 +235,18 @@ static bool table_add(struct server_job_table *table, struct server_deferred_job
                       struct proto_problem *problem)
 {
     if (table->is_draining) return proto_problem_from_status(problem, GD_CANCELLED, NULL);
-    struct server_job_usage *usage = server_job_usage_of(&table->usages, job->tenant, job->key);
+    struct usage *usage = usage_of(&table->usages, job->tenant, job->key);
     if (!usage) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    usage->amounts[SERVER_JOB_UNIT_JOBS]++;
+    usage->amounts[UNIT_JOBS]++;
     if (!table_admit(table, usage, problem)) {
-        if (--usage->amounts[SERVER_JOB_UNIT_JOBS] == 0)
-            server_job_usage_remove(&table->usages, usage);
+        usage_drop_job(&table->usages, usage);
         return false;
     }
     job->created = server_job_id_create(job->id);
     job->usage = usage;
     usage->active++;
     table->active++;
-    table->list[table->count++] = server_deferred_job_retain(job);
+    server_sorted_insert(&table->list, table->list.count, server_deferred_job_retain(job));
     return true;
 }
 
@@ -215,7 +255,7 @@ static bool table_add(struct server_job_table *table, struct server_deferred_job
 /* Under the lock. A job that is not in the table any more has no usage. */
 static void answer_count(struct server_deferred_job *job, size_t bytes)
 {
-    if (job->usage) job->usage->amounts[SERVER_JOB_UNIT_BYTES] += bytes - job->held;
+    if (job->usage) job->usage->amounts[UNIT_BYTES] += bytes - job->held;
     job->held = bytes;
 }
 
@@ -226,7 +266,7 @@ static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
     pthread_mutex_lock(&table->lock);
     bool fits = bytes <= table->limits.answer_bytes && job->usage;
     while (fits && atomic_load(&table->held) + bytes > table->limits.answer_bytes)
-        fits = table_evict(table, SERVER_JOB_UNIT_BYTES, job->usage, bytes);
+        fits = table_evict(table, UNIT_BYTES, job->usage, bytes);
     if (fits) {
         atomic_fetch_add(&table->held, bytes);
         answer_count(job, bytes);
@@ -412,9 +452,8 @@ struct server_deferred_job *server_job_table_find(struct server_job_table *table
     memcpy(text, id, size);
     text[size] = '\0';
     pthread_mutex_lock(&table->lock);
-    uint32_t index = table_index(table, text);
-    struct server_deferred_job *job = index < table->count ? table->list[index] : NULL;
-    if (job && strcmp(job->id, text) == 0 && job_is_visible(job, tenant, gd_now_ns()))
+    struct server_deferred_job *job = server_sorted_find(&table->list, text);
+    if (job && job_is_visible(job, tenant, gd_now_ns()))
         server_deferred_job_retain(job);
     else
         job = NULL;
@@ -428,11 +467,10 @@ uint32_t server_job_table_list(struct server_job_table *table, const char *tenan
     uint32_t count = 0;
     uint64_t now = gd_now_ns();
     pthread_mutex_lock(&table->lock);
-    uint32_t index = after ? table_index(table, after) : 0;
-    if (after && index < table->count && strcmp(table->list[index]->id, after) == 0) index++;
-    for (; index < table->count && count < most; index++)
-        if (job_is_visible(table->list[index], tenant, now))
-            out[count++] = server_deferred_job_retain(table->list[index]);
+    for (uint32_t at = server_sorted_after(&table->list, after ? after : "");
+         at < table->list.count && count < most; at++)
+        if (job_is_visible(table->list.items[at], tenant, now))
+            out[count++] = server_deferred_job_retain(table->list.items[at]);
     pthread_mutex_unlock(&table->lock);
     return count;
 }
@@ -441,12 +479,12 @@ void server_job_table_cancel(struct server_job_table *table, struct server_defer
 {
     pthread_mutex_lock(&table->lock);
     bool has_ended = proto_job_has_ended(job->state);
-    uint32_t index = table_index(table, job->id);
     if (!has_ended) {
         job_end(job, PROTO_JOB_CANCELLED);
         atomic_store(&job->exchange->job.is_unwanted, true);
-    } else if (index < table->count && table->list[index] == job) {
-        table_remove(table, index);
+    } else if (server_sorted_find(&table->list, job->id) == job) {
+        server_sorted_remove(&table->list, server_sorted_index(&table->list, job->id));
+        table_drop(table, job);
     }
     pthread_mutex_unlock(&table->lock);
     if (!has_ended) job_notify(job);
@@ -457,13 +495,14 @@ void server_job_table_expire(struct server_job_table *table, uint64_t now_ns)
     pthread_mutex_lock(&table->lock);
     if (now_ns - table->expired_ns >= EXPIRE_NS) {
         uint32_t kept = 0;
-        for (uint32_t i = 0; i < table->count; i++) {
-            if (job_is_expired(table->list[i], now_ns))
-                table_drop(table, table->list[i]);
+        for (uint32_t i = 0; i < table->list.count; i++) {
+            struct server_deferred_job *job = table->list.items[i];
+            if (job_is_expired(job, now_ns))
+                table_drop(table, job);
             else
-                table->list[kept++] = table->list[i];
+                table->list.items[kept++] = job;
         }
-        table->count = kept;
+        table->list.count = kept;
         table->expired_ns = now_ns;
     }
     pthread_mutex_unlock(&table->lock);
@@ -473,16 +512,17 @@ void server_job_table_drain(struct server_job_table *table)
 {
     pthread_mutex_lock(&table->lock);
     table->is_draining = true;
-    for (uint32_t i = 0; i < table->count; i++)
-        if (table->list[i]->state == PROTO_JOB_QUEUED)
-            atomic_store(&table->list[i]->exchange->job.is_unwanted, true);
+    for (uint32_t i = 0; i < table->list.count; i++) {
+        const struct server_deferred_job *job = table->list.items[i];
+        if (job->state == PROTO_JOB_QUEUED) atomic_store(&job->exchange->job.is_unwanted, true);
+    }
     pthread_mutex_unlock(&table->lock);
 }
 
 bool server_job_table_is_empty(struct server_job_table *table)
 {
     pthread_mutex_lock(&table->lock);
-    bool is_empty = table->count == 0;
+    bool is_empty = table->list.count == 0;
     pthread_mutex_unlock(&table->lock);
     return is_empty;
 }
@@ -492,9 +532,10 @@ struct server_job_statistics server_job_table_statistics(struct server_job_table
 {
     struct server_job_statistics statistics = {0};
     pthread_mutex_lock(&table->lock);
-    for (uint32_t i = 0; i < table->count; i++)
-        if (!tenant || strcmp(table->list[i]->tenant, tenant) == 0)
-            statistics.now[table->list[i]->state]++;
+    for (uint32_t i = 0; i < table->list.count; i++) {
+        const struct server_deferred_job *job = table->list.items[i];
+        if (!tenant || strcmp(job->tenant, tenant) == 0) statistics.now[job->state]++;
+    }
     if (!tenant) memcpy(statistics.ended, table->ended, sizeof statistics.ended);
     pthread_mutex_unlock(&table->lock);
     return statistics;
@@ -509,9 +550,11 @@ struct server_job_table *server_job_table_create(struct server_host *host,
     if (!table) return NULL;
     table->host = host;
     table->limits = *limits;
-    table->list = calloc(limits->jobs, sizeof *table->list);
+    table->list = (struct server_sorted){.items = calloc(limits->jobs, sizeof(void *)),
+                                         .capacity = limits->jobs,
+                                         .compare = job_compare};
     pthread_mutex_init(&table->lock, NULL);
-    if (table->list) return table;
+    if (table->list.items) return table;
     server_job_table_destroy(table);
     return NULL;
 }
@@ -519,8 +562,8 @@ struct server_job_table *server_job_table_create(struct server_host *host,
 void server_job_table_destroy(struct server_job_table *table)
 {
     if (!table) return;
-    for (uint32_t i = 0; i < table->count; i++) table_drop(table, table->list[i]);
+    for (uint32_t i = 0; i < table->list.count; i++) table_drop(table, table->list.items[i]);
     pthread_mutex_destroy(&table->lock);
-    free(table->list);
+    free(table->list.items);
     free(table);
 }

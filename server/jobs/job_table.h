@@ -15,7 +15,7 @@
  *
  * Bounds: ended jobs are dropped when their time to live is over, and earlier when the table or the
  * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest job of the largest user
- * (job_usage.h). Jobs that have not ended are never dropped; with keys a tenant has at most as many
+ * . Jobs that have not ended are never dropped; with keys a tenant has at most as many
  * of them as it leaves places free. Ids grow, so the table is sorted by both id and age.
  *
  * Ownership: a job is counted, once for the table, once for its exchange, once for each holder.
