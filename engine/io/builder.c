@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "base/large.h"
+
 /* Keeps every corner offset within 32 bits: a polygon of n corners counts n - 2 triangles, so there
  * are at most 3 x 2^30 corners. */
 #define LARGEST_LIMIT (UINT32_C(1) << 30)
@@ -54,7 +56,7 @@ static void *resized(void *array, size_t capacity, size_t item)
 {
     size_t bytes;
     if (__builtin_mul_overflow(capacity, item, &bytes)) return NULL;
-    return realloc(array, bytes);
+    return array ? realloc(array, bytes) : gd__large_array(capacity, item);
 }
 
 static size_t grown(size_t capacity)
@@ -89,12 +91,18 @@ static bool resize_first(struct gd__builder *builder, size_t capacity)
     return true;
 }
 
+struct gd__pace gd__builder_pace(const struct gd__builder *builder)
+{
+    return (struct gd__pace){.control = builder->limits.control, .fraction = builder->done};
+}
+
 static enum gd_status look(struct gd__builder *builder)
 {
     const struct gd__scan *scan = builder->scan;
     size_t left = gd__scan_left(scan), size = (size_t)(scan->end - scan->begin);
     builder->next_look = scan->at + (left < LOOK_BYTES ? left : LOOK_BYTES);
-    return gd_control_check(builder->limits.control, (double)(size - left) / (double)size);
+    builder->done = (double)(size - left) / (double)size;
+    return gd_control_check(builder->limits.control, builder->done);
 }
 
 enum gd_status gd__builder_look(struct gd__builder *builder)

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/pace.h"
 #include "gd/io.h"
 #include "io/scan.h"
 
@@ -16,6 +17,7 @@ struct gd__builder {
     /* how the format numbers its first vertex: 0 or 1; for error texts only */
     uint32_t index_base;
     const char *next_look; /* at the control, once the scan is there */
+    double done;           /* part of the reading, as the control was told last */
 
     double (*positions)[3];
     size_t position_count, position_capacity;
@@ -48,6 +50,9 @@ GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint
 /* Looks at the control if it is time to; to be called for whatever is read and not added.
  * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__builder_look(struct gd__builder *builder);
+
+/* For a loop over what was added so far. */
+struct gd__pace gd__builder_pace(const struct gd__builder *builder);
 
 /* Each names `at` in its errors, and looks at the control. GD_NON_FINITE, GD_TOO_LARGE,
  * GD_NO_MEMORY. */

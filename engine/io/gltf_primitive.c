@@ -124,7 +124,8 @@ static enum gd_status look(struct gd__gltf_making *making)
 {
     if (making->done++ % LOOK_ELEMENTS != 0) return GD_OK;
     double fraction = (double)making->done / (double)making->all;
-    return gd_control_check(making->gltf->control, fraction < 1 ? fraction : 1);
+    making->builder->done = fraction < 1 ? fraction : 1;
+    return gd_control_check(making->gltf->control, making->builder->done);
 }
 
 static void apply(const struct gd__gltf_place *place, const double local[3], double out[3])

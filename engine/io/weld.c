@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "gd/control.h"
+#include "base/large.h"
 
 #define SMALLEST_SLOT_COUNT 256
 
@@ -64,15 +64,15 @@ static enum gd_status grow(struct gd__weld *weld)
     const struct gd__builder *builder = weld->builder;
     size_t slot_count = weld->slot_count ? 2 * weld->slot_count : SMALLEST_SLOT_COUNT;
     free(weld->slots);
-    weld->slots = malloc(slot_count * sizeof *weld->slots);
+    weld->slots = gd__large_array(slot_count, sizeof *weld->slots);
     if (!weld->slots)
         return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
     weld->slot_count = slot_count;
-    memset(weld->slots, 0xFF, slot_count * sizeof *weld->slots);
-    for (size_t vertex = 0; vertex < builder->position_count; vertex++) {
-        *slot_of(weld, builder->positions[vertex]) = (uint32_t)vertex;
-    }
-    return GD_OK;
+    struct gd__pace pace = gd__builder_pace(builder);
+    gd__pace_fill(&pace, weld->slots, slot_count * sizeof *weld->slots);
+    GD__PACED (&pace, vertex, (uint32_t)builder->position_count)
+        *slot_of(weld, builder->positions[vertex]) = vertex;
+    return pace.status;
 }
 
 enum gd_status gd__weld_vertex(struct gd__weld *weld, const double xyz[3], const char *at,

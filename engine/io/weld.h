@@ -15,8 +15,8 @@ struct gd__weld {
 struct gd__weld gd__weld_begin(struct gd__builder *builder);
 void gd__weld_free(struct gd__weld *weld);
 
-/* The vertex at `xyz`, added to the builder if it is new. Expected O(1). Errors: those of
- * gd__builder_add_position. */
+/* The vertex at `xyz`, added to the builder if it is new. Expected O(1), amortised. Errors:
+ * those of gd__builder_add_position. */
 GD_MUST_USE enum gd_status gd__weld_vertex(struct gd__weld *weld, const double xyz[3],
                                            const char *at, uint32_t *vertex);
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/repair.h"
 
 struct comparison {
@@ -59,6 +60,7 @@ static void bucket(const struct comparison *comparison, uint32_t *start, uint32_
         if (size_of(polygons, i)) start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]++;
     }
     GD__PACED (comparison->pace, v, polygons->position_count + 1) start[v + 1] += start[v];
+    gd__pace_touch(comparison->pace, order, polygons->polygon_count * sizeof *order);
     GD__PACED (comparison->pace, done, polygons->polygon_count) {
         uint32_t i = polygons->polygon_count - 1 - done;
         if (size_of(polygons, i))
@@ -84,9 +86,10 @@ static void name_originals(struct comparison *comparison, const uint32_t *start,
 enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, struct gd__pace *pace,
                                    uint32_t *original)
 {
-    uint32_t *sorted = malloc(((size_t)gd_polygons_corner_count(polygons) + 1) * sizeof *sorted);
-    uint32_t *start = calloc((size_t)polygons->position_count + 2, sizeof *start);
-    uint32_t *order = malloc(((size_t)polygons->polygon_count + 1) * sizeof *order);
+    uint32_t *sorted =
+        gd__large_array((size_t)gd_polygons_corner_count(polygons) + 1, sizeof *sorted);
+    uint32_t *start = gd__large_zeroed((size_t)polygons->position_count + 2, sizeof *start);
+    uint32_t *order = gd__large_array((size_t)polygons->polygon_count + 1, sizeof *order);
     enum gd_status status = sorted && start && order ? GD_OK : GD_NO_MEMORY;
     if (!status) {
         struct comparison comparison = {polygons, sorted, pace};

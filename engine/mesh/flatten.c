@@ -20,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/edge_table.h"
 #include "mesh/repair.h"
 #include "mesh/triangle.h"
@@ -320,7 +321,7 @@ enum gd_status gd__flatten_faces(struct gd__construction *work)
         if (status || flattening.count == 0) break;
         if (!flattening.neighbour)
             flattening.neighbour =
-                malloc(3 * (size_t)work->mesh->face_count * sizeof *flattening.neighbour);
+                gd__large_array(3 * (size_t)work->mesh->face_count, sizeof *flattening.neighbour);
         if (!flattening.neighbour) status = GD_NO_MEMORY;
         if (!status && !merge_needles(&flattening)) status = mend_caps(&flattening);
         if (!status) status = gd__compact_triangles(work);

@@ -2,6 +2,7 @@
  * first corner. */
 #include <stdlib.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 #include "mesh/offenders.h"
 
@@ -51,8 +52,8 @@ static enum gd_status refuse(const struct gd__construction *work, const struct g
 enum gd_status gd__check_vertices(struct gd__construction *work)
 {
     const struct gd_mesh *mesh = work->mesh;
-    uint8_t *visited = calloc(3 * (size_t)mesh->face_count, sizeof *visited);
-    uint32_t *fans = calloc(mesh->vertex_count, sizeof *fans);
+    uint8_t *visited = gd__large_zeroed(3 * (size_t)mesh->face_count, sizeof *visited);
+    uint32_t *fans = gd__large_zeroed(mesh->vertex_count, sizeof *fans);
     struct gd__offenders split = {0};
     if (visited && fans) {
         count_fans(work, visited, fans);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/repair.h"
 #include "mesh/union_find.h"
 
@@ -131,7 +132,7 @@ static bool take_out(struct gd__construction *work, const uint32_t *original)
 
 static enum gd_status drop_duplicates(struct gd__construction *work, bool *edited)
 {
-    uint32_t *original = malloc(work->merged.polygon_count * sizeof *original);
+    uint32_t *original = gd__large_array(work->merged.polygon_count, sizeof *original);
     enum gd_status status =
         original ? gd__find_duplicates(&work->merged, &work->pace, original) : GD_NO_MEMORY;
     if (!status) *edited |= take_out(work, original);
@@ -155,13 +156,13 @@ static enum gd_status allocate(struct gd__construction *work)
     const struct gd_polygons *input = work->input;
     struct gd_mesh *mesh = work->mesh;
     mesh->repair = gd__mesh_array(mesh, 1, sizeof *mesh->repair);
-    work->representative = malloc(input->position_count * sizeof *work->representative);
+    work->representative = gd__large_array(input->position_count, sizeof *work->representative);
     work->merged = (struct gd_polygons){
         .positions = input->positions, /* not ours: build.c frees the other two */
         .position_count = input->position_count,
         .polygon_count = input->polygon_count,
-        .corners = malloc(gd_polygons_corner_count(input) * sizeof *input->corners),
-        .first = malloc(((size_t)input->polygon_count + 1) * sizeof *input->first),
+        .corners = gd__large_array(gd_polygons_corner_count(input), sizeof *input->corners),
+        .first = gd__large_array((size_t)input->polygon_count + 1, sizeof *input->first),
     };
     return mesh->repair && work->representative && work->merged.corners && work->merged.first
                ? GD_OK

@@ -99,6 +99,7 @@ static enum gd_status number_vertices(struct gd__construction *work)
         free(keyed);
         return GD_NO_MEMORY;
     }
+    gd__pace_touch(&work->pace, keyed, 2 * (size_t)count * sizeof *keyed);
     encode(work, keyed);
     sort_by_code(keyed, keyed + count, count, &work->pace);
     const struct keyed_vertex *sorted = keyed + count;
@@ -131,11 +132,14 @@ static void place_face(struct gd__construction *work, uint32_t triangle, uint32_
 static enum gd_status number_faces(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    uint32_t *start = calloc((size_t)mesh->vertex_count + 1, sizeof *start);
+    uint32_t *start = gd__large_zeroed((size_t)mesh->vertex_count + 1, sizeof *start);
     if (!start) return GD_NO_MEMORY;
     GD__PACED (&work->pace, i, mesh->face_count)
         start[lowest_vertex(mesh, work->triangle[i]) + 1]++;
     GD__PACED (&work->pace, v, mesh->vertex_count) start[v + 1] += start[v];
+    gd__pace_touch(&work->pace, work->corner, mesh->face_count * sizeof *work->corner);
+    gd__pace_touch(&work->pace, mesh->index_of_face,
+                   mesh->face_count * sizeof *mesh->index_of_face);
     gd__pace_fill(&work->pace, mesh->face_of_index,
                   mesh->summary.face_index_count * sizeof *mesh->face_of_index);
     GD__PACED (&work->pace, i, mesh->face_count)

@@ -1,6 +1,7 @@
 /* A consistent orientation of the whole mesh, or the refusal of a one-sided one. */
 #include <stdlib.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 #include "mesh/offenders.h"
 #include "mesh/orientation.h"
@@ -58,7 +59,7 @@ static enum gd_status refuse(const struct gd__construction *work,
 enum gd_status gd__orient(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    work->component = malloc(mesh->face_count * sizeof *work->component);
+    work->component = gd__large_array(mesh->face_count, sizeof *work->component);
     mesh->face_flipped = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->face_flipped);
     if (!work->component || !mesh->face_flipped) return GD_NO_MEMORY;
     struct contradictions contradictions = {.work = work};

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/large.h"
 #include "gd/polygons.h"
 
 struct search {
@@ -60,7 +61,8 @@ static void orient_component(struct search *search, uint32_t seed)
 
 enum gd_status gd__orient_faces(struct gd__orientation *orientation)
 {
-    struct search search = {orientation, malloc(orientation->face_count * sizeof *search.queue), 0};
+    struct search search = {orientation,
+                            gd__large_array(orientation->face_count, sizeof *search.queue), 0};
     if (!search.queue) return GD_NO_MEMORY;
     gd__pace_fill(orientation->pace, orientation->component,
                   orientation->face_count * sizeof *orientation->component);

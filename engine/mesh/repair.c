@@ -5,11 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
+
 /* Faces are about to be removed: their indices are no longer their places. */
 static enum gd_status name_faces(struct gd__construction *work)
 {
     if (work->face_index) return GD_OK;
-    work->face_index = malloc(work->mesh->face_count * sizeof *work->face_index);
+    work->face_index = gd__large_array(work->mesh->face_count, sizeof *work->face_index);
     if (!work->face_index) return GD_NO_MEMORY;
     GD__PACED (&work->pace, f, work->mesh->face_count) work->face_index[f] = f;
     return GD_OK;
@@ -39,7 +41,7 @@ static enum gd_status drop_duplicates(struct gd__construction *work)
         .polygon_count = work->mesh->face_count,
         .corners = *work->triangle,
     };
-    uint32_t *original = malloc(triangles.polygon_count * sizeof *original);
+    uint32_t *original = gd__large_array(triangles.polygon_count, sizeof *original);
     enum gd_status status =
         original ? gd__find_duplicates(&triangles, &work->pace, original) : GD_NO_MEMORY;
     GD__PACED (&work->pace, f, status ? 0 : triangles.polygon_count) {

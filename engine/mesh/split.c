@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/edge_table.h"
 #include "mesh/orientation.h"
 #include "mesh/repair.h"
@@ -85,8 +86,8 @@ static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *tab
  * is made consistent before anything is concluded from it. */
 static enum gd_status orient(struct splitting *s)
 {
-    uint32_t *component = malloc(s->face_count * sizeof *component);
-    s->flipped = calloc(s->face_count, sizeof *s->flipped);
+    uint32_t *component = gd__large_array(s->face_count, sizeof *component);
+    s->flipped = gd__large_zeroed(s->face_count, sizeof *s->flipped);
     struct gd__orientation orientation = {
         .corner = (const uint32_t(*)[3])s->work->triangle,
         .neighbour = s->neighbour,
@@ -155,7 +156,7 @@ static void join_fans(struct splitting *s)
 static enum gd_status separate_fans(struct splitting *s)
 {
     size_t vertices = (size_t)s->input_vertices + s->copy_count;
-    uint8_t *taken = calloc(vertices, sizeof *taken);
+    uint8_t *taken = gd__large_zeroed(vertices, sizeof *taken);
     enum gd_status status = taken ? GD_OK : GD_NO_MEMORY;
     if (!status) join_fans(s);
     for (uint32_t c = 0; !status && c < 3 * s->face_count && gd__pace(&s->work->pace, 1); c++) {
@@ -245,7 +246,7 @@ static enum gd_status keep_copies(struct splitting *s)
     struct gd_mesh *mesh = s->work->mesh;
     if (s->copy_count == 0) return GD_OK;
     mesh->copy_of = gd__mesh_array(mesh, s->copy_count, sizeof *mesh->copy_of);
-    uint32_t *copies = calloc(s->input_vertices, sizeof *copies);
+    uint32_t *copies = gd__large_zeroed(s->input_vertices, sizeof *copies);
     if (mesh->copy_of && copies) {
         memcpy(mesh->copy_of, s->copy_of, s->copy_count * sizeof *s->copy_of);
         GD__PACED (&s->work->pace, c, s->copy_count) copies[s->copy_of[c]]++;
@@ -266,8 +267,8 @@ enum gd_status gd__split_faces(struct gd__construction *work)
         .face_count = work->mesh->face_count,
         .input_vertices = work->input->position_count,
     };
-    s.neighbour = malloc(3 * (size_t)s.face_count * sizeof *s.neighbour);
-    s.fan = malloc(3 * (size_t)s.face_count * sizeof *s.fan);
+    s.neighbour = gd__large_array(3 * (size_t)s.face_count, sizeof *s.neighbour);
+    s.fan = gd__large_array(3 * (size_t)s.face_count, sizeof *s.fan);
     enum gd_status status = s.neighbour && s.fan ? run(&s) : GD_NO_MEMORY;
     if (!status) status = keep_copies(&s);
     free(s.neighbour);

@@ -2,6 +2,7 @@
  * extents. */
 #include <stdlib.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 
 static enum gd_status label_vertices(struct gd__construction *work)
@@ -83,7 +84,7 @@ static enum gd_status find_boundaries(struct gd__construction *work)
     uint32_t most_loops = boundary_vertices / 3;
     mesh->boundary = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary);
     mesh->boundary_side = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary_side);
-    uint8_t *visited = calloc(mesh->vertex_count, sizeof *visited);
+    uint8_t *visited = gd__large_zeroed(mesh->vertex_count, sizeof *visited);
     if (mesh->boundary && mesh->boundary_side && visited) walk_loops(work, visited);
     enum gd_status status = mesh->boundary && mesh->boundary_side && visited ? GD_OK : GD_NO_MEMORY;
     free(visited);

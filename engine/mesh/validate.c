@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 #include "mesh/offenders.h"
 
@@ -111,7 +112,7 @@ static void find_repeated_corners(struct gd__construction *work, uint32_t *seen_
 static enum gd_status check_repeated_corners(struct gd__construction *work)
 {
     struct gd_detail *detail = work->detail;
-    uint32_t *seen_in = calloc(work->polygons->position_count, sizeof *seen_in);
+    uint32_t *seen_in = gd__large_zeroed(work->polygons->position_count, sizeof *seen_in);
     if (!seen_in) return GD_NO_MEMORY;
     struct gd__offenders offenders = {0};
     find_repeated_corners(work, seen_in, &offenders);

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/repair.h"
 
 struct cell_table {
@@ -167,11 +168,11 @@ enum gd_status gd__weld_vertices(struct gd__construction *work)
     while (slots < 2 * (uint64_t)vertices) slots *= 2;
     enum gd_status status = check_tolerance(work);
     if (status) return status;
-    uint8_t *used = calloc(vertices, sizeof *used);
+    uint8_t *used = gd__large_zeroed(vertices, sizeof *used);
     struct cell_table table = {work,
                                work->options.weld_tolerance,
-                               malloc(slots * sizeof *table.head),
-                               malloc(vertices * sizeof *table.next),
+                               gd__large_array(slots, sizeof *table.head),
+                               gd__large_array(vertices, sizeof *table.next),
                                slots - 1,
                                gd_now_ns() ^ (uintptr_t)used};
     status = GD_NO_MEMORY;
