@@ -3,13 +3,15 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/large.h"
+
 enum { FINER = 2, STEP = 1 << FINER };
 
 enum gd_status gd__grid_room(uint32_t level, struct gd__grid_room *out)
 {
     size_t side = ((size_t)1 << level) + 1;
-    struct gd__grid_room room = {malloc(side * side * sizeof *room.positions),
-                                 malloc(side * side * sizeof *room.normals)};
+    struct gd__grid_room room = {gd__large_array(side * side, sizeof *room.positions),
+                                 gd__large_array(side * side, sizeof *room.normals)};
     if (!room.positions || !room.normals) {
         gd__grid_room_free(&room);
         return GD_NO_MEMORY;

@@ -10,6 +10,7 @@ asked of daemons with short ones.
 import argparse
 import collections
 import concurrent.futures
+import json
 import random
 import sys
 import time
@@ -168,6 +169,21 @@ def upload_all(options, those):
     return overruns
 
 
+def large_all(options):
+    """A mesh of three million triangles, each part of whose making is long: deadlines over all of it."""
+    with Daemon(*FLAGS, "--memory-budget", "4GiB", "--max-faces", "4000000") as daemon:
+        daemon.request("PUT", "/v1/subdivisions/cube", mix.CUBE)
+        asker = Asker(daemon, 0, None, None)
+        body = json.dumps({"mesh": "fine", "level": 9})
+        for i in range(max(1, options.count // 200)):
+            deadline = 50 + 50 * (i % 40)
+            begun = time.monotonic()
+            answer = daemon.request("POST", f"/v1/subdivisions/cube/discretize?timeout_ms={deadline}", body,
+                                    {"Content-Type": "application/json", "X-Request-Id": f"large-{i}"})
+            asker.asked[f"large-{i}"] = "large", answer.status, deadline, 1000 * (time.monotonic() - begun)
+        return collect(daemon, [asker])
+
+
 def print_kinds(overruns):
     kinds = collections.defaultdict(list)
     for overrun in overruns:
@@ -192,6 +208,8 @@ def main():
     overruns = ask_all(options, those, kinds)
     if not options.only:
         overruns += upload_all(options, those)
+        if not options.short:
+            overruns += large_all(options)
     print_kinds(overruns)
     late = sum(overrun.status == 504 for overrun in overruns)
     asked = SHORT_MS if options.short else ASKED_MS
