@@ -9,6 +9,7 @@
 #include <linux/landlock.h>
 #include <seccomp.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -55,24 +56,12 @@
      LANDLOCK_ACCESS_FS_REMOVE_FILE | LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_MAKE_REG |  \
      LANDLOCK_ACCESS_FS_REFER | FS_TRUNCATE)
 
-/* What is forbidden unless a rule allows it, as the kernel takes it. */
-struct handled {
-    uint64_t files, ports, scopes;
-};
-
 struct ruleset {
     int descriptor;
-    struct handled handled;
+    struct handled { /* what is forbidden unless a rule allows it, as the kernel takes it */
+        uint64_t files, ports, scopes;
+    } handled;
 };
-
-/* Fills in what this version of the interface knows. Returns the bytes of it. */
-static size_t handled_fill(struct handled *handled, long version)
-{
-    uint64_t files = version >= 5 ? FS_ALL_OF_5 : version >= 3 ? FS_ALL_OF_3 : FS_ALL_OF_2;
-    *handled = (struct handled){files, BIND_TCP | CONNECT_TCP, SCOPES_ALL};
-    if (version >= 6) return sizeof *handled;
-    return version >= 4 ? offsetof(struct handled, scopes) : offsetof(struct handled, ports);
-}
 
 static bool ruleset_allow_path(const struct ruleset *ruleset, const char *path, int flags,
                                uint64_t rights)
@@ -160,7 +149,12 @@ static const char *landlock_enter(const struct server_sandbox_needs *needs)
     if (version < 0) return "this kernel has no Landlock, or it is not enabled";
     if (version < 2)
         return "this kernel's Landlock forbids renames from folder to folder: it wants Linux 5.19";
-    size_t size = handled_fill(&ruleset.handled, version);
+    size_t size = version >= 6   ? sizeof ruleset.handled
+                  : version >= 4 ? offsetof(struct handled, scopes)
+                                 : offsetof(struct handled, ports);
+    ruleset.handled.files = version >= 5 ? FS_ALL_OF_5 : version >= 3 ? FS_ALL_OF_3 : FS_ALL_OF_2;
+    ruleset.handled.ports = BIND_TCP | CONNECT_TCP;
+    ruleset.handled.scopes = SCOPES_ALL;
     ruleset.descriptor = (int)syscall(SYS_landlock_create_ruleset, &ruleset.handled, size, 0);
     if (ruleset.descriptor < 0) return strerror(errno);
     const char *missing = NULL;
@@ -177,52 +171,37 @@ static const char *landlock_enter(const struct server_sandbox_needs *needs)
 /* Calls of a running daemon: its own code, libc, libmicrohttpd, SQLite, GnuTLS. The kernel (since
  * 5.11) caches which calls a filter always allows, so this list costs nothing. Calls that change a
  * file's mode, owner or times by path are left out: Landlock does not cover them. */
-static const int allowed_calls[] = {
+static const char *const allowed_calls[] = {
     /* connections */
-    SCMP_SYS(epoll_wait), SCMP_SYS(epoll_pwait), SCMP_SYS(epoll_ctl), SCMP_SYS(recvfrom),
-    SCMP_SYS(recvmsg), SCMP_SYS(accept4), SCMP_SYS(accept), SCMP_SYS(shutdown),
-    SCMP_SYS(setsockopt), SCMP_SYS(getsockopt), SCMP_SYS(getsockname), SCMP_SYS(getpeername),
-    SCMP_SYS(poll), SCMP_SYS(ppoll), SCMP_SYS(select), SCMP_SYS(pselect6), SCMP_SYS(eventfd2),
-    SCMP_SYS(sendfile), SCMP_SYS(dup2), SCMP_SYS(dup3),
+    "epoll_wait epoll_pwait epoll_ctl recvfrom recvmsg accept4 accept shutdown setsockopt",
+    "getsockopt getsockname getpeername poll ppoll select pselect6 eventfd2 sendfile dup2 dup3",
     /* threads, time, signals */
-    SCMP_SYS(futex), SCMP_SYS(sched_yield), SCMP_SYS(getcpu), SCMP_SYS(set_robust_list),
-    SCMP_SYS(rseq), SCMP_SYS(membarrier), SCMP_SYS(clock_gettime), SCMP_SYS(clock_getres),
-    SCMP_SYS(clock_nanosleep), SCMP_SYS(nanosleep), SCMP_SYS(gettimeofday), SCMP_SYS(time),
-    SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(rt_sigtimedwait), SCMP_SYS(sigaltstack), SCMP_SYS(restart_syscall), SCMP_SYS(exit),
-    SCMP_SYS(exit_group),
+    "futex sched_yield getcpu set_robust_list rseq membarrier clock_gettime clock_getres",
+    "clock_nanosleep nanosleep gettimeofday time rt_sigaction rt_sigprocmask rt_sigreturn",
+    "rt_sigtimedwait sigaltstack restart_syscall exit exit_group",
     /* memory */
-    SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(brk),
+    "munmap mremap madvise brk",
     /* files */
-    SCMP_SYS(read), SCMP_SYS(write), SCMP_SYS(readv), SCMP_SYS(writev), SCMP_SYS(pread64),
-    SCMP_SYS(pwrite64), SCMP_SYS(lseek), SCMP_SYS(close), SCMP_SYS(stat), SCMP_SYS(lstat),
-    SCMP_SYS(fstat), SCMP_SYS(newfstatat), SCMP_SYS(statx), SCMP_SYS(getdents),
-    SCMP_SYS(getdents64), SCMP_SYS(unlink), SCMP_SYS(unlinkat), SCMP_SYS(rmdir), SCMP_SYS(rename),
-    SCMP_SYS(renameat), SCMP_SYS(renameat2), SCMP_SYS(link), SCMP_SYS(linkat), SCMP_SYS(readlink),
-    SCMP_SYS(readlinkat), SCMP_SYS(getcwd), SCMP_SYS(ftruncate), SCMP_SYS(fsync),
-    SCMP_SYS(fdatasync), SCMP_SYS(fallocate), SCMP_SYS(fadvise64), SCMP_SYS(flock),
+    "read write readv writev pread64 pwrite64 lseek close stat lstat fstat newfstatat statx",
+    "getdents getdents64 unlink unlinkat rmdir rename renameat renameat2 link linkat readlink",
+    "readlinkat getcwd ftruncate fsync fdatasync fallocate fadvise64 flock",
     /* about the process and the machine */
-    SCMP_SYS(getrandom), SCMP_SYS(getpid), SCMP_SYS(gettid), SCMP_SYS(getuid), SCMP_SYS(geteuid),
-    SCMP_SYS(getgid), SCMP_SYS(getegid), SCMP_SYS(getrlimit), SCMP_SYS(getrusage),
-    SCMP_SYS(sysinfo), SCMP_SYS(uname)};
+    "getrandom getpid gettid getuid geteuid getgid getegid getrlimit getrusage sysinfo uname",
+    NULL};
 
-/* Calls that only an attacker makes. */
-static const int fatal_calls[] = {
-    /* programs and other processes */
-    SCMP_SYS(execve), SCMP_SYS(execveat), SCMP_SYS(ptrace), SCMP_SYS(process_vm_readv),
-    SCMP_SYS(process_vm_writev),
-    /* file systems and namespaces */
-    SCMP_SYS(mount), SCMP_SYS(umount2), SCMP_SYS(pivot_root), SCMP_SYS(chroot), SCMP_SYS(unshare),
-    SCMP_SYS(setns),
-    /* the kernel */
-    SCMP_SYS(init_module), SCMP_SYS(finit_module), SCMP_SYS(delete_module), SCMP_SYS(kexec_load),
-    SCMP_SYS(bpf), SCMP_SYS(keyctl), SCMP_SYS(perf_event_open), SCMP_SYS(userfaultfd),
-    SCMP_SYS(reboot)};
+/* Calls that only an attacker makes: programs and other processes; file systems and namespaces; the
+ * kernel. */
+static const char *const fatal_calls[] = {
+    "execve execveat ptrace process_vm_readv process_vm_writev",
+    "mount umount2 pivot_root chroot unshare setns",
+    "init_module finit_module delete_module kexec_load bpf keyctl perf_event_open userfaultfd",
+    "reboot", NULL};
 
 /* A call that is allowed if all its conditions hold. The filter runs for these calls; none of them
  * is made by an answer that comes from memory, without a database. */
 struct rule {
     int call;
+    enum { ALWAYS, ALONE, CONNECTING } when; /* without a database, with one */
     unsigned count;
     struct scmp_arg_cmp conditions[2]; /* argument, EQUAL, value; or argument, WITHOUT, bits, 0 */
 };
@@ -232,78 +211,75 @@ struct rule {
 #define SPECIAL_BITS (S_ISUID | S_ISGID | S_ISVTX)
 #define FCNTL_LOCKS  UINT64_C(7) /* F_DUPFD to F_SETLKW. Not F_SETOWN, which sends signals */
 
-static const struct rule conditional[] = {
+static const struct rule rules[] = {
     /* memory is not executable */
-    {SCMP_SYS(mmap), 1, {{2, WITHOUT, PROT_EXEC, 0}}},
-    {SCMP_SYS(mprotect), 1, {{2, WITHOUT, PROT_EXEC, 0}}},
+    {SCMP_SYS(mmap), ALWAYS, 1, {{2, WITHOUT, PROT_EXEC, 0}}},
+    {SCMP_SYS(mprotect), ALWAYS, 1, {{2, WITHOUT, PROT_EXEC, 0}}},
     /* files are not setuid; umask(2), which can't be changed any more, clears other bits */
-    {SCMP_SYS(open), 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
-    {SCMP_SYS(openat), 1, {{3, WITHOUT, SPECIAL_BITS, 0}}},
-    {SCMP_SYS(mkdir), 1, {{1, WITHOUT, SPECIAL_BITS, 0}}},
-    {SCMP_SYS(mkdirat), 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
+    {SCMP_SYS(open), ALWAYS, 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
+    {SCMP_SYS(openat), ALWAYS, 1, {{3, WITHOUT, SPECIAL_BITS, 0}}},
+    {SCMP_SYS(mkdir), ALWAYS, 1, {{1, WITHOUT, SPECIAL_BITS, 0}}},
+    {SCMP_SYS(mkdirat), ALWAYS, 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
     /* the calling thread, no other process */
-    {SCMP_SYS(sched_getaffinity), 1, {{0, EQUAL, 0, 0}}},
-    {SCMP_SYS(sched_setaffinity), 1, {{0, EQUAL, 0, 0}}},
-    {SCMP_SYS(sched_setscheduler), 1, {{0, EQUAL, 0, 0}}},
-    {SCMP_SYS(setpriority), 2, {{0, EQUAL, PRIO_PROCESS, 0}, {1, EQUAL, 0, 0}}},
-    {SCMP_SYS(prlimit64), 2, {{0, EQUAL, 0, 0}, {2, EQUAL, 0, 0}}},
-    {SCMP_SYS(fcntl), 1, {{1, WITHOUT, ~FCNTL_LOCKS, 0}}},
-    {SCMP_SYS(fcntl), 1, {{1, EQUAL, F_DUPFD_CLOEXEC, 0}}},
-    {SCMP_SYS(prctl), 1, {{0, EQUAL, PR_SET_NAME, 0}}},
+    {SCMP_SYS(sched_getaffinity), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
+    {SCMP_SYS(sched_setaffinity), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
+    {SCMP_SYS(sched_setscheduler), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
+    {SCMP_SYS(setpriority), ALWAYS, 2, {{0, EQUAL, PRIO_PROCESS, 0}, {1, EQUAL, 0, 0}}},
+    {SCMP_SYS(prlimit64), ALWAYS, 2, {{0, EQUAL, 0, 0}, {2, EQUAL, 0, 0}}},
+    {SCMP_SYS(fcntl), ALWAYS, 1, {{1, WITHOUT, ~FCNTL_LOCKS, 0}}},
+    {SCMP_SYS(fcntl), ALWAYS, 1, {{1, EQUAL, F_DUPFD_CLOEXEC, 0}}},
+    {SCMP_SYS(prctl), ALWAYS, 1, {{0, EQUAL, PR_SET_NAME, 0}}},
+    /* without a database no socket can connect */
+    {SCMP_SYS(sendto), ALONE, 0, {{0}}},
+    {SCMP_SYS(sendmsg), ALONE, 0, {{0}}},
+    /* to connect, and to resolve the names of its hosts; a send must not connect, because Landlock
+     * does not see it */
+    {SCMP_SYS(sendto), CONNECTING, 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
+    {SCMP_SYS(sendmsg), CONNECTING, 1, {{2, WITHOUT, MSG_FASTOPEN, 0}}},
+    {SCMP_SYS(sendmmsg), CONNECTING, 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
+    {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_UNIX, 0}}},
+    {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_INET, 0}}},
+    {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_INET6, 0}}},
+    {SCMP_SYS(ioctl), CONNECTING, 1, {{1, EQUAL, FIONREAD, 0}}}, /* what a name server has sent */
+    {SCMP_SYS(connect), CONNECTING, 0, {{0}}},
 };
 
-/* Without a database no socket can connect. */
-static const struct rule alone[] = {
-    {SCMP_SYS(sendto), 0, {{0}}},
-    {SCMP_SYS(sendmsg), 0, {{0}}},
-};
-
-/* With a database: connect, and resolve the names of its hosts. A send must not connect, because
- * Landlock does not see it. */
-static const struct rule connecting[] = {
-    {SCMP_SYS(sendto), 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
-    {SCMP_SYS(sendmsg), 1, {{2, WITHOUT, MSG_FASTOPEN, 0}}},
-    {SCMP_SYS(sendmmsg), 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
-    {SCMP_SYS(socket), 1, {{0, EQUAL, AF_UNIX, 0}}},
-    {SCMP_SYS(socket), 1, {{0, EQUAL, AF_INET, 0}}},
-    {SCMP_SYS(socket), 1, {{0, EQUAL, AF_INET6, 0}}},
-    {SCMP_SYS(ioctl), 1, {{1, EQUAL, FIONREAD, 0}}}, /* how much a name server has sent */
-    {SCMP_SYS(connect), 0, {{0}}},
-};
-
-/* These return 0 or a negative errno. */
-static int filter_add_calls(scmp_filter_ctx filter, uint32_t action, const int *calls, size_t count)
+/* Adds lists of names. Returns 0 or a negative errno. */
+static int filter_add_calls(scmp_filter_ctx filter, uint32_t action, const char *const *lists)
 {
     int failed = 0;
-    for (size_t i = 0; !failed && i < count; i++)
-        failed = seccomp_rule_add(filter, action, calls[i], 0);
-    return failed;
-}
-
-static int filter_add_rules(scmp_filter_ctx filter, const struct rule *rules, size_t count)
-{
-    int failed = 0;
-    for (size_t i = 0; !failed && i < count; i++)
-        failed = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].count,
-                                        rules[i].conditions);
+    char name[32];
+    for (; !failed && *lists; lists++)
+        for (const char *at = *lists; !failed && *at; at += strspn(at, " ")) {
+            size_t size = strcspn(at, " ");
+            snprintf(name, sizeof name, "%.*s", (int)size, at);
+            failed = seccomp_rule_add(filter, action, seccomp_syscall_resolve_name(name), 0);
+            at += size;
+        }
     return failed;
 }
 
 static int filter_load(scmp_filter_ctx filter, bool connects)
 {
-    const struct rule own_signals = {SCMP_SYS(tgkill), 1, {{0, EQUAL, (uint64_t)getpid(), 0}}};
-    int failed = seccomp_attr_set(filter, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
-    if (!failed) failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_NNP, 0); /* it is set */
-    if (!failed) failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
-    if (!failed) failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2); /* a binary tree */
+    static const struct {
+        enum scmp_filter_attr name;
+        uint32_t value;
+    } attributes[] = {{SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS},
+                      {SCMP_FLTATR_CTL_NNP, 0}, /* it is set */
+                      {SCMP_FLTATR_CTL_TSYNC, 1},
+                      {SCMP_FLTATR_CTL_OPTIMIZE, 2}}; /* a binary tree */
+    const struct scmp_arg_cmp own_signals = {0, EQUAL, (uint64_t)getpid(), 0};
+    int failed = filter ? 0 : -ENOMEM;
+    for (size_t i = 0; !failed && i < COUNT(attributes); i++)
+        failed = seccomp_attr_set(filter, attributes[i].name, attributes[i].value);
+    for (size_t i = 0; !failed && i < COUNT(rules); i++)
+        if (rules[i].when != (connects ? ALONE : CONNECTING))
+            failed = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].count,
+                                            rules[i].conditions);
+    if (!failed) failed = filter_add_calls(filter, SCMP_ACT_ALLOW, allowed_calls);
     if (!failed)
-        failed = filter_add_calls(filter, SCMP_ACT_ALLOW, allowed_calls, COUNT(allowed_calls));
-    if (!failed) failed = filter_add_rules(filter, conditional, COUNT(conditional));
-    if (!failed && connects) failed = filter_add_rules(filter, connecting, COUNT(connecting));
-    if (!failed && !connects) failed = filter_add_rules(filter, alone, COUNT(alone));
-    if (!failed) failed = filter_add_rules(filter, &own_signals, 1);
-    if (!failed)
-        failed = filter_add_calls(filter, SCMP_ACT_KILL_PROCESS, fatal_calls, COUNT(fatal_calls));
+        failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1, own_signals);
+    if (!failed) failed = filter_add_calls(filter, SCMP_ACT_KILL_PROCESS, fatal_calls);
     return failed ? failed : seccomp_load(filter);
 }
 
@@ -350,7 +326,7 @@ void server_sandbox_seal(struct server_sandbox *sandbox)
     struct server_log_line line;
     if (!sandbox->is_wanted) return;
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(ENOSYS));
-    int failed = filter ? filter_load(filter, sandbox->connects) : -ENOMEM;
+    int failed = filter_load(filter, sandbox->connects);
     seccomp_release(filter);
     sandbox->seccomp = failed ? strerror(-failed) : NULL;
     const struct {
