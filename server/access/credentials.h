@@ -14,17 +14,52 @@
 #ifndef SERVER_ACCESS_CREDENTIALS_H
 #define SERVER_ACCESS_CREDENTIALS_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 
-#include "server/access/limits.h"
 #include "server/base/sha256.h"
 
 #define SERVER_CREDENTIAL_NAME   65     /* with the NUL */
 #define SERVER_CREDENTIAL_PREFIX "gdk_" /* people, and scanners for secrets, recognise it */
 #define SERVER_CREDENTIALS_MOST  10000
+#define SERVER_LIMITS_MOST       1000000u
+
+struct server_limits { /* 0: no limit */
+    uint32_t rate;     /* requests a second */
+    uint32_t concurrent;
+};
+
+enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
+
+/* How much of its limits a key has used. Reference-counted: running requests keep it after its key
+ * is gone.
+ *
+ * A rate of r a second is a bucket of r tokens that fills at that rate: GCRA, stored as the time at
+ * which the bucket is full again, so that a request is one compare-and-swap. (ATM Forum, Traffic
+ * Management 4.0, 4.4.2.) */
+struct server_quota {
+    atomic_uint references;
+    atomic_uint_least64_t entered;     /* running requests */
+    atomic_uint_least64_t full_ns;     /* when the bucket is full again */
+    atomic_uint_least64_t requests;    /* since the start, refused ones included */
+    atomic_uint_least64_t refusals[3]; /* by enum server_quota_outcome */
+    atomic_uint_least64_t forbidden;   /* by the role */
+};
+
+/* One reference; NULL without memory. */
+struct server_quota *server_quota_create(void);
+struct server_quota *server_quota_retain(struct server_quota *quota);
+void server_quota_release(struct server_quota *quota); /* NULL is harmless */
+
+/* Counts a request at `now_ns`. A request that entered must leave. A refused one gets `*wait_ns`,
+ * how long to wait, or 0 where that is unknown. Thread-safe. */
+enum server_quota_outcome server_quota_enter(struct server_quota *quota,
+                                             const struct server_limits *limits, uint64_t now_ns,
+                                             uint64_t *wait_ns);
+void server_quota_leave(struct server_quota *quota);
 
 /* An operator reads, and sees the metrics of all tenants. */
 enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE, SERVER_ROLE_OPERATOR };
@@ -41,7 +76,7 @@ struct server_credential {
 
 struct server_credentials {
     atomic_uint references;
-    uint32_t count, capacity;
+    uint32_t count;
     struct server_credential *keys;
 };
 
@@ -58,11 +93,9 @@ void server_credentials_release(struct server_credentials *keys); /* NULL is har
 const struct server_credential *server_credentials_find(const struct server_credentials *keys,
                                                         const char *text, size_t size);
 
-/* Parses "2027-01-31" (its first second) or "2027-01-31T12:00:00Z". */
-bool server_credentials_parse_time(const char *text, int64_t *out);
-
-/* Parses "read", "write" or "operator". */
-bool server_credentials_parse_role(const char *text, enum server_role *out);
+/* Parses a setting of a line, "role=write", in place. False with a sentence in `error`, of 256 bytes
+ * at most. */
+bool server_credentials_set(struct server_credential *key, char *setting, char *error);
 
 /* Whether the text has the form of a name. */
 bool server_credentials_is_name(const char *text);

@@ -6,14 +6,10 @@
 #include <sys/random.h>
 #include <time.h>
 
-#define RANDOM_BYTES 32
-#define TEXT_BYTES   44 /* of RANDOM_BYTES in base64url without padding, and the NUL */
+#define KEY_DIGITS   43 /* of 6 bits: more than 256 */
 #define DAY_S        86400
 #define DAYS_MOST    36500
-#define EXPIRY_TEXT  64
-
-enum flag { ROLE, TENANT, EXPIRES, RATE, CONCURRENT, FLAGS };
-static const char *const flags[FLAGS] = {"role", "tenant", "expires", "rate", "concurrent"};
+#define SETTING_MOST 128 /* bytes of "expires=…" */
 
 static const char usage[] =
     "usage: geodesicd keygen NAME [--role read|write|operator] [--tenant NAME] "
@@ -25,97 +21,60 @@ static bool keygen_complain(FILE *error, const char *sentence)
     return false;
 }
 
-/* "90d", or a time. */
-static bool expiry_read(const char *text, char out[EXPIRY_TEXT])
+/* Writes "--role write" as "role=write", and 90 days as the time when they end. */
+static bool setting_write(char *const pair[2], char out[SETTING_MOST])
 {
-    int64_t when;
-    char *end;
-    if (server_credentials_parse_time(text, &when))
-        return snprintf(out, EXPIRY_TEXT, "%s", text) < EXPIRY_TEXT;
-    long days = strtol(text, &end, 10);
-    if (end == text || strcmp(end, "d") != 0 || days < 1 || days > DAYS_MOST) return false;
+    char *end = "";
+    int size = snprintf(out, SETTING_MOST, "%s=%s", pair[0] + 2, pair[1]);
+    long days = strncmp(out, "expires=", 8) == 0 ? strtol(pair[1], &end, 10) : 0;
+    if (days < 1 || days > DAYS_MOST || strcmp(end, "d") != 0) return size < SETTING_MOST;
     time_t then = time(NULL) + days * DAY_S;
     struct tm utc;
-    return gmtime_r(&then, &utc) && strftime(out, EXPIRY_TEXT, "%Y-%m-%dT%H:%M:%SZ", &utc) > 0;
+    return gmtime_r(&then, &utc) && strftime(out, SETTING_MOST, "expires=%Y-%m-%dT%H:%M:%SZ", &utc);
 }
 
-static bool is_count(const char *text)
+/* Appends the settings of the flags to a line. */
+static bool settings_write(int argc, char *const argv[], FILE *line, FILE *error)
 {
-    size_t digits = strspn(text, "0123456789");
-    return digits > 0 && digits < 7 && !text[digits] && atoi(text) > 0;
-}
-
-/* Checks the values of the flags, NULL where one is missing, and replaces that of --expires. */
-static bool values_check(const char *values[FLAGS], char expires[EXPIRY_TEXT], FILE *error)
-{
-    enum server_role role;
-    if (!server_credentials_parse_role(values[ROLE], &role))
-        return keygen_complain(
-            error, "a role is read, write or operator, which sees the metrics of all tenants");
-    if (values[TENANT] && *values[TENANT] && !server_credentials_is_name(values[TENANT]))
-        return keygen_complain(error, "a tenant has the form of a name");
-    if (values[EXPIRES] && !expiry_read(values[EXPIRES], expires))
-        return keygen_complain(error,
-                               "--expires takes a time, as 2027-01-31 or 2027-01-31T12:00:00Z, or "
-                               "days, as 90d");
-    if (values[EXPIRES]) values[EXPIRES] = expires;
-    for (int flag = RATE; flag <= CONCURRENT; flag++)
-        if (values[flag] && !is_count(values[flag]))
-            return keygen_complain(error, "--rate and --concurrent take a number, 1 to 999999");
-    return true;
-}
-
-static bool flags_read(int argc, char *const argv[], const char *values[FLAGS], FILE *error)
-{
-    for (int at = 1; at < argc; at += 2) {
-        int flag = 0;
-        while (flag < FLAGS &&
-               (strncmp(argv[at], "--", 2) != 0 || strcmp(argv[at] + 2, flags[flag]) != 0))
-            flag++;
-        if (flag == FLAGS)
-            return keygen_complain(
-                error, "flags are --role, --tenant, --expires, --rate and --concurrent");
-        if (at + 1 == argc) return keygen_complain(error, "the last flag has no value");
-        values[flag] = argv[at + 1];
+    struct server_credential key = {.role = SERVER_ROLE_READ};
+    char setting[SETTING_MOST], sentence[256];
+    bool has_role = false;
+    for (int at = 0; at < argc; at += 2) {
+        has_role |= strcmp(argv[at], "--role") == 0;
+        if (strncmp(argv[at], "--", 2) != 0 || at + 1 == argc || !setting_write(argv + at, setting))
+            return keygen_complain(error, "behind the name stand flags, each with a value");
+        fprintf(line, " %s", setting);
+        if (!server_credentials_set(&key, setting, sentence))
+            return keygen_complain(error, sentence);
     }
-    return true;
-}
-
-/* RFC 4648, 5, without padding. */
-static void key_encode(const unsigned char bytes[RANDOM_BYTES], char text[TEXT_BYTES])
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-    for (int i = 0; i < TEXT_BYTES - 1; i++) {
-        int bit = 6 * i, byte = bit / 8;
-        unsigned pair =
-            (unsigned)bytes[byte] << 8 | (byte + 1 < RANDOM_BYTES ? bytes[byte + 1] : 0);
-        text[i] = digits[pair >> (10 - bit % 8) & 63];
-    }
-    text[TEXT_BYTES - 1] = '\0';
+    return has_role || fputs(" role=read", line) >= 0;
 }
 
 bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error)
 {
-    const char *values[FLAGS] = {"read"};
-    unsigned char bytes[RANDOM_BYTES];
-    char expires[EXPIRY_TEXT], sha256[SERVER_SHA256_HEX],
-        key[sizeof SERVER_CREDENTIAL_PREFIX + TEXT_BYTES] = SERVER_CREDENTIAL_PREFIX;
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+    unsigned char bytes[KEY_DIGITS];
+    char *settings = NULL, key[sizeof SERVER_CREDENTIAL_PREFIX + KEY_DIGITS] = "",
+         sha256[SERVER_SHA256_HEX];
+    size_t size;
     if (argc == 1 && strcmp(argv[0], "--help") == 0) return fputs(usage, out) >= 0;
     if (argc < 1 || !server_credentials_is_name(argv[0]))
         return keygen_complain(
             error,
             "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
-    if (!flags_read(argc, argv, values, error) || !values_check(values, expires, error))
-        return false;
     if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes)
         return keygen_complain(error, "the system gives no random numbers");
-    key_encode(bytes, key + strlen(SERVER_CREDENTIAL_PREFIX));
+    strcpy(key, SERVER_CREDENTIAL_PREFIX);
+    for (int i = 0; i < KEY_DIGITS; i++) key[strlen(key)] = digits[bytes[i] & 63];
     server_sha256(key, strlen(key), sha256);
-    fputs("The key, which is shown only now, and the line for the file that --keys names:\n",
-          error);
-    fprintf(out, "%s\n%s sha256:%s", key, argv[0], sha256);
-    for (int flag = 0; flag < FLAGS; flag++)
-        if (values[flag]) fprintf(out, " %s=%s", flags[flag], values[flag]);
-    fputc('\n', out);
-    return fflush(out) == 0;
+    FILE *line = open_memstream(&settings, &size);
+    bool is_done = line && settings_write(argc - 1, argv + 1, line, error);
+    if (line && fclose(line) == 0 && is_done) {
+        fputs("The key, which is shown only now, and the line for the file that --keys names:\n",
+              error);
+        fprintf(out, "%s\n%s sha256:%s%s\n", key, argv[0], sha256, settings);
+        is_done = fflush(out) == 0;
+    }
+    free(settings);
+    return is_done;
 }

@@ -1,5 +1,5 @@
-/* See limits.h. */
-#include "server/access/limits.h"
+/* See credentials.h: quotas. */
+#include "server/access/credentials.h"
 
 #include <stdbool.h>
 #include <stdlib.h>

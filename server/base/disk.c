@@ -16,41 +16,49 @@
 #define FILE_MODE   0600
 #define WRITE_MOST  ((size_t)1 << 30)
 
-/* The result of a failed operation that changed nothing. */
-static enum server_disk_result errno_result(void)
+/* The outcome of a failed operation that changed nothing. */
+static enum server_store_outcome errno_outcome(void)
 {
-    if (errno == ENOENT) return SERVER_DISK_ABSENT;
-    if (errno == ENOSPC || errno == EDQUOT) return SERVER_DISK_FULL;
-    return errno == ENOMEM ? SERVER_DISK_NO_MEMORY : SERVER_DISK_REFUSED;
+    if (errno == ENOENT) return SERVER_STORE_ABSENT;
+    if (errno == ENOSPC || errno == EDQUOT) return SERVER_STORE_FULL;
+    return errno == ENOMEM ? SERVER_STORE_NO_MEMORY : SERVER_STORE_REFUSED;
 }
 
-/* These two keep errno. */
+/* Closes and keeps errno. */
 static void close_quietly(int file)
 {
     int kept = errno;
-    close(file);
+    if (file >= 0) close(file);
     errno = kept;
 }
 
-static void unlink_quietly(const char *path)
+static enum server_store_outcome sync_and_close(int file)
 {
-    int kept = errno;
-    unlink(path);
-    errno = kept;
+    int failed = fsync(file);
+    close_quietly(file);
+    return failed ? SERVER_STORE_READ_ONLY : SERVER_STORE_DONE;
 }
 
-/* Opens a folder before something in it changes: without a descriptor nothing has changed. */
 static int folder_open(const char *folder)
 {
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Makes the changes of a folder or a file durable, and closes it. */
-static enum server_disk_result sync_and_close(int file)
+/* Opens the folder of a file before something in it changes: without a descriptor nothing has
+ * changed. */
+static int parent_open(const char *path)
 {
-    int failed = fsync(file);
-    close_quietly(file);
-    return failed ? SERVER_DISK_LOST : SERVER_DISK_DONE;
+    char text[SERVER_DISK_PATH];
+    snprintf(text, sizeof text, "%s", path);
+    return folder_open(dirname(text));
+}
+
+/* Makes a change in the folder durable, unless it has failed, and closes the folder. */
+static enum server_store_outcome parent_close(int parent, enum server_store_outcome outcome)
+{
+    if (!outcome) return sync_and_close(parent);
+    close_quietly(parent);
+    return outcome;
 }
 
 bool server_disk_exists(const char *path)
@@ -59,86 +67,115 @@ bool server_disk_exists(const char *path)
     return stat(path, &facts) == 0;
 }
 
-enum server_disk_result server_disk_sync_folder(const char *folder)
+enum server_store_outcome server_disk_sync_folder(const char *folder)
 {
     int file = folder_open(folder);
-    if (file < 0)
-        return errno_result() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
-    return sync_and_close(file);
+    if (file >= 0) return sync_and_close(file);
+    return errno == ENOENT ? SERVER_STORE_ABSENT : SERVER_STORE_READ_ONLY;
 }
 
-enum server_disk_result server_disk_sync_file(const char *path)
+enum server_store_outcome server_disk_make_folder(const char *path)
 {
-    int file = server_disk_open(path);
-    return file < 0 ? errno_result() : sync_and_close(file);
-}
-
-enum server_disk_result server_disk_make_folder(const char *path)
-{
-    char text[SERVER_DISK_PATH];
-    if (server_disk_exists(path)) return SERVER_DISK_DONE;
-    snprintf(text, sizeof text, "%s", path);
-    int parent = folder_open(dirname(text));
-    if (parent < 0) return errno_result();
+    if (server_disk_exists(path)) return SERVER_STORE_DONE;
+    int parent = parent_open(path);
+    if (parent < 0) return SERVER_STORE_REFUSED;
     if (mkdir(path, FOLDER_MODE) == 0) return sync_and_close(parent);
-    enum server_disk_result result = errno == EEXIST ? SERVER_DISK_DONE : errno_result();
     close_quietly(parent);
-    return result;
+    return errno == EEXIST ? SERVER_STORE_DONE : errno_outcome();
+}
+
+enum server_store_outcome server_disk_remove(const char *path)
+{
+    int parent = parent_open(path);
+    if (parent < 0) return errno_outcome();
+    return parent_close(parent, unlink(path) ? errno_outcome() : SERVER_STORE_DONE);
 }
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static enum server_disk_result file_write(int file, const char *bytes, size_t size)
+static enum server_store_outcome file_write(int file, const char *bytes, size_t size)
 {
     while (size) {
         ssize_t written = write(file, bytes, size < WRITE_MOST ? size : WRITE_MOST);
         if (written < 0 && errno == EINTR) continue;
         if (written < 0)
-            return errno_result() == SERVER_DISK_FULL ? SERVER_DISK_FULL : SERVER_DISK_LOST;
+            return errno_outcome() == SERVER_STORE_FULL ? SERVER_STORE_FULL
+                                                        : SERVER_STORE_READ_ONLY;
         bytes += written;
         size -= (size_t)written;
     }
-    return fsync(file) ? SERVER_DISK_LOST : SERVER_DISK_DONE;
+    return fsync(file) ? SERVER_STORE_READ_ONLY : SERVER_STORE_DONE;
 }
 
-static enum server_disk_result file_create(const char *path, const void *bytes, size_t size)
+static enum server_store_outcome file_create(const char *path, const void *bytes, size_t size)
 {
     int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, FILE_MODE);
-    if (file < 0) return errno_result();
-    enum server_disk_result result = file_write(file, bytes, size);
-    close_quietly(file);
-    if (result) unlink_quietly(path);
-    return result;
+    if (file < 0) return errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
+    enum server_store_outcome outcome = file_write(file, bytes, size);
+    int why = errno;
+    close(file);
+    if (outcome) unlink(path);
+    errno = why;
+    return outcome;
 }
 
-enum server_disk_result server_disk_write(const char *folder, const char *path,
-                                          const char *temporary, const void *bytes, size_t size)
+enum server_store_outcome server_disk_write(const char *path, const char *temporary,
+                                            const void *bytes, size_t size)
 {
-    int parent = folder_open(folder);
-    if (parent < 0) return errno_result();
-    enum server_disk_result result = file_create(temporary, bytes, size);
-    if (!result && rename(temporary, path) != 0) {
-        unlink_quietly(temporary);
-        result = errno_result();
+    int parent = parent_open(path);
+    if (parent < 0) return errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
+    enum server_store_outcome outcome = file_create(temporary, bytes, size);
+    if (!outcome && rename(temporary, path) != 0) {
+        outcome = errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
+        int why = errno;
+        unlink(temporary);
+        errno = why;
     }
-    if (!result) return sync_and_close(parent);
-    close_quietly(parent);
-    return result;
+    return parent_close(parent, outcome);
+}
+
+enum server_store_outcome server_disk_copy(const char *path, const char *copy)
+{
+    void *bytes;
+    size_t size;
+    enum server_store_outcome outcome = server_disk_read(path, &bytes, &size);
+    if (outcome) return outcome;
+    outcome = file_create(copy, bytes, size);
+    free(bytes);
+    return outcome;
+}
+
+enum server_store_outcome server_disk_link(const char *path, const char *second)
+{
+    if (link(path, second) == 0) return SERVER_STORE_DONE;
+    bool can_copy = errno == EXDEV || errno == EPERM || errno == EMLINK || errno == EOPNOTSUPP;
+    return can_copy ? server_disk_copy(path, second) : errno_outcome();
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
 #define IRREGULAR ENOTSUP /* errno of a file that is not regular */
 
-int server_disk_open(const char *path)
+static int file_open(const char *path, size_t *size)
 {
-    struct stat facts;
+    struct stat facts = {0};
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (file < 0) return -1;
-    if (fstat(file, &facts) == 0 && S_ISREG(facts.st_mode)) return file;
+    bool is_regular = fstat(file, &facts) == 0 && S_ISREG(facts.st_mode);
+    *size = (size_t)facts.st_size;
+    if (is_regular) return file;
     close(file);
     errno = IRREGULAR;
     return -1;
+}
+
+FILE *server_disk_stream(const char *path)
+{
+    size_t size;
+    int file = file_open(path, &size);
+    FILE *stream = file < 0 ? NULL : fdopen(file, "r");
+    if (!stream) close_quietly(file);
+    return stream;
 }
 
 const char *server_disk_why(void)
@@ -146,74 +183,62 @@ const char *server_disk_why(void)
     return errno == IRREGULAR ? "it is no regular file" : strerror(errno);
 }
 
-static enum server_disk_result file_read(int file, void **bytes, size_t *size)
+enum server_store_outcome server_disk_sync_file(const char *path)
 {
-    struct stat facts;
-    if (fstat(file, &facts) != 0) return errno_result();
-    const size_t total = (size_t)facts.st_size;
-    char *buffer = malloc(total + 1);
-    if (!buffer) return SERVER_DISK_NO_MEMORY;
-    for (size_t at = 0; at < total;) {
-        ssize_t got = read(file, buffer + at, total - at);
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) {
-            free(buffer);
-            return SERVER_DISK_REFUSED;
-        }
-        at += (size_t)got;
-    }
-    buffer[total] = '\0';
-    *bytes = buffer;
-    *size = total;
-    return SERVER_DISK_DONE;
+    size_t size;
+    int file = file_open(path, &size);
+    return file < 0 ? errno_outcome() : sync_and_close(file);
 }
 
-enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size)
+enum server_store_outcome server_disk_read(const char *path, void **bytes, size_t *size)
 {
-    int file = server_disk_open(path);
-    if (file < 0) return errno_result();
-    enum server_disk_result result = file_read(file, bytes, size);
+    ssize_t got = 1;
+    int file = file_open(path, size);
+    if (file < 0) return errno_outcome();
+    char *buffer = malloc(*size + 1);
+    for (size_t at = 0; buffer && got > 0 && at < *size; at += (size_t)got)
+        while ((got = read(file, buffer + at, *size - at)) < 0 && errno == EINTR) continue;
     close_quietly(file);
-    return result;
+    if (!buffer) return SERVER_STORE_NO_MEMORY;
+    buffer[*size] = '\0';
+    *bytes = buffer;
+    if (got > 0) return SERVER_STORE_DONE;
+    free(buffer);
+    return SERVER_STORE_REFUSED;
 }
 
 #define PIECE ((size_t)256 << 10)
 
-/* Drops the file's first bytes (0: all) from the page cache, which hides the disk's state, and
- * where a file that is only checked has no place. */
-static void pages_drop(int file, off_t bytes)
+enum server_store_outcome
+server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
+                 void *user)
 {
-    (void)posix_fadvise(file, 0, bytes, POSIX_FADV_DONTNEED);
-}
-
-enum server_disk_result server_disk_scan(const char *path,
-                                         bool (*visit)(void *user, const void *bytes, size_t size),
-                                         void *user)
-{
-    int file = server_disk_open(path);
-    if (file < 0) return errno_result();
+    size_t size;
+    int file = file_open(path, &size);
+    if (file < 0) return errno_outcome();
     char *piece = malloc(PIECE);
-    enum server_disk_result result = piece ? SERVER_DISK_DONE : SERVER_DISK_NO_MEMORY;
-    pages_drop(file, 0);
+    enum server_store_outcome outcome = piece ? SERVER_STORE_DONE : SERVER_STORE_NO_MEMORY;
     for (off_t at = 0; piece;) {
+        /* the page cache hides the disk's state, and a file that is only checked has no place in
+         * it; 0: all of the file */
+        (void)posix_fadvise(file, 0, at, POSIX_FADV_DONTNEED);
         ssize_t got = read(file, piece, PIECE);
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) result = SERVER_DISK_REFUSED;
+        if (got < 0) outcome = SERVER_STORE_REFUSED;
         if (got <= 0 || !visit(user, piece, (size_t)got)) break;
         at += got;
-        pages_drop(file, at);
     }
     free(piece);
     close_quietly(file);
-    return result;
+    return outcome;
 }
 
-enum server_disk_result server_disk_size(const char *path, size_t *size)
+enum server_store_outcome server_disk_size(const char *path, size_t *size)
 {
     struct stat facts;
-    if (stat(path, &facts) != 0) return errno_result();
+    if (stat(path, &facts) != 0) return errno_outcome();
     *size = (size_t)facts.st_size;
-    return SERVER_DISK_DONE;
+    return SERVER_STORE_DONE;
 }
 
 struct server_listing server_disk_list(const char *folder)
@@ -239,76 +264,19 @@ bool server_listing_next(struct server_listing *listing)
     return false;
 }
 
-bool server_disk_each(const char *folder,
-                      void (*visit)(void *user, const char *path, const char *name), void *user)
+void server_disk_set_aside(const char *path, char suffix[SERVER_DISK_ASIDE_SUFFIX])
 {
-    struct server_listing listing = server_disk_list(folder);
-    while (server_listing_next(&listing)) visit(user, listing.path, listing.name);
-    return listing.is_readable;
-}
-
-/* --- names ------------------------------------------------------------------------------------ */
-
-enum server_disk_result server_disk_remove(const char *folder, const char *path)
-{
-    int parent = folder ? folder_open(folder) : -1;
-    if (folder && parent < 0) return errno_result();
-    enum server_disk_result result = unlink(path) != 0 ? errno_result() : SERVER_DISK_DONE;
-    if (!result && folder) return sync_and_close(parent);
-    if (folder) close_quietly(parent);
-    return result;
-}
-
-enum server_disk_result server_disk_copy(const char *path, const char *copy)
-{
-    void *bytes;
-    size_t size;
-    enum server_disk_result result = server_disk_read(path, &bytes, &size);
-    if (result) return result;
-    result = file_create(copy, bytes, size);
-    free(bytes);
-    return result;
-}
-
-enum server_disk_result server_disk_link(const char *path, const char *second)
-{
-    if (link(path, second) == 0) return SERVER_DISK_DONE;
-    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP)
-        return errno_result();
-    return server_disk_copy(path, second);
-}
-
-/* --- damaged files ---------------------------------------------------------------------------- */
-
-const char *const server_disk_database_parts[] = {"", "-wal", "-shm", NULL};
-
-static bool path_join(char path[SERVER_DISK_PATH], const char *file, const char *part,
-                      const char *suffix)
-{
-    int size = snprintf(path, SERVER_DISK_PATH, "%s%s%s", file, part, suffix);
-    return size > 0 && size < SERVER_DISK_PATH;
-}
-
-static bool suffix_is_taken(const char *path, const char *const *parts, const char *suffix)
-{
-    char aside[SERVER_DISK_PATH];
-    for (; *parts; parts++)
-        if (path_join(aside, path, *parts, suffix) && server_disk_exists(aside)) return true;
-    return false;
-}
-
-void server_disk_set_aside(const char *path, const char *const *parts,
-                           char suffix[SERVER_DISK_ASIDE_SUFFIX])
-{
+    static const char *const parts[] = {"", "-wal", "-shm"};
     char from[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
-    unsigned number = 1;
-    do
-        snprintf(suffix, SERVER_DISK_ASIDE_SUFFIX, SERVER_DISK_ASIDE "-%lld-%u",
-                 (long long)time(NULL), number++);
-    while (suffix_is_taken(path, parts, suffix));
-    for (; *parts; parts++)
-        if (path_join(from, path, *parts, "") && path_join(aside, path, *parts, suffix))
-            (void)rename(from, aside);
-    snprintf(aside, sizeof aside, "%s", path);
-    (void)server_disk_sync_folder(dirname(aside));
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    snprintf(suffix, SERVER_DISK_ASIDE_SUFFIX, SERVER_DISK_ASIDE "-%lld-%09ld",
+             (long long)now.tv_sec, now.tv_nsec);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        snprintf(from, sizeof from, "%s%s", path, parts[i]);
+        int size = snprintf(aside, sizeof aside, "%s%s", from, suffix);
+        if (size < SERVER_DISK_PATH) (void)rename(from, aside);
+    }
+    int parent = parent_open(path);
+    if (parent >= 0) (void)sync_and_close(parent);
 }

@@ -20,6 +20,15 @@ void server_names_add(struct server_names *names, const char *name)
     names->count += is_new;
 }
 
+void server_names_remove(struct server_names *names, const char *name)
+{
+    char *const *found = tfind(name, &names->root, names_compare), *held = found ? *found : NULL;
+    if (!held) return;
+    tdelete(held, &names->root, names_compare);
+    free(held);
+    names->count--;
+}
+
 bool server_names_has(const struct server_names *names, const char *name)
 {
     return tfind(name, &names->root, names_compare) != NULL;

@@ -12,6 +12,7 @@ struct server_names { /* all zero: an empty set */
 };
 
 void server_names_add(struct server_names *names, const char *name); /* copies it */
+void server_names_remove(struct server_names *names, const char *name);
 bool server_names_has(const struct server_names *names, const char *name);
 void server_names_free(struct server_names *names);
 

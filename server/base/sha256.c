@@ -3,7 +3,9 @@
 
 #include <gnutls/crypto.h>
 #include <stdlib.h>
+#include <string.h>
 
+#define DIGITS      "0123456789abcdef"
 #define DIGEST      32
 #define PIECE_BYTES ((size_t)1 << 20) /* between two checks of the control: some milliseconds */
 
@@ -11,11 +13,10 @@
 static void digest_print(int failed, const unsigned char digest[DIGEST],
                          char hex[SERVER_SHA256_HEX])
 {
-    static const char digits[] = "0123456789abcdef";
     if (failed) abort();
     for (int i = 0; i < DIGEST; i++) {
-        hex[2 * i] = digits[digest[i] >> 4];
-        hex[2 * i + 1] = digits[digest[i] & 15];
+        hex[2 * i] = DIGITS[digest[i] >> 4];
+        hex[2 * i + 1] = DIGITS[digest[i] & 15];
     }
     hex[2 * DIGEST] = '\0';
 }
@@ -24,6 +25,11 @@ void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX])
 {
     unsigned char digest[DIGEST];
     digest_print(gnutls_hash_fast(GNUTLS_DIG_SHA256, bytes, size, digest), digest, hex);
+}
+
+bool server_sha256_check(const char *text)
+{
+    return strspn(text, DIGITS) == 2 * DIGEST;
 }
 
 /* struct server_sha256 is the library's state under another name. */

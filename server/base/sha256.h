@@ -2,6 +2,7 @@
 #ifndef SERVER_BASE_SHA256_H
 #define SERVER_BASE_SHA256_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "gd/control.h"
@@ -9,6 +10,9 @@
 #define SERVER_SHA256_HEX 65 /* with the NUL */
 
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
+
+/* Whether the text begins with 64 such digits, and not with more. */
+bool server_sha256_check(const char *text);
 
 /* The same, until a deadline or a cancel. GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size,

@@ -393,8 +393,7 @@ static bool load_line(struct loader *loader, char *line)
 
 static bool load_file(struct loader *loader, const char *path)
 {
-    int descriptor = server_disk_open(path);
-    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
+    FILE *file = server_disk_stream(path);
     snprintf(loader->origin, sizeof loader->origin, "--config");
     if (!file) return loader_complain(loader, "can't read '%s': %s", path, server_disk_why());
     char line[1024];

@@ -57,7 +57,7 @@ static bool file_read(const char *path, gnutls_datum_t *text, char *error, size_
 {
     void *bytes;
     size_t size;
-    if (server_disk_read(path, &bytes, &size) == SERVER_DISK_DONE && size <= UINT_MAX) {
+    if (server_disk_read(path, &bytes, &size) == SERVER_STORE_DONE && size <= UINT_MAX) {
         *text = (gnutls_datum_t){bytes, (unsigned)size};
         return true;
     }

@@ -1,7 +1,7 @@
 /* SQL: statements and their values, for SQLite and PostgreSQL alike.
  *
- *     const struct server_sql_value values[] = {server_sql_text(key), server_sql_integer(version)};
- *     sql->run(sql, SERVER_SQL("UPDATE … WHERE key = $1 AND version = $2", values, 2)); */
+ *     sql->run(sql, SERVER_SQL("UPDATE … WHERE key = $1 AND version = $2",
+ *                              SERVER_VALUES(server_sql_text(key), server_sql_integer(version)))); */
 #ifndef SERVER_STORE_SQL_H
 #define SERVER_STORE_SQL_H
 
@@ -33,6 +33,12 @@ struct server_statement {
 
 /* Pointer to a statement; the last members may be left out. */
 #define SERVER_SQL(...) (&(const struct server_statement){.text = __VA_ARGS__})
+
+/* A statement's array of values, and their number. */
+#define SERVER_VALUES(...)                                                                         \
+    ((const struct server_sql_value[]){__VA_ARGS__}),                                              \
+        (int)(sizeof((const struct server_sql_value[]){__VA_ARGS__}) /                             \
+              sizeof(struct server_sql_value))
 
 static inline struct server_sql_value server_sql_integer(int64_t integer)
 {

@@ -19,22 +19,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "server/base/disk.h"
 #include "server/store/record.h"
-
-enum server_store_outcome {
-    SERVER_STORE_DONE,
-    SERVER_STORE_CREATED,      /* of the registry: done, the name is new */
-    SERVER_STORE_REPLACED,     /* of the registry: done, the name had a surface */
-    SERVER_STORE_ABSENT,       /* there is no such surface */
-    SERVER_STORE_PRECONDITION, /* of the registry: it fails; nothing changed */
-    SERVER_STORE_NO_MEMORY,    /* nothing changed */
-    SERVER_STORE_FULL,         /* the disk is full; nothing changed */
-    SERVER_STORE_REFUSED,      /* the system refuses a file, or a folder is gone; nothing changed */
-    SERVER_STORE_READ_ONLY,    /* this write or an earlier one is not durable: writing has ended */
-    SERVER_STORE_DAMAGED,      /* the stored bytes are not those that were put */
-    SERVER_STORE_STALE,        /* another daemon has changed the surface; nothing changed */
-    SERVER_STORE_UNAVAILABLE   /* out of reach for now; a change may turn out to be done */
-};
 
 /* Result of verifying stored bytes. */
 enum server_store_verdict {
@@ -74,13 +60,15 @@ typedef bool server_stored_visit(void *user, const struct server_stored *stored)
 typedef bool server_change_visit(void *user, const struct server_store_change *change);
 typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
 
+/* A back-end leaves out what it does not need. Without put, keep, remove and each the store is
+ * empty and forgets; without fetch and verify it keeps no bytes, so that surfaces can't be unloaded;
+ * without follow and await it is not shared. */
 struct server_store {
     /* Visits all surfaces, in any order. DONE, UNAVAILABLE, NO_MEMORY. Of a shared store it is
      * called again when follow returns STALE. */
     enum server_store_outcome (*each)(struct server_store *store, server_stored_visit *visit,
                                       void *user);
-    /* Writes the objects and verifies those that exist; may be slow. put or keep comes next. NULL:
-     * put and keep do it. */
+    /* Writes the objects and verifies those that exist; may be slow. put or keep comes next. */
     enum server_store_outcome (*stage)(struct server_store *store,
                                        const struct server_record *record,
                                        const struct server_content *content);
@@ -98,22 +86,21 @@ struct server_store {
     /* Deletes objects that the last put or remove left unused, after the registry has unlisted the
      * surface. */
     void (*tidy)(struct server_store *store);
-    /* Reads and verifies a part, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL: the store
-     * keeps no bytes, so that surfaces can't be unloaded. */
+    /* Reads and verifies a part, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. */
     enum server_store_outcome (*fetch)(struct server_store *store,
                                        const struct server_record *record, enum server_part part,
                                        void **bytes);
-    /* Verifies a part in little memory. NULL: the store keeps no bytes. */
+    /* Verifies a part in little memory. */
     enum server_store_verdict (*verify)(struct server_store *store,
                                         const struct server_record *record, enum server_part part,
                                         server_pace *pace, void *user);
-    /* The number of objects in quarantine. NULL: the store has none. */
+    /* The number of objects in quarantine. */
     uint32_t (*damaged)(struct server_store *store);
     /* Visits the changes since the last call, in the order of versions. STALE: too many; call each,
-     * and drop what it does not visit. UNAVAILABLE, NO_MEMORY. NULL: the store is not shared. */
+     * and drop what it does not visit. UNAVAILABLE, NO_MEMORY. */
     enum server_store_outcome (*follow)(struct server_store *store, server_change_visit *visit,
                                         void *user);
-    /* Blocks for `ns`, or less if there is a change. NULL: the store is not shared. */
+    /* Blocks for `ns`, or less if there is a change. */
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);

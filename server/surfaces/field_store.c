@@ -30,7 +30,7 @@ struct server_field_store *server_field_store_open(const char *folder, struct se
     store->budget = budget;
     int size = snprintf(store->folder, sizeof store->folder, "%s/fields", folder);
     if (size < (int)sizeof store->folder &&
-        server_disk_make_folder(store->folder) == SERVER_DISK_DONE)
+        server_disk_make_folder(store->folder) == SERVER_STORE_DONE)
         return store;
     free(store);
     return NULL;
@@ -95,9 +95,9 @@ static bool image_read(struct server_field_store *store, const char *path, const
     struct image image = {0};
     char sha256[SERVER_SHA256_HEX];
     size_t size;
-    if (server_disk_size(path, &size) != SERVER_DISK_DONE) return false;
+    if (server_disk_size(path, &size) != SERVER_STORE_DONE) return false;
     if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, size)) return false;
-    if (server_disk_read(path, &image.bytes, &image.size) == SERVER_DISK_DONE) {
+    if (server_disk_read(path, &image.bytes, &image.size) == SERVER_STORE_DONE) {
         server_sha256(image.bytes, image.size, sha256);
         if (image.size == size && strncmp(file, sha256, strlen(sha256)) == 0) {
             *out = image;

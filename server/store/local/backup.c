@@ -12,14 +12,13 @@
 
 #include "server/store/local/database.h"
 #include "server/store/local/files.h"
-#include "server/store/sql.h"
 
 #define ATTEMPTS 20
 
 struct backup {
     FILE *out;
     struct server_files from, to; /* `from` is not locked */
-    enum server_disk_result (*copy)(const char *path, const char *second);
+    enum server_store_outcome (*copy)(const char *path, const char *second);
     enum server_store_outcome outcome;
     unsigned surfaces;
     unsigned long long bytes;
@@ -36,11 +35,13 @@ static bool give_up(struct backup *backup, enum server_store_outcome outcome, co
     return false;
 }
 
-static struct server_record *row_read(struct backup *backup, const struct server_row *row)
+static struct server_record *row_read(struct backup *backup, const struct server_sql_value *row)
 {
     struct server_record *record = NULL;
-    if (server_record_read(NULL, row->text, row->size, &record) != SERVER_RECORD_READ)
-        (void)give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
+    const struct server_sql_value *text = &row[SERVER_ROW_RECORD];
+    if (server_record_read(NULL, text->bytes, text->size, &record) != SERVER_RECORD_READ)
+        (void)give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged",
+                      row[SERVER_ROW_KEY].bytes);
     return record;
 }
 
@@ -48,47 +49,47 @@ static enum server_store_outcome object_copy(struct backup *backup,
                                              const struct server_object *object)
 {
     const struct server_path from = server_files_object_path(&backup->from, object->id),
-                             to = server_files_object_path(&backup->to, object->id),
-                             folder = server_files_path(&backup->to, "objects/%.2s", object->id);
-    enum server_disk_result result = server_disk_make_folder(folder.text);
-    if (result) return server_files_outcome(result);
-    bool is_there = server_files_has_object(&backup->to, object);
-    /* an interrupted attempt may have left a part of the file */
-    if (!is_there) (void)server_disk_remove(NULL, to.text);
-    result = is_there ? server_disk_sync_file(to.text) : backup->copy(from.text, to.text);
-    if (!result) result = server_disk_sync_folder(folder.text);
-    if (result) return server_files_outcome(result);
-    backup->bytes += object->size;
+                             to = server_files_object_path(&backup->to, object->id);
     void *bytes = NULL;
-    enum server_store_outcome outcome =
-        is_there ? SERVER_STORE_DONE : server_files_read_object(&backup->to, object, &bytes);
+    enum server_store_outcome outcome = server_files_make_object_folder(&backup->to, object);
+    if (outcome) return outcome;
+    backup->bytes += object->size;
+    if (server_files_has_object(&backup->to, object)) {
+        outcome = server_disk_sync_file(to.text);
+        return outcome ? outcome : server_files_sync_object_folder(&backup->to, object);
+    }
+    (void)unlink(to.text); /* an interrupted attempt may have left a part of the file */
+    outcome = backup->copy(from.text, to.text);
+    if (!outcome) outcome = server_files_sync_object_folder(&backup->to, object);
+    if (!outcome) outcome = server_files_read_object(&backup->to, object, &bytes);
     free(bytes);
     return outcome;
 }
 
-static bool on_row_objects(void *user, const struct server_row *row)
+static bool on_row_objects(void *user, const struct server_sql_value *row)
 {
     struct backup *backup = user;
     struct server_record *record = row_read(backup, row);
-    if (!record) return false;
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
+    if (!record) return false;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
         if (server_record_object(record, part, &object)) outcome = object_copy(backup, &object);
     backup->surfaces++;
     server_record_release(record);
-    return !outcome ||
-           give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->key);
+    return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied",
+                               row[SERVER_ROW_KEY].bytes);
 }
 
-static bool on_row_manifest(void *user, const struct server_row *row)
+static bool on_row_manifest(void *user, const struct server_sql_value *row)
 {
     struct backup *backup = user;
     struct server_record *record = row_read(backup, row);
     if (!record) return false;
     enum server_store_outcome outcome = server_files_write_manifest(&backup->to, record);
     server_record_release(record);
-    return !outcome || give_up(backup, outcome, "a manifest can't be written", row->key);
+    return !outcome ||
+           give_up(backup, outcome, "a manifest can't be written", row[SERVER_ROW_KEY].bytes);
 }
 
 /* --- databases -------------------------------------------------------------------------------- */

@@ -1,28 +1,18 @@
-/* See store.h: --check-store of a data folder. Reads the files that are named by their checksum,
- * each once; then manifests and rows, which name the files that there must be. */
-#include <search.h>
+/* See store.h: --check-store of a data folder. Reads manifests and rows, and the objects that
+ * they name, each once; then the other files. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/names.h"
 #include "server/store/local/database.h"
 #include "server/store/local/files.h"
-#include "server/store/sql.h"
-
-#define HEX_DIGITS "0123456789abcdef"
-#define HASH       (SERVER_SHA256_HEX - 1)
-
-struct object { /* a file under objects/; the tree's order is that of ids */
-    char id[SERVER_OBJECT];
-    size_t size;
-    bool is_sound, is_used;
-};
 
 struct check {
     FILE *out;
     struct server_files files;
     struct server_database *database;
-    void *objects; /* a tree */
-    unsigned faults, rows, manifests, verified, fields, unfinished, leftovers, aside;
+    struct server_names named, sound; /* objects that a surface has; those that are sound */
+    unsigned faults, rows, manifests, fields, unfinished, leftovers, aside;
     unsigned long long bytes;
 };
 
@@ -50,36 +40,30 @@ static struct server_listing check_folder(struct check *check, const char *folde
 /* --- files that are named by their checksum --------------------------------------------------- */
 
 /* Reads a file; false: its SHA-256 is not the beginning of its name. */
-static bool file_is_sound(const char *path, const char *file, size_t *size)
+static bool file_is_sound(const struct server_listing *file)
 {
     char found[SERVER_SHA256_HEX];
     void *bytes;
-    if (server_disk_read(path, &bytes, size) != SERVER_DISK_DONE) return false;
-    server_sha256(bytes, *size, found);
+    size_t size;
+    if (server_disk_read(file->path, &bytes, &size) != SERVER_STORE_DONE) return false;
+    server_sha256(bytes, size, found);
     free(bytes);
-    return strncmp(found, file, HASH) == 0;
+    return strncmp(found, file->name, strlen(found)) == 0;
 }
 
-static int by_id(const void *a, const void *b)
-{
-    return strcmp(((const struct object *)a)->id, ((const struct object *)b)->id);
-}
-
-static void object_read(struct check *check, const struct server_listing *file)
+/* Checks an object that no surface has. */
+static void check_unused(struct check *check, const struct server_listing *file)
 {
     const char *folder = file->name - 3; /* "ab/" */
     if (!server_files_object_check(file->name) || strncmp(folder, file->name, 2) != 0) {
         check_foreign(check, file->path);
         return;
     }
-    struct object *object = calloc(1, sizeof *object);
-    if (object) strcpy(object->id, file->name);
-    if (!object || !tsearch(object, &check->objects, by_id)) {
-        free(object);
-        check_fault(check, "there is no memory to check the file", file->path);
-        return;
-    }
-    object->is_sound = file_is_sound(file->path, file->name, &object->size);
+    if (server_names_has(&check->named, file->name)) return;
+    check->leftovers++;
+    if (!file_is_sound(file))
+        check_fault(check, "the file, which no surface has, is damaged or can't be read",
+                    file->name);
 }
 
 static void check_object_files(struct check *check)
@@ -89,21 +73,20 @@ static void check_object_files(struct check *check)
         bool is_ours = strlen(folders.name) == 2;
         struct server_listing objects = server_disk_list(is_ours ? folders.path : "");
         if (!objects.is_readable) check_foreign(check, folders.path);
-        while (server_listing_next(&objects)) object_read(check, &objects);
+        while (server_listing_next(&objects)) check_unused(check, &objects);
     }
 }
 
 static void check_fields(struct check *check)
 {
-    size_t size;
     struct server_listing folders = server_files_list(&check->files, "fields"); /* if any */
     while (server_listing_next(&folders)) {
         struct server_listing fields = server_disk_list(folders.path);
         if (!fields.is_readable) check_foreign(check, folders.path);
         while (server_listing_next(&fields))
-            if (strspn(fields.name, HEX_DIGITS) != HASH)
+            if (!server_sha256_check(fields.name))
                 check->leftovers++;
-            else if (file_is_sound(fields.path, fields.name, &size))
+            else if (file_is_sound(&fields))
                 check->fields++;
             else
                 check_fault(check,
@@ -112,44 +95,31 @@ static void check_fields(struct check *check)
     }
 }
 
-static void check_object(struct check *check, const struct server_record *record,
-                         enum server_part part)
+static void check_objects(struct check *check, const struct server_record *record)
 {
     static const char *const missing[SERVER_PARTS] = {"the surface's file is missing",
                                                       "the surface's attachment is missing"};
     static const char *const damaged[SERVER_PARTS] = {
         "the surface's file is damaged or can't be read",
         "the surface's attachment is damaged or can't be read"};
-    struct server_object wanted;
-    struct object sought;
-    if (!server_record_object(record, part, &wanted)) return;
-    strcpy(sought.id, wanted.id);
-    struct object **found = tfind(&sought, &check->objects, by_id), *object = found ? *found : NULL;
-    if (!object) {
-        check_fault(check, missing[part], record->key);
-        return;
+    struct server_object object;
+    for (int part = 0; part < SERVER_PARTS; part++) {
+        void *bytes = NULL;
+        if (!server_record_object(record, part, &object) ||
+            server_names_has(&check->sound, object.id))
+            continue;
+        server_names_add(&check->named, object.id);
+        enum server_store_outcome outcome =
+            server_files_read_object(&check->files, &object, &bytes);
+        free(bytes);
+        if (outcome) {
+            check_fault(check, outcome == SERVER_STORE_ABSENT ? missing[part] : damaged[part],
+                        record->key);
+            continue;
+        }
+        server_names_add(&check->sound, object.id);
+        check->bytes += object.size;
     }
-    if (!object->is_sound || object->size != wanted.size)
-        check_fault(check, damaged[part], record->key);
-    else if (!object->is_used)
-        check->verified++, check->bytes += object->size;
-    object->is_used = true;
-}
-
-static void check_objects(struct check *check, const struct server_record *record)
-{
-    for (int part = 0; part < SERVER_PARTS; part++) check_object(check, record, part);
-}
-
-static void check_unused(const void *node, VISIT visit, void *user)
-{
-    const struct object *object = *(const struct object *const *)node;
-    struct check *check = user;
-    if (object->is_used || visit == preorder || visit == endorder) return; /* once, in order */
-    check->leftovers++;
-    if (!object->is_sound)
-        check_fault(check, "the file, which no surface has, is damaged or can't be read",
-                    object->id);
 }
 
 /* --- manifests, rows and batches -------------------------------------------------------------- */
@@ -185,16 +155,18 @@ static void check_manifest(struct check *check, const struct server_listing *fil
     server_record_release(record);
 }
 
-static bool check_row(void *user, const struct server_row *row)
+static bool check_row(void *user, const struct server_sql_value *row)
 {
     struct check *check = user;
-    struct server_record *record = NULL, *manifest = manifest_read(check, row->key);
-    if (server_record_read(row->key, row->text, row->size, &record) == SERVER_RECORD_READ)
+    const char *key = row[SERVER_ROW_KEY].bytes;
+    const struct server_sql_value *text = &row[SERVER_ROW_RECORD];
+    struct server_record *record = NULL, *manifest = manifest_read(check, key);
+    if (server_record_read(key, text->bytes, text->size, &record) == SERVER_RECORD_READ)
         check->rows++;
     else
-        check_fault(check, "the row in the database is damaged", row->key);
+        check_fault(check, "the row in the database is damaged", key);
     if (!manifest) {
-        check_fault(check, "the row in the database has no manifest that can be read", row->key);
+        check_fault(check, "the row in the database has no manifest that can be read", key);
         if (record) check_objects(check, record);
     } else if (record && strcmp(manifest->etag, record->etag) != 0) {
         check->unfinished++;
@@ -257,9 +229,10 @@ static void print_sums(const struct check *check)
                 "note: %u damaged files were put aside (*%s*); delete them when they have told you "
                 "enough\n",
                 check->aside, SERVER_DISK_ASIDE);
-    fprintf(
-        check->out, "%u manifests, %u rows, %u files (%llu bytes), %u fields verified: %u faults\n",
-        check->manifests, check->rows, check->verified, check->bytes, check->fields, check->faults);
+    fprintf(check->out,
+            "%u manifests, %u rows, %zu files (%llu bytes), %u fields verified: %u faults\n",
+            check->manifests, check->rows, check->sound.count, check->bytes, check->fields,
+            check->faults);
 }
 
 bool server_store_check(const char *folder, FILE *out)
@@ -269,11 +242,12 @@ bool server_store_check(const char *folder, FILE *out)
         fprintf(out, "%s\n", check.files.error);
         return false;
     }
+    check_database(&check);
     check_object_files(&check);
     check_fields(&check);
-    check_database(&check);
     check_batches(&check);
-    twalk_r(check.objects, check_unused, &check);
+    if (check.named.is_incomplete || check.sound.is_incomplete)
+        check_fault(&check, "there is no memory to check all files", folder);
     struct server_listing temporary = server_files_list(&check.files, "temporary"), /* if any */
         all = check_folder(&check, "");
     while (server_listing_next(&temporary)) check.leftovers++;
@@ -281,6 +255,7 @@ bool server_store_check(const char *folder, FILE *out)
     print_sums(&check);
     server_database_close(check.database, false);
     server_files_close(&check.files);
-    tdestroy(check.objects, free);
+    server_names_free(&check.named);
+    server_names_free(&check.sound);
     return check.faults == 0;
 }

@@ -6,9 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/store/sql.h"
 
 #define BUSY_MS          5000
 #define CHECKPOINT_PAGES 500 /* of the log: 2 MB */
@@ -91,7 +89,7 @@ static struct server_sql_value column_read(sqlite3_stmt *statement, int column)
         return server_sql_bytes(sqlite3_column_blob(statement, column),
                                 (size_t)sqlite3_column_bytes(statement, column));
     default:
-        return (struct server_sql_value){.type = SERVER_SQL_NULL};
+        return server_sql_text(NULL);
     }
 }
 
@@ -202,19 +200,15 @@ static int on_commit(void *user, sqlite3 *connection, const char *name, int page
     return SQLITE_OK;
 }
 
-static enum server_store_outcome open_to_write(struct server_database *database, const char *path)
+static int open_to_write(struct server_database *database, const char *path)
 {
-    char copy[SERVER_DISK_PATH];
     int code =
         sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX,
                        &database->connection);
-    if (code) return server_sqlite_outcome(code);
+    if (code) return code;
     /* replaces automatic checkpoints */
     sqlite3_wal_hook(database->connection, on_commit, database);
-    snprintf(copy, sizeof copy, "%s.before-migration", path);
-    code = sqlite_check(database->connection);
-    return code ? server_sqlite_outcome(code)
-                : server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
+    return sqlite_check(database->connection);
 }
 
 static void database_disconnect(struct server_database *database, bool is_sound)
@@ -231,40 +225,43 @@ static int migrate_in_memory(struct server_database *database, int64_t version)
     sqlite3 *copy;
     int code = sqlite_copy(database->connection, ":memory:", &copy);
     if (!code) code = run_steps(copy, schema, version, SCHEMA_VERSION);
-    if (code) {
+    if (!code) database_disconnect(database, false);
+    if (code)
         sqlite3_close(copy);
-        return code;
-    }
-    database_disconnect(database, false);
-    database->connection = copy;
-    return SQLITE_OK;
+    else
+        database->connection = copy;
+    return code;
 }
 
 static enum server_store_outcome open_to_read(struct server_database *database, const char *path,
                                               bool is_store)
 {
     char log[SERVER_DISK_PATH + sizeof "-wal"];
-    int64_t version = 0;
+    int64_t version = SCHEMA_VERSION;
     snprintf(log, sizeof log, "%s-wal", path);
     database->had_no_log = !server_disk_exists(log);
     if (!server_disk_exists(path)) return SERVER_STORE_ABSENT;
     int code =
         sqlite_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, &database->connection);
     if (!code && is_store) code = read_version(database->connection, &version);
-    if (!code && is_store && version == 0) return SERVER_STORE_ABSENT;
+    if (!code && version == 0) return SERVER_STORE_ABSENT;
     if (!code) code = sqlite_check(database->connection);
-    if (!code && is_store && version < SCHEMA_VERSION) code = migrate_in_memory(database, version);
+    if (!code && version < SCHEMA_VERSION) code = migrate_in_memory(database, version);
     return server_sqlite_outcome(code);
 }
 
 enum server_store_outcome server_database_open(const char *path, enum server_database_use use,
                                                struct server_database **out)
 {
+    char copy[SERVER_DISK_PATH + sizeof ".before-migration"];
     struct server_database *database = calloc(1, sizeof *database);
     if (!database) return SERVER_STORE_NO_MEMORY;
+    snprintf(copy, sizeof copy, "%s.before-migration", path);
     enum server_store_outcome outcome =
-        use == SERVER_DATABASE_WRITE ? open_to_write(database, path)
+        use == SERVER_DATABASE_WRITE ? server_sqlite_outcome(open_to_write(database, path))
                                      : open_to_read(database, path, use == SERVER_DATABASE_READ);
+    if (!outcome && use == SERVER_DATABASE_WRITE)
+        outcome = server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
     if (outcome)
         server_database_close(database, false);
     else
@@ -274,8 +271,7 @@ enum server_store_outcome server_database_open(const char *path, enum server_dat
 
 void server_database_close(struct server_database *database, bool is_sound)
 {
-    if (!database) return;
-    database_disconnect(database, is_sound);
+    if (database) database_disconnect(database, is_sound);
     free(database);
 }
 
@@ -320,16 +316,16 @@ enum server_store_outcome server_database_put(struct server_database *database,
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     struct server_object objects[SERVER_PARTS];
-    struct server_sql_value values[2 + SERVER_PARTS] = {server_sql_text(record->key),
-                                                        server_sql_text(text)};
+    const char *ids[SERVER_PARTS];
     for (int part = 0; part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &objects[part]))
-            values[2 + part] = server_sql_text(objects[part].id);
+        ids[part] = server_record_object(record, part, &objects[part]) ? objects[part].id : NULL;
     enum server_store_outcome outcome = run_write(
         database,
         SERVER_SQL("INSERT INTO surfaces (key, record, file, attachment) VALUES ($1, $2, $3, $4)"
                    " ON CONFLICT (key) DO UPDATE SET record = $2, file = $3, attachment = $4",
-                   values, 2 + SERVER_PARTS));
+                   SERVER_VALUES(server_sql_text(record->key), server_sql_text(text),
+                                 server_sql_text(ids[SERVER_PART_FILE]),
+                                 server_sql_text(ids[SERVER_PART_ATTACHMENT]))));
     free(text);
     if (!outcome) checkpoint_when_due(database);
     return outcome;
@@ -339,9 +335,9 @@ enum server_store_outcome server_database_put(struct server_database *database,
  * nothing would tell of a lost deletion. */
 enum server_store_outcome server_database_remove(struct server_database *database, const char *key)
 {
-    const struct server_sql_value value = server_sql_text(key);
     enum server_store_outcome outcome =
-        run_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1", &value, 1));
+        run_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1",
+                                       SERVER_VALUES(server_sql_text(key))));
     if (!outcome) database_checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
     return outcome;
 }
@@ -349,12 +345,12 @@ enum server_store_outcome server_database_remove(struct server_database *databas
 enum server_store_outcome server_database_count(struct server_database *database,
                                                 const char *object, int64_t *count)
 {
-    const struct server_sql_value id = server_sql_text(object);
     struct server_sql_integers found = {0};
     int code = sqlite_run(database->connection,
                           SERVER_SQL("SELECT (SELECT count(*) FROM surfaces WHERE file = $1)"
                                      " + (SELECT count(*) FROM surfaces WHERE attachment = $1)",
-                                     &id, 1, server_sql_on_integers, &found));
+                                     SERVER_VALUES(server_sql_text(object)), server_sql_on_integers,
+                                     &found));
     *count = found.at[0];
     return server_sqlite_outcome(code);
 }
@@ -377,11 +373,10 @@ static bool objects_visit(void *user, const struct server_sql_value *row)
 enum server_store_outcome server_database_find(struct server_database *database, const char *key,
                                                char objects[SERVER_PARTS][SERVER_OBJECT])
 {
-    const struct server_sql_value value = server_sql_text(key);
     struct finding finding = {.objects = objects};
     int code = sqlite_run(database->connection,
-                          SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1", &value,
-                                     1, objects_visit, &finding));
+                          SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1",
+                                     SERVER_VALUES(server_sql_text(key)), objects_visit, &finding));
     return code || finding.is_there ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
 }
 
@@ -391,14 +386,12 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
                                                     uint32_t count)
 {
     enum server_store_outcome outcome = run_write(database, SERVER_SQL("BEGIN IMMEDIATE"));
-    for (uint32_t i = 0; !outcome && i < count; i++) {
-        const struct server_sql_value values[] = {server_sql_text(records[i]->key),
-                                                  server_sql_integer((int64_t)uses[i].count),
-                                                  server_sql_integer(uses[i].last)};
-        outcome = run_write(
-            database,
-            SERVER_SQL("UPDATE surfaces SET uses = $2, used = $3 WHERE key = $1", values, 3));
-    }
+    for (uint32_t i = 0; !outcome && i < count; i++)
+        outcome = run_write(database,
+                            SERVER_SQL("UPDATE surfaces SET uses = $2, used = $3 WHERE key = $1",
+                                       SERVER_VALUES(server_sql_text(records[i]->key),
+                                                     server_sql_integer((int64_t)uses[i].count),
+                                                     server_sql_integer(uses[i].last))));
     if (!outcome) outcome = run_write(database, SERVER_SQL("COMMIT"));
     if (!outcome)
         checkpoint_when_due(database);
@@ -407,30 +400,14 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
     return outcome;
 }
 
-struct rows {
-    server_row_visit *visit;
-    void *user;
-};
-
-static bool rows_visit(void *user, const struct server_sql_value *values)
-{
-    const struct rows *rows = user;
-    const struct server_row row = {
-        .key = values[0].bytes,
-        .text = values[1].bytes,
-        .size = values[1].size,
-        .uses = {.count = (uint64_t)values[2].integer, .last = values[3].integer}};
-    return values[0].type != SERVER_SQL_TEXT || !row.text || rows->visit(rows->user, &row);
-}
-
 enum server_store_outcome server_database_each(struct server_database *database,
-                                               server_row_visit *visit, void *user)
+                                               server_sql_visit *visit, void *user)
 {
-    struct rows rows = {visit, user};
-    return server_sqlite_outcome(
-        sqlite_run(database->connection,
-                   SERVER_SQL("SELECT key, record, uses, used FROM surfaces ORDER BY key", NULL, 0,
-                              rows_visit, &rows)));
+    return server_sqlite_outcome(sqlite_run(
+        database->connection,
+        SERVER_SQL("SELECT key, record, uses, used FROM surfaces"
+                   " WHERE typeof(key) = 'text' AND typeof(record) = 'text' ORDER BY key",
+                   NULL, 0, visit, user)));
 }
 
 enum server_store_outcome server_database_copy(struct server_database *database, const char *path)
@@ -451,12 +428,6 @@ struct batches {
     const char *const *steps;
 };
 
-static void batches_disconnect(struct batches *own)
-{
-    sqlite3_close(own->connection);
-    own->connection = NULL;
-}
-
 static int batches_connect(struct batches *own)
 {
     int code =
@@ -464,20 +435,18 @@ static int batches_connect(struct batches *own)
     if (!code) code = sqlite_check(own->connection);
     for (int i = 0; !code && own->steps[i]; i++)
         code = sqlite_script(own->connection, own->steps[i]);
-    if (code) batches_disconnect(own);
+    if (code) sqlite3_close(own->connection);
+    if (code) own->connection = NULL;
     return code;
 }
 
-static bool is_damage_code(int code)
-{
-    return (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
-}
-
-static int batches_replace(struct batches *own)
+/* Puts a new database in the place of a damaged one; else returns the code. */
+static int batches_judge(struct batches *own, int code)
 {
     char suffix[SERVER_DISK_ASIDE_SUFFIX];
-    batches_disconnect(own);
-    server_disk_set_aside(own->path, server_disk_database_parts, suffix);
+    if ((code & 0xff) != SQLITE_CORRUPT && (code & 0xff) != SQLITE_NOTADB) return code;
+    sqlite3_close(own->connection);
+    server_disk_set_aside(own->path, suffix);
     server_log_message(SERVER_LOG_ERROR, "batches_damaged",
                        "the database of batches is damaged: it was renamed to %s%s, and there is a "
                        "new one; batches of before are lost, send them again",
@@ -487,8 +456,7 @@ static int batches_replace(struct batches *own)
 
 static int batches_ensure(struct batches *own)
 {
-    int code = own->connection ? SQLITE_OK : batches_connect(own);
-    return is_damage_code(code) ? batches_replace(own) : code;
+    return own->connection ? SQLITE_OK : batches_judge(own, batches_connect(own));
 }
 
 /* A statement that finds damage is not repeated: its visitor may have seen rows. */
@@ -499,7 +467,7 @@ static enum server_store_outcome batches_run(struct server_store_sql *sql,
     pthread_mutex_lock(&own->lock);
     int code = batches_ensure(own);
     if (!code) code = sqlite_run(own->connection, statement);
-    if (is_damage_code(code)) (void)batches_replace(own);
+    (void)batches_judge(own, code);
     pthread_mutex_unlock(&own->lock);
     enum server_store_outcome outcome = server_sqlite_outcome(code);
     return outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_READ_ONLY : outcome;
@@ -508,7 +476,7 @@ static enum server_store_outcome batches_run(struct server_store_sql *sql,
 static void batches_close(struct server_store_sql *sql)
 {
     struct batches *own = (struct batches *)sql;
-    batches_disconnect(own);
+    sqlite3_close(own->connection);
     pthread_mutex_destroy(&own->lock);
     free(own);
 }

@@ -7,7 +7,7 @@
 #ifndef SERVER_STORE_LOCAL_DATABASE_H
 #define SERVER_STORE_LOCAL_DATABASE_H
 
-#include "server/store/store.h"
+#include "server/store/sql.h"
 
 struct sqlite3;
 struct server_database;
@@ -28,17 +28,12 @@ enum server_store_outcome server_database_open(const char *path, enum server_dat
 /* `is_sound`: the log may be moved into the database. NULL is harmless. */
 void server_database_close(struct server_database *database, bool is_sound);
 
-struct server_row {         /* borrowed, for the time of a visit */
-    const char *key, *text; /* `text`: the record, `size` bytes, unchecked */
-    size_t size;
-    struct server_store_uses uses;
-};
-
-typedef bool server_row_visit(void *user, const struct server_row *row);
+/* Columns of a row: texts and integers. The record is unchecked. */
+enum { SERVER_ROW_KEY, SERVER_ROW_RECORD, SERVER_ROW_USES, SERVER_ROW_USED };
 
 /* Visits the rows in the order of keys, until `visit` returns false. */
 enum server_store_outcome server_database_each(struct server_database *database,
-                                               server_row_visit *visit, void *user);
+                                               server_sql_visit *visit, void *user);
 
 enum server_store_outcome server_database_put(struct server_database *database,
                                               const struct server_record *record);

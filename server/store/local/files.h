@@ -16,7 +16,6 @@
 #ifndef SERVER_STORE_LOCAL_FILES_H
 #define SERVER_STORE_LOCAL_FILES_H
 
-#include "server/base/disk.h"
 #include "server/store/store.h"
 
 #define SERVER_STORE_FOLDER   3500 /* bytes of the folder's path, with the NUL */
@@ -30,8 +29,6 @@ struct server_files {
     char error[512]; /* why it could not be opened, a sentence */
 };
 
-enum server_store_outcome server_files_outcome(enum server_disk_result result);
-
 struct server_path {
     char text[SERVER_DISK_PATH];
 };
@@ -40,6 +37,7 @@ struct server_path {
 struct server_path server_files_path(const struct server_files *files, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 struct server_path server_files_object_path(const struct server_files *files, const char *object);
+struct server_path server_files_manifest_path(const struct server_files *files, const char *key);
 
 /* Lists one of the store's folders. */
 struct server_listing server_files_list(const struct server_files *files, const char *folder);
@@ -79,6 +77,10 @@ enum server_store_outcome server_files_write_object(struct server_files *files,
 enum server_store_outcome server_files_read_object(const struct server_files *files,
                                                    const struct server_object *object,
                                                    void **bytes);
+enum server_store_outcome server_files_make_object_folder(const struct server_files *files,
+                                                          const struct server_object *object);
+enum server_store_outcome server_files_sync_object_folder(const struct server_files *files,
+                                                          const struct server_object *object);
 /* Reads the object and forgets it. */
 bool server_files_has_object(const struct server_files *files, const struct server_object *object);
 /* Verifies the object from the disk, piece by piece. */

@@ -23,21 +23,25 @@
 #include <unistd.h>
 
 #include "server/base/log.h"
+#include "server/base/names.h"
 #include "server/store/local/database.h"
 #include "server/store/local/files.h"
+
+struct finding { /* of the recovery */
+    char key[SERVER_KEY_TEXT];
+    struct server_stored stored; /* no record: the surface is lost */
+    enum { SOUND, LACKS_ROW, LACKS_MANIFEST } defect;
+};
 
 struct local {
     struct server_store store; /* first */
     struct server_files files;
     struct server_database *database; /* NULL: it can't be opened or made, and nothing is written */
-    struct quarantine {
-        pthread_mutex_t lock;
-        struct condemned *first;
-        uint32_t count;
-        uint64_t turn; /* number of lifts */
-    } quarantine;
-    struct server_stored *found; /* by the recovery; freed after the first visit */
-    uint32_t found_count;
+    pthread_mutex_t lock;             /* of these two */
+    struct server_names quarantine;   /* ids of damaged objects, which are not read again */
+    uint64_t turn;                    /* number of objects that were lifted from the quarantine */
+    struct finding *findings;         /* freed after the first visit; sorted by key where a row */
+    uint32_t count, capacity;         /* was read */
     /* ids of objects that the last change took from a surface; empty: none */
     char left[SERVER_PARTS][SERVER_OBJECT];
     bool lacks_rows; /* a repair failed: the database does not know which objects are in use */
@@ -89,30 +93,16 @@ static enum server_store_outcome local_judge(struct local *local, enum server_st
     return SERVER_STORE_READ_ONLY;
 }
 
-/* --- quarantine: ids of damaged objects, which are not read again ----------------------------- */
-
-struct condemned {
-    struct condemned *next;
-    char object[SERVER_OBJECT];
-};
-
-/* Under the lock. The pointer to the object's entry, or to the end of the list. */
-static struct condemned **quarantine_find(struct quarantine *quarantine, const char *object)
-{
-    struct condemned **place = &quarantine->first;
-    while (*place && strcmp((*place)->object, object) != 0) place = &(*place)->next;
-    return place;
-}
+/* --- quarantine ------------------------------------------------------------------------------- */
 
 /* Returns whether the object is in quarantine, and the turn, which a reader takes before it reads
  * and passes to quarantine_condemn. */
 static bool quarantine_holds(struct local *local, const char *object, uint64_t *turn)
 {
-    struct quarantine *quarantine = &local->quarantine;
-    pthread_mutex_lock(&quarantine->lock);
-    bool is_held = *quarantine_find(quarantine, object) != NULL;
-    *turn = quarantine->turn;
-    pthread_mutex_unlock(&quarantine->lock);
+    pthread_mutex_lock(&local->lock);
+    bool is_held = server_names_has(&local->quarantine, object);
+    *turn = local->turn;
+    pthread_mutex_unlock(&local->lock);
     return is_held;
 }
 
@@ -120,39 +110,28 @@ static bool quarantine_holds(struct local *local, const char *object, uint64_t *
  * reader condemns the object. */
 static bool quarantine_condemn(struct local *local, const char *object, uint64_t turn)
 {
-    struct quarantine *quarantine = &local->quarantine;
-    pthread_mutex_lock(&quarantine->lock);
-    struct condemned **place = quarantine_find(quarantine, object);
-    if (quarantine->turn == turn && !*place && (*place = calloc(1, sizeof **place))) {
-        strcpy((*place)->object, object);
-        quarantine->count++;
-    }
-    bool is_held = quarantine->turn == turn && *place;
-    pthread_mutex_unlock(&quarantine->lock);
+    pthread_mutex_lock(&local->lock);
+    if (local->turn == turn) server_names_add(&local->quarantine, object);
+    bool is_held = local->turn == turn && server_names_has(&local->quarantine, object);
+    pthread_mutex_unlock(&local->lock);
     return is_held;
 }
 
 /* The object was written again, removed, or found sound. */
 static void quarantine_lift(struct local *local, const char *object)
 {
-    struct quarantine *quarantine = &local->quarantine;
-    pthread_mutex_lock(&quarantine->lock);
-    struct condemned **place = quarantine_find(quarantine, object), *lifted = *place;
-    quarantine->turn++;
-    if (lifted) {
-        *place = lifted->next;
-        quarantine->count--;
-    }
-    pthread_mutex_unlock(&quarantine->lock);
-    free(lifted);
+    pthread_mutex_lock(&local->lock);
+    local->turn++;
+    server_names_remove(&local->quarantine, object);
+    pthread_mutex_unlock(&local->lock);
 }
 
 static uint32_t local_damaged(struct server_store *store)
 {
-    struct quarantine *quarantine = &((struct local *)store)->quarantine;
-    pthread_mutex_lock(&quarantine->lock);
-    uint32_t count = quarantine->count;
-    pthread_mutex_unlock(&quarantine->lock);
+    struct local *local = (struct local *)store;
+    pthread_mutex_lock(&local->lock);
+    uint32_t count = (uint32_t)local->quarantine.count;
+    pthread_mutex_unlock(&local->lock);
     return count;
 }
 
@@ -172,22 +151,19 @@ static enum server_store_outcome local_write_objects(struct local *local,
     return local_judge(local, outcome, "a surface's file");
 }
 
-/* Removes an object that no surface has. */
-static void local_drop(struct local *local, const char *object)
-{
-    int64_t count;
-    if (local->is_read_only || local->lacks_rows ||
-        server_database_count(local->database, object, &count) || count)
-        return;
-    server_files_remove_object(&local->files, object);
-    quarantine_lift(local, object);
-}
-
+/* Removes the objects that the last change left, unless a surface has them. */
 static void local_drop_left(struct local *local)
 {
+    bool knows_rows = !local->is_read_only && !local->lacks_rows;
+    int64_t count;
     for (int part = 0; part < SERVER_PARTS; part++) {
-        if (local->left[part][0]) local_drop(local, local->left[part]);
-        local->left[part][0] = '\0';
+        char *object = local->left[part];
+        if (*object && knows_rows && !server_database_count(local->database, object, &count) &&
+            !count) {
+            server_files_remove_object(&local->files, object);
+            quarantine_lift(local, object);
+        }
+        *object = '\0';
     }
 }
 
@@ -322,102 +298,80 @@ static enum server_store_verdict local_verify(struct server_store *store,
     return verdict;
 }
 
-static void local_forget_found(struct local *local)
+/* --- recovery: what there is ------------------------------------------------------------------ */
+
+static void findings_forget(struct local *local)
 {
-    for (uint32_t i = 0; i < local->found_count; i++) server_record_release(local->found[i].record);
-    free(local->found);
-    local->found = NULL;
-    local->found_count = 0;
+    for (uint32_t i = 0; i < local->count; i++)
+        server_record_release(local->findings[i].stored.record);
+    free(local->findings);
+    local->findings = NULL;
+    local->count = local->capacity = 0;
 }
 
 static enum server_store_outcome local_each(struct server_store *store, server_stored_visit *visit,
                                             void *user)
 {
     struct local *local = (struct local *)store;
-    for (uint32_t i = 0; i < local->found_count; i++)
-        if (!visit(user, &local->found[i])) break;
-    local_forget_found(local);
+    for (uint32_t i = 0; i < local->count; i++)
+        if (local->findings[i].stored.record && !visit(user, &local->findings[i].stored)) break;
+    findings_forget(local);
     return SERVER_STORE_DONE;
 }
-
-/* --- recovery: what there is ------------------------------------------------------------------ */
-
-struct finding {
-    char key[SERVER_KEY_TEXT];
-    struct server_record *row, *manifest; /* NULL: none, or damaged */
-    bool has_row, has_manifest, differ;
-    struct server_store_uses uses;
-    char checksum[SERVER_SHA256_HEX]; /* of the row's text */
-};
-
-struct recovery {
-    struct local *local;
-    struct finding *findings;
-    uint32_t count, sorted, capacity; /* the first `sorted` are sorted by key */
-    bool is_newer, no_memory, lost_some;
-};
 
 static int text_compare(const void *a, const void *b) /* a finding begins with its key */
 {
     return strcmp(a, b);
 }
 
-static struct finding *finding_add(struct recovery *recovery, const char *key)
-{
-    if (recovery->count == recovery->capacity) {
-        uint32_t capacity = recovery->capacity ? 2 * recovery->capacity : 64;
-        struct finding *findings = realloc(recovery->findings, capacity * sizeof *findings);
-        recovery->no_memory |= !findings;
-        if (!findings) return NULL;
-        recovery->findings = findings;
-        recovery->capacity = capacity;
-    }
-    struct finding *finding = &recovery->findings[recovery->count++];
-    memset(finding, 0, sizeof *finding);
-    snprintf(finding->key, sizeof finding->key, "%s", key);
-    return finding;
-}
+struct recovery {
+    struct local *local;
+    uint32_t rows; /* the first findings */
+    bool is_newer, no_memory, is_damaged;
+};
 
-/* Notes what the reading of one record means for the store. */
 static void recovery_note(struct recovery *recovery, enum server_record_reading reading)
 {
     recovery->is_newer |= reading == SERVER_RECORD_NEWER;
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-static bool recovery_row(void *user, const struct server_row *row)
+/* Adds what manifest and row (NULL: none) say of a key. False without memory. */
+static bool finding_add(struct recovery *recovery, const char *key,
+                        const struct server_sql_value *row)
 {
-    struct recovery *recovery = user;
-    struct finding *finding = finding_add(recovery, row->key);
-    if (!finding) return false;
-    finding->has_row = true;
-    finding->uses = row->uses;
-    recovery_note(recovery, server_record_read(row->key, row->text, row->size, &finding->row));
-    server_sha256(row->text, row->size, finding->checksum);
+    struct local *local = recovery->local;
+    struct server_record *of_row = NULL, *manifest = NULL;
+    char checksum[SERVER_SHA256_HEX] = "", of_text[SERVER_SHA256_HEX] = "";
+    if (local->count == local->capacity) {
+        uint32_t capacity = local->capacity ? 2 * local->capacity : 64;
+        struct finding *findings = reallocarray(local->findings, capacity, sizeof *findings);
+        recovery->no_memory |= !findings;
+        if (!findings) return false;
+        local->findings = findings;
+        local->capacity = capacity;
+    }
+    recovery_note(recovery, server_files_read_manifest(&local->files, key, &manifest, of_text));
+    if (row) {
+        const struct server_sql_value *text = &row[SERVER_ROW_RECORD];
+        recovery_note(recovery, server_record_read(key, text->bytes, text->size, &of_row));
+        server_sha256(text->bytes, text->size, checksum);
+    }
+    struct finding *finding = &local->findings[local->count++];
+    *finding = (struct finding){.stored.record = manifest ? manifest : of_row};
+    snprintf(finding->key, sizeof finding->key, "%s", key);
+    if (row)
+        finding->stored.uses = (struct server_store_uses){
+            .count = (uint64_t)row[SERVER_ROW_USES].integer, .last = row[SERVER_ROW_USED].integer};
+    if (!manifest) finding->defect = LACKS_MANIFEST;
+    if (manifest && strcmp(of_text, checksum) != 0) finding->defect = LACKS_ROW;
+    if (manifest) server_record_release(of_row);
     return true;
 }
 
-static void read_manifest(struct recovery *recovery, const char *file)
+static bool recovery_row(void *user, const struct server_sql_value *row)
 {
-    char key[SERVER_KEY_TEXT] = "", checksum[SERVER_SHA256_HEX] = "";
-    if (!server_files_manifest_key(file, key)) return;
-    struct finding *finding = recovery->sorted ? bsearch(key, recovery->findings, recovery->sorted,
-                                                         sizeof *recovery->findings, text_compare)
-                                               : NULL;
-    if (!finding && !(finding = finding_add(recovery, key))) return;
-    finding->has_manifest = true;
-    recovery_note(recovery, server_files_read_manifest(&recovery->local->files, key,
-                                                       &finding->manifest, checksum));
-    finding->differ = strcmp(checksum, finding->checksum) != 0;
-}
-
-static void recovery_forget(struct recovery *recovery)
-{
-    for (uint32_t i = 0; i < recovery->count; i++) {
-        server_record_release(recovery->findings[i].row);
-        server_record_release(recovery->findings[i].manifest);
-    }
-    recovery->count = 0;
+    return finding_add(user, row[SERVER_ROW_KEY].bytes, row);
 }
 
 static enum server_store_outcome read_database(struct recovery *recovery, const char *path)
@@ -438,18 +392,18 @@ static void open_database(struct recovery *recovery)
         outcome = read_database(recovery, path.text);
     if (outcome == SERVER_STORE_DAMAGED || outcome == SERVER_STORE_READ_ONLY) {
         char suffix[SERVER_DISK_ASIDE_SUFFIX];
-        recovery_forget(recovery);
+        findings_forget(local);
         server_database_close(local->database, false);
         local->database = NULL;
-        server_disk_set_aside(path.text, server_disk_database_parts, suffix);
+        server_disk_set_aside(path.text, suffix);
         server_log_message(SERVER_LOG_ERROR, "store_database_damaged",
                            "the database is damaged: it was renamed to geodesicd.db%s, a new one "
                            "is made from the manifests",
                            suffix);
         outcome = read_database(recovery, path.text);
     }
-    recovery->sorted = recovery->count;
-    if (!outcome) outcome = server_files_outcome(server_disk_sync_folder(local->files.folder));
+    recovery->rows = local->count;
+    if (!outcome) outcome = server_disk_sync_folder(local->files.folder);
     if (!outcome) return;
     server_database_close(local->database, false);
     local->database = NULL;
@@ -479,104 +433,80 @@ static void log_repair(struct local *local, const struct finding *finding,
 static void repair_row(struct local *local, const struct finding *finding)
 {
     enum server_store_outcome outcome =
-        local->database ? server_database_put(local->database, finding->manifest)
+        local->database ? server_database_put(local->database, finding->stored.record)
                         : SERVER_STORE_READ_ONLY;
     local->lacks_rows |= outcome != SERVER_STORE_DONE;
     log_repair(local, finding, outcome, "a row of the database",
                "its row in the database was written again from its manifest");
 }
 
-/* Of a surface whose manifest is missing or damaged. */
 static void repair_manifest(struct recovery *recovery, const struct finding *finding)
 {
-    static const char *const parts[] = {"", NULL};
     struct local *local = recovery->local;
-    if (finding->has_manifest) {
-        char suffix[SERVER_DISK_ASIDE_SUFFIX];
-        server_disk_set_aside(
-            server_files_path(&local->files, "manifests/%s" SERVER_MANIFEST, finding->key).text,
-            parts, suffix);
-        recovery->lost_some = true;
-    }
-    if (finding->row) {
-        log_repair(local, finding, server_files_write_manifest(&local->files, finding->row),
-                   "a manifest",
+    const struct server_path path = server_files_manifest_path(&local->files, finding->key);
+    char suffix[SERVER_DISK_ASIDE_SUFFIX];
+    recovery->is_damaged |= !finding->stored.record || server_disk_exists(path.text);
+    server_disk_set_aside(path.text, suffix);
+    if (finding->stored.record) {
+        log_repair(local, finding,
+                   server_files_write_manifest(&local->files, finding->stored.record), "a manifest",
                    "its manifest was missing or damaged, and was written again from its row in the "
                    "database");
         return;
     }
-    if (finding->has_row && local->database)
-        (void)server_database_remove(local->database, finding->key);
-    recovery->lost_some = true;
+    if (local->database) (void)server_database_remove(local->database, finding->key);
     server_log_message(SERVER_LOG_ERROR, "store_lost",
                        "the surface '%s' is lost: its manifest and its row in the database are "
                        "damaged; its bytes are kept",
                        finding->key);
 }
 
-/* Repairs what the table above lists. False without memory. */
-static bool repair_all(struct recovery *recovery)
-{
-    struct local *local = recovery->local;
-    if (recovery->count)
-        qsort(recovery->findings, recovery->count, sizeof *recovery->findings, text_compare);
-    local->found = calloc(recovery->count + 1, sizeof *local->found);
-    if (!local->found) return false;
-    for (uint32_t i = 0; i < recovery->count; i++) {
-        const struct finding *finding = &recovery->findings[i];
-        if (!finding->manifest)
-            repair_manifest(recovery, finding);
-        else if (finding->differ)
-            repair_row(local, finding);
-        struct server_record *record = finding->manifest ? finding->manifest : finding->row;
-        if (record)
-            local->found[local->found_count++] = (struct server_stored){
-                .record = server_record_retain(record), .uses = finding->uses};
-    }
-    return true;
-}
-
 /* Removes the objects that no surface has. */
 static void collect_objects(const struct local *local)
 {
-    size_t count = 0;
-    char(*used)[SERVER_OBJECT] =
-        malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *used);
+    struct server_names used = {0};
     struct server_object object;
-    if (!used) return;
-    for (uint32_t i = 0; i < local->found_count; i++)
+    for (uint32_t i = 0; i < local->count; i++)
         for (int part = 0; part < SERVER_PARTS; part++)
-            if (server_record_object(local->found[i].record, part, &object))
-                strcpy(used[count++], object.id);
-    qsort(used, count, sizeof *used, text_compare);
+            if (server_record_object(local->findings[i].stored.record, part, &object))
+                server_names_add(&used, object.id);
     struct server_listing folders = server_files_list(&local->files, "objects");
     while (server_listing_next(&folders)) {
         struct server_listing objects = server_disk_list(folders.path);
         while (server_listing_next(&objects))
-            if (server_files_object_check(objects.name) &&
-                !bsearch(objects.name, used, count, sizeof *used, text_compare))
+            if (!used.is_incomplete && server_files_object_check(objects.name) &&
+                !server_names_has(&used, objects.name))
                 server_files_remove_object(&local->files, objects.name);
     }
-    free(used);
+    server_names_free(&used);
 }
 
 /* Finds and repairs what the folder holds. False with a sentence. */
-static bool recovery_run(struct recovery *recovery, char *error, size_t error_size)
+static bool recovery_run(struct local *local, char *error, size_t error_size)
 {
-    struct local *local = recovery->local;
+    struct recovery recovery = {.local = local};
+    char key[SERVER_KEY_TEXT];
     struct server_listing temporary = server_files_list(&local->files, "temporary");
     while (server_listing_next(&temporary)) (void)unlink(temporary.path);
-    open_database(recovery);
+    open_database(&recovery);
     struct server_listing manifests = server_files_list(&local->files, "manifests");
-    while (server_listing_next(&manifests)) read_manifest(recovery, manifests.name);
-    if (recovery->is_newer) {
+    while (server_listing_next(&manifests))
+        if (server_files_manifest_key(manifests.name, key) &&
+            !(recovery.rows &&
+              bsearch(key, local->findings, recovery.rows, sizeof *local->findings, text_compare)))
+            (void)finding_add(&recovery, key, NULL);
+    if (recovery.is_newer)
         snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one",
                  local->files.folder);
-        return false;
-    }
-    if (recovery->no_memory || !repair_all(recovery)) return false; /* the caller has set `error` */
+    if (recovery.is_newer || recovery.no_memory) return false; /* the caller has set `error` */
+    if (local->count) qsort(local->findings, local->count, sizeof *local->findings, text_compare);
+    for (uint32_t i = 0; i < local->count; i++)
+        if (local->findings[i].defect == LACKS_ROW)
+            repair_row(local, &local->findings[i]);
+        else if (local->findings[i].defect == LACKS_MANIFEST)
+            repair_manifest(&recovery, &local->findings[i]);
     /* after damage nothing is deleted: a person may be able to repair it */
-    if (recovery->lost_some || local->is_read_only) return true;
+    if (recovery.is_damaged || local->is_read_only) return true;
     collect_objects(local);
     if (server_files_load_ballast(&local->files) == SERVER_STORE_READ_ONLY)
         local_forbid(local, "the ballast could not be made durable");
@@ -588,11 +518,11 @@ static bool recovery_run(struct recovery *recovery, char *error, size_t error_si
 static void local_close(struct server_store *store)
 {
     struct local *local = (struct local *)store;
-    local_forget_found(local);
+    findings_forget(local);
     server_database_close(local->database, !local->is_read_only);
     server_files_close(&local->files);
-    while (local->quarantine.first) quarantine_lift(local, local->quarantine.first->object);
-    pthread_mutex_destroy(&local->quarantine.lock);
+    server_names_free(&local->quarantine);
+    pthread_mutex_destroy(&local->lock);
     free(local);
 }
 
@@ -612,14 +542,11 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
                                          .note_uses = local_note_uses,
                                          .health = local_health,
                                          .close = local_close};
-    struct recovery recovery = {.local = local};
-    pthread_mutex_init(&local->quarantine.lock, NULL);
-    bool is_open = server_files_open(&local->files, folder);
-    if (!is_open) snprintf(error, error_size, "%s", local->files.error);
-    is_open = is_open && recovery_run(&recovery, error, error_size);
-    recovery_forget(&recovery);
-    free(recovery.findings);
-    if (is_open) return &local->store;
+    pthread_mutex_init(&local->lock, NULL);
+    if (!server_files_open(&local->files, folder))
+        snprintf(error, error_size, "%s", local->files.error);
+    else if (recovery_run(local, error, error_size))
+        return &local->store;
     local_close(&local->store);
     return NULL;
 }

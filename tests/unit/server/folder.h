@@ -31,4 +31,14 @@ static inline void folder_remove(const char *folder)
     nftw(folder, folder_remove_one, 16, FTW_DEPTH | FTW_PHYS);
 }
 
+/* False: the folder can't be read. */
+static inline bool folder_each(const char *folder,
+                               void (*visit)(void *user, const char *path, const char *name),
+                               void *user)
+{
+    struct server_listing listing = server_disk_list(folder);
+    while (server_listing_next(&listing)) visit(user, listing.path, listing.name);
+    return listing.is_readable;
+}
+
 #endif

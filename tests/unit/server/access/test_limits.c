@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-#include "server/access/limits.h"
+#include "server/access/credentials.h"
 
 #define SECOND UINT64_C(1000000000)
 
@@ -39,7 +39,7 @@ static int let_in(const struct server_limits *limits, int count, uint64_t interv
 static void a_burst_is_as_large_as_the_rate(void **state)
 {
     (void)state;
-    static const uint32_t rates[] = {1, 2, 3, 7, 100, 999983, SERVER_LIMITS_RATE_MOST};
+    static const uint32_t rates[] = {1, 2, 3, 7, 100, 999983, SERVER_LIMITS_MOST};
     for (size_t i = 0; i < COUNT(rates); i++) {
         const struct server_limits limits = {.rate = rates[i]};
         uint64_t now = SECOND * 1000 * (i + 1);

@@ -37,12 +37,12 @@ static void path_in(const char *folder, char path[SERVER_DISK_PATH], const char 
 }
 
 /* Writes the text as that file of the folder. */
-static enum server_disk_result write_text(const char *folder, const char *name, const char *text)
+static enum server_store_outcome write_text(const char *folder, const char *name, const char *text)
 {
     char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
     path_in(folder, path, name);
     path_in(folder, temporary, "temporary");
-    return server_disk_write(folder, path, temporary, text, strlen(text));
+    return server_disk_write(path, temporary, text, strlen(text));
 }
 
 static void assert_text(const char *folder, const char *name, const char *text)
@@ -51,21 +51,21 @@ static void assert_text(const char *folder, const char *name, const char *text)
     void *bytes;
     size_t size;
     path_in(folder, path, name);
-    assert_int_equal(server_disk_read(path, &bytes, &size), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_read(path, &bytes, &size), SERVER_STORE_DONE);
     assert_int_equal(size, strlen(text));
     assert_string_equal(bytes, text);
     free(bytes);
-    assert_int_equal(server_disk_size(path, &size), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_size(path, &size), SERVER_STORE_DONE);
     assert_int_equal(size, strlen(text));
 }
 
 static void files_are_written_whole(void **state)
 {
     const char *folder = *state;
-    assert_int_equal(write_text(folder, "a", "first"), SERVER_DISK_DONE);
-    assert_int_equal(write_text(folder, "a", ""), SERVER_DISK_DONE);
+    assert_int_equal(write_text(folder, "a", "first"), SERVER_STORE_DONE);
+    assert_int_equal(write_text(folder, "a", ""), SERVER_STORE_DONE);
     assert_text(folder, "a", "");
-    assert_int_equal(write_text(folder, "a", "second"), SERVER_DISK_DONE);
+    assert_int_equal(write_text(folder, "a", "second"), SERVER_STORE_DONE);
     assert_text(folder, "a", "second");
 }
 
@@ -74,11 +74,11 @@ static void a_file_that_cant_be_written_leaves_nothing(void **state)
     const char *folder = *state;
     char path[SERVER_DISK_PATH];
     path_in(folder, path, "taken");
-    assert_int_equal(server_disk_make_folder(path), SERVER_DISK_DONE);
-    assert_int_equal(write_text(folder, "taken", "x"), SERVER_DISK_REFUSED);
+    assert_int_equal(server_disk_make_folder(path), SERVER_STORE_DONE);
+    assert_int_equal(write_text(folder, "taken", "x"), SERVER_STORE_REFUSED);
     path_in(folder, path, "temporary");
     assert_int_not_equal(access(path, F_OK), 0);
-    assert_int_equal(write_text("/nowhere/at/all", "a", "x"), SERVER_DISK_ABSENT);
+    assert_int_equal(write_text("/nowhere/at/all", "a", "x"), SERVER_STORE_REFUSED);
 }
 
 static void what_is_absent_is_told(void **state)
@@ -88,13 +88,13 @@ static void what_is_absent_is_told(void **state)
     void *bytes;
     size_t size;
     path_in(folder, path, "nothing");
-    assert_int_equal(server_disk_read(path, &bytes, &size), SERVER_DISK_ABSENT);
-    assert_int_equal(server_disk_size(path, &size), SERVER_DISK_ABSENT);
-    assert_int_equal(server_disk_remove(folder, path), SERVER_DISK_ABSENT);
-    assert_int_equal(server_disk_sync_folder(path), SERVER_DISK_ABSENT);
-    assert_int_equal(server_disk_link(path, "/nowhere"), SERVER_DISK_ABSENT);
+    assert_int_equal(server_disk_read(path, &bytes, &size), SERVER_STORE_ABSENT);
+    assert_int_equal(server_disk_size(path, &size), SERVER_STORE_ABSENT);
+    assert_int_equal(server_disk_remove(path), SERVER_STORE_ABSENT);
+    assert_int_equal(server_disk_sync_folder(path), SERVER_STORE_ABSENT);
+    assert_int_equal(server_disk_link(path, "/nowhere"), SERVER_STORE_ABSENT);
     /* a folder is no file */
-    assert_int_equal(server_disk_read(folder, &bytes, &size), SERVER_DISK_REFUSED);
+    assert_int_equal(server_disk_read(folder, &bytes, &size), SERVER_STORE_REFUSED);
 }
 
 static void links_are_second_names(void **state)
@@ -104,9 +104,9 @@ static void links_are_second_names(void **state)
     path_in(folder, path, "a");
     path_in(folder, second, "b");
     write_text(folder, "a", "text");
-    assert_int_equal(server_disk_link(path, second), SERVER_DISK_DONE);
-    assert_int_equal(server_disk_link(path, second), SERVER_DISK_REFUSED);
-    assert_int_equal(server_disk_remove(folder, path), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_link(path, second), SERVER_STORE_DONE);
+    assert_int_equal(server_disk_link(path, second), SERVER_STORE_REFUSED);
+    assert_int_equal(server_disk_remove(path), SERVER_STORE_DONE);
     assert_text(folder, "b", "text");
 }
 
@@ -134,21 +134,21 @@ static void large_files_are_read_piece_by_piece(void **state)
     text[250000] = '\0';
     write_text(folder, "small", text);
     path_in(folder, path, "large");
-    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_STORE_DONE);
     assert_int_equal(scanned[0], 3 << 18);
     assert_int_equal(scanned[1], 3);
     path_in(folder, path, "small");
     scanned[0] = 0;
-    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_STORE_DONE);
     assert_int_equal(scanned[0], 250000);
     path_in(folder, copy, "copy");
-    assert_int_equal(server_disk_copy(path, copy), SERVER_DISK_DONE);
-    assert_int_equal(server_disk_copy(path, copy), SERVER_DISK_REFUSED);
-    assert_int_equal(server_disk_remove(folder, path), SERVER_DISK_DONE);
-    assert_int_equal(server_disk_size(copy, &size), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_copy(path, copy), SERVER_STORE_DONE);
+    assert_int_equal(server_disk_copy(path, copy), SERVER_STORE_REFUSED);
+    assert_int_equal(server_disk_remove(path), SERVER_STORE_DONE);
+    assert_int_equal(server_disk_size(copy, &size), SERVER_STORE_DONE);
     assert_int_equal(size, 250000);
-    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_DISK_ABSENT);
-    assert_int_equal(server_disk_scan(folder, add_up, scanned), SERVER_DISK_REFUSED);
+    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_STORE_ABSENT);
+    assert_int_equal(server_disk_scan(folder, add_up, scanned), SERVER_STORE_REFUSED);
     free(text);
 }
 
@@ -164,13 +164,13 @@ static void a_folder_is_walked_while_it_is_emptied(void **state)
     char names[64] = "", path[SERVER_DISK_PATH];
     write_text(folder, "a", "");
     write_text(folder, ".hidden", "");
-    assert_true(server_disk_each(folder, add_and_remove, names));
+    assert_true(folder_each(folder, add_and_remove, names));
     assert_string_equal(names, "a");
-    assert_true(server_disk_each(folder, add_and_remove, names));
+    assert_true(folder_each(folder, add_and_remove, names));
     assert_string_equal(names, "a");
     path_in(folder, path, ".hidden");
     assert_int_equal(access(path, F_OK), 0);
-    assert_false(server_disk_each(path, add_and_remove, names));
+    assert_false(folder_each(path, add_and_remove, names));
 }
 
 /* What is changed has to be made durable, for which a descriptor is needed. */
@@ -180,17 +180,17 @@ static void without_descriptors_nothing_changes(void **state)
     char file[SERVER_DISK_PATH], inner[SERVER_DISK_PATH];
     path_in(folder, file, "a");
     path_in(folder, inner, "inner");
-    assert_int_equal(write_text(folder, "a", "first"), SERVER_DISK_DONE);
+    assert_int_equal(write_text(folder, "a", "first"), SERVER_STORE_DONE);
     struct rlimit limit = use_up_descriptors();
-    enum server_disk_result written = write_text(folder, "a", "second"),
-                            removed = server_disk_remove(folder, file),
-                            made = server_disk_make_folder(inner),
-                            there = server_disk_make_folder(folder);
+    enum server_store_outcome written = write_text(folder, "a", "second"),
+                              removed = server_disk_remove(file),
+                              made = server_disk_make_folder(inner),
+                              there = server_disk_make_folder(folder);
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
-    assert_int_equal(written, SERVER_DISK_REFUSED);
-    assert_int_equal(removed, SERVER_DISK_REFUSED);
-    assert_int_equal(made, SERVER_DISK_REFUSED);
-    assert_int_equal(there, SERVER_DISK_DONE);
+    assert_int_equal(written, SERVER_STORE_REFUSED);
+    assert_int_equal(removed, SERVER_STORE_REFUSED);
+    assert_int_equal(made, SERVER_STORE_REFUSED);
+    assert_int_equal(there, SERVER_STORE_DONE);
     assert_text(folder, "a", "first");
     assert_int_not_equal(access(inner, F_OK), 0);
 }

@@ -252,7 +252,7 @@ static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **stat
     assert_int_equal(claim(sql, "x").item, 0);
     sql->close(sql);
     uint32_t aside = 0;
-    assert_true(server_disk_each(folder, count_aside, &aside));
+    assert_true(folder_each(folder, count_aside, &aside));
     assert_true(aside >= 1);
     folder_remove(folder);
 }

@@ -91,7 +91,7 @@ static void on_file(void *user, const char *path, const char *name)
 static void on_folder(void *user, const char *path, const char *name)
 {
     (void)name;
-    assert_true(server_disk_each(path, on_file, user));
+    assert_true(folder_each(path, on_file, user));
 }
 
 /* Does something (NULL: nothing) to each stored file; how many there are. */
@@ -100,7 +100,7 @@ static uint32_t each_file(const struct fixture *fixture, void (*act)(const char 
     struct files files = {.act = act};
     char path[SERVER_DISK_PATH];
     snprintf(path, sizeof path, "%s/fields", fixture->folder);
-    assert_true(server_disk_each(path, on_folder, &files));
+    assert_true(folder_each(path, on_folder, &files));
     return files.count;
 }
 

@@ -365,8 +365,8 @@ static void what_was_put_aside_stays(void **state)
         assert_holds(fixture, "a=0 b=0 ");
         close_store(fixture);
     }
-    assert_true(server_disk_each(fixture->folder, count_aside, &databases));
-    assert_true(server_disk_each(manifests, count_aside, &damaged));
+    assert_true(folder_each(fixture->folder, count_aside, &databases));
+    assert_true(folder_each(manifests, count_aside, &damaged));
     assert_int_equal(databases, 3);
     assert_int_equal(damaged, 3);
 }
