@@ -1,44 +1,36 @@
 /* See store.h: --check-store of a PostgreSQL store. */
 #include <stdlib.h>
 
-#include "server/store/postgres/objects.h"
+#include "server/store/postgres/connection.h"
 
-#define PAGE        100
-#define PAGE_TEXT   "100"
 #define PATIENCE_NS UINT64_C(60000000000) /* of a statement */
 
 struct check {
     FILE *out;
-    struct server_record *page[PAGE];
-    char last[SERVER_KEY_TEXT]; /* key */
-    uint32_t count, rows;       /* on the page: of records, of rows */
+    struct server_record *record; /* of the present row; NULL: damaged */
+    char last[SERVER_KEY_TEXT];   /* its key */
     uint32_t faults, surfaces, objects;
-    int64_t unused;
     unsigned long long bytes;
 };
 
-static void record_fault(struct check *check, const char *what, const char *key)
+static void check_fault(struct check *check, const char *what)
 {
-    fprintf(check->out, "fault: %s: %s\n", what, key);
+    fprintf(check->out, "fault: %s: %s\n", what, check->last);
     check->faults++;
 }
 
-static bool page_row(void *user, const struct server_sql_value *row)
+static bool check_row(void *user, const struct server_sql_value *row)
 {
     struct check *check = user;
     snprintf(check->last, sizeof check->last, "%s", row[0].bytes);
-    check->rows++;
     check->surfaces++;
-    if (server_record_read(row[0].bytes, row[1].bytes, row[1].size, &check->page[check->count]) ==
-        SERVER_RECORD_READ)
-        check->count++;
-    else
-        record_fault(check, "its row is damaged, or of a later version", row[0].bytes);
+    if (server_record_read(check->last, row[1].bytes, row[1].size, &check->record))
+        check_fault(check, "its row is damaged, or of a later version");
     return true;
 }
 
-static enum server_store_outcome page_object(struct server_pg *pg, struct check *check,
-                                             const char *key, const struct server_object *object)
+static enum server_store_outcome check_object(struct server_pg *pg, struct check *check,
+                                              const struct server_object *object)
 {
     void *bytes = malloc(object->size ? object->size : 1);
     if (!bytes) return SERVER_STORE_NO_MEMORY;
@@ -46,57 +38,53 @@ static enum server_store_outcome page_object(struct server_pg *pg, struct check 
     free(bytes);
     check->objects++;
     check->bytes += object->size;
-    if (outcome != SERVER_STORE_ABSENT && outcome != SERVER_STORE_DAMAGED) return outcome;
-    record_fault(check,
-                 outcome == SERVER_STORE_ABSENT
-                     ? "its bytes are missing"
-                     : "its bytes are damaged: their SHA-256 is another one",
-                 key);
-    return SERVER_STORE_DONE;
+    if (outcome == SERVER_STORE_ABSENT) check_fault(check, "its bytes are missing");
+    if (outcome == SERVER_STORE_DAMAGED)
+        check_fault(check, "its bytes are damaged: their SHA-256 is another one");
+    return outcome == SERVER_STORE_ABSENT || outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_DONE
+                                                                             : outcome;
 }
 
-static enum server_store_outcome check_page(struct server_pg *pg, struct check *check)
+/* Checks the surface after the last one; ABSENT: there is none. */
+static enum server_store_outcome check_next(struct server_pg *pg, struct check *check)
 {
-    const struct server_sql_value last = server_sql_text(check->last);
     struct server_object object;
-    check->rows = check->count = 0;
-    enum server_store_outcome outcome =
-        server_pg_run(pg, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
-                                     " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
-                                     &last, 1, page_row, check));
-    for (uint32_t i = 0; i < check->count; i++) {
-        for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-            if (server_record_object(check->page[i], part, &object))
-                outcome = page_object(pg, check, check->page[i]->key, &object);
-        server_record_release(check->page[i]);
-    }
-    return outcome;
+    uint32_t before = check->surfaces;
+    check->record = NULL;
+    enum server_store_outcome outcome = server_pg_run(
+        pg, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
+                       " AND record IS NOT NULL ORDER BY key LIMIT 1",
+                       SERVER_VALUES(server_sql_text(check->last)), check_row, check));
+    for (int part = 0; check->record && !outcome && part < SERVER_PARTS; part++)
+        if (server_record_object(check->record, part, &object))
+            outcome = check_object(pg, check, &object);
+    server_record_release(check->record);
+    return outcome || check->surfaces != before ? outcome : SERVER_STORE_ABSENT;
 }
 
-static enum server_store_outcome check_all(struct server_pg *pg, struct check *check)
+static enum server_store_outcome check_all(struct server_pg *pg, struct check *check,
+                                           struct server_sql_integers *unused)
 {
-    struct server_sql_integers unused = {0};
     enum server_store_outcome outcome;
-    do outcome = check_page(pg, check);
-    while (!outcome && check->rows == PAGE);
-    if (!outcome)
-        outcome = server_pg_run(
-            pg, SERVER_SQL("SELECT count(*) FROM objects"
-                           " WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                           " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
-                           NULL, 0, server_sql_on_integers, &unused));
-    check->unused = unused.at[0];
-    return outcome;
+    do outcome = check_next(pg, check);
+    while (!outcome);
+    if (outcome != SERVER_STORE_ABSENT) return outcome;
+    return server_pg_run(pg,
+                         SERVER_SQL("SELECT count(*) FROM objects"
+                                    " WHERE NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                                    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+                                    NULL, 0, server_sql_on_integers, unused));
 }
 
 bool server_store_check_postgres(const char *url, FILE *out)
 {
     struct check check = {.out = out};
+    struct server_sql_integers unused = {0};
     struct server_pg_pool *pool = server_pg_pool_create(url);
     enum server_store_outcome outcome = SERVER_STORE_NO_MEMORY;
     if (pool) {
         struct server_pg_attempt attempt = server_pg_reading(pool, PATIENCE_NS);
-        while (server_pg_next(&attempt)) attempt.outcome = check_all(attempt.pg, &check);
+        while (server_pg_next(&attempt)) attempt.outcome = check_all(attempt.pg, &check, &unused);
         outcome = attempt.outcome;
     }
     server_pg_pool_destroy(pool);
@@ -104,11 +92,11 @@ bool server_store_check_postgres(const char *url, FILE *out)
         fprintf(
             out,
             "the check ended early: the database does not answer, refuses, or memory is short\n");
-    if (check.unused)
+    if (unused.at[0])
         fprintf(out,
                 "note: %lld objects that no surface has: of uploads under way, or cut short; those "
                 "go after a day\n",
-                (long long)check.unused);
+                (long long)unused.at[0]);
     fprintf(out, "%u surfaces, %u objects (%llu bytes) verified: %u faults\n", check.surfaces,
             check.objects, check.bytes, check.faults);
     return !outcome && !check.faults;

@@ -46,6 +46,7 @@ struct server_pg {
 };
 
 struct server_pg_pool {
+    struct server_store_sql sql; /* first */
     pthread_mutex_t lock;
     pthread_cond_t change;
     struct server_pg *idle; /* under the lock */
@@ -124,7 +125,7 @@ static struct server_sql_value value_read(const PGresult *result, int row, int c
 {
     const char *bytes = PQgetvalue(result, row, column);
     uint64_t integer;
-    if (PQgetisnull(result, row, column)) return (struct server_sql_value){.type = SERVER_SQL_NULL};
+    if (PQgetisnull(result, row, column)) return server_sql_text(NULL);
     struct server_sql_value value =
         server_sql_bytes(bytes, (size_t)PQgetlength(result, row, column));
     if (PQftype(result, column) == OID_INTEGER) {
@@ -382,43 +383,32 @@ struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t
         .pool = pool, .patience_ns = patience_ns, .longest_ns = patience_ns};
 }
 
-static bool attempt_on_number(void *user, const struct server_sql_value *row)
-{
-    struct server_pg_attempt *attempt = user;
-    snprintf(attempt->number, sizeof attempt->number, "%s", row[0].bytes);
-    return true;
-}
-
 static enum server_store_outcome attempt_commit(struct server_pg_attempt *attempt)
 {
+    struct server_sql_integers number = {0};
     enum server_store_outcome outcome =
-        server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_current_xact_id()::text", NULL, 0,
-                                              attempt_on_number, attempt));
+        server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_current_xact_id()::text::bigint", NULL, 0,
+                                              server_sql_on_integers, &number));
     if (!outcome) outcome = server_pg_run(attempt->pg, SERVER_SQL("COMMIT"));
-    if (outcome != SERVER_STORE_UNAVAILABLE) attempt->number[0] = '\0';
+    attempt->number = outcome == SERVER_STORE_UNAVAILABLE ? number.at[0] : 0;
     return outcome;
-}
-
-static bool attempt_on_status(void *user, const struct server_sql_value *row)
-{
-    enum server_store_outcome *outcome = user;
-    const char *status = row[0].type == SERVER_SQL_TEXT ? row[0].bytes : "";
-    if (strcmp(status, "committed") == 0) *outcome = SERVER_STORE_DONE;
-    if (strcmp(status, "aborted") == 0) *outcome = SERVER_STORE_STALE;
-    return true;
 }
 
 /* Asks for the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
  * unknown for now, or still in progress. */
 static enum server_store_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
-    const struct server_sql_value number = server_sql_text(attempt->number);
-    enum server_store_outcome found = SERVER_STORE_UNAVAILABLE;
-    if (server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_xact_status($1::text::xid8)", &number, 1,
-                                              attempt_on_status, &found)))
+    struct server_sql_integers ended = {0};
+    if (server_pg_run(attempt->pg,
+                      SERVER_SQL("SELECT (status = 'committed')::int::bigint"
+                                 " FROM pg_xact_status($1::bigint::text::xid8) AS status"
+                                 " WHERE status IN ('committed', 'aborted')",
+                                 SERVER_VALUES(server_sql_integer(attempt->number)),
+                                 server_sql_on_integers, &ended)) ||
+        !ended.rows)
         return SERVER_STORE_UNAVAILABLE;
-    if (found == SERVER_STORE_STALE) attempt->number[0] = '\0';
-    return found;
+    attempt->number = 0;
+    return ended.at[0] ? SERVER_STORE_DONE : SERVER_STORE_STALE;
 }
 
 /* Waits before the next attempt, ever longer; false: patience is at an end. */
@@ -445,7 +435,7 @@ static bool attempt_begin(struct server_pg_attempt *attempt)
     attempt->outcome = server_pg_pool_take(attempt->pool, &attempt->pg, attempt->error);
     if (attempt->outcome) return false;
     attempt->pg->longest_ns = attempt->longest_ns;
-    bool asks = attempt->number[0] != '\0';
+    bool asks = attempt->number != 0;
     if (asks)
         attempt->outcome = attempt_ask(attempt);
     else if (attempt->is_transaction)
@@ -487,35 +477,76 @@ bool server_pg_next(struct server_pg_attempt *attempt)
 
 /* --- statements for the batches (sql.h) ------------------------------------------------------- */
 
-struct pg_sql {
-    struct server_store_sql sql; /* first */
-    struct server_pg_pool *pool;
-};
-
 static enum server_store_outcome pg_sql_run(struct server_store_sql *sql,
                                             const struct server_statement *statement)
 {
-    struct server_pg_attempt attempt = server_pg_reading(((struct pg_sql *)sql)->pool, TAKE_NS);
+    struct server_pg_attempt attempt = server_pg_reading((struct server_pg_pool *)sql, TAKE_NS);
     while (server_pg_next(&attempt)) attempt.outcome = server_pg_run(attempt.pg, statement);
     return attempt.outcome;
 }
 
 static void pg_sql_close(struct server_store_sql *sql)
 {
-    server_pg_pool_destroy(((struct pg_sql *)sql)->pool);
-    free(sql);
+    server_pg_pool_destroy((struct server_pg_pool *)sql);
 }
 
 struct server_store_sql *server_store_sql_postgres_open(const char *url)
 {
-    struct pg_sql *own = calloc(1, sizeof *own);
-    if (!own || !(own->pool = server_pg_pool_create(url))) {
-        free(own);
-        return NULL;
+    struct server_pg_pool *pool = server_pg_pool_create(url);
+    if (!pool) return NULL;
+    pool->sql = (struct server_store_sql){.run = pg_sql_run,
+                                          .is_shared = true,
+                                          .skip_locked = " FOR UPDATE OF i SKIP LOCKED",
+                                          .close = pg_sql_close};
+    return &pool->sql;
+}
+
+/* --- the address (store.h) --------------------------------------------------------------------- */
+
+#define STANDARD_PORT "5432"
+#define VALUE         4096
+
+/* Copies the value of a keyword that the address sets, or else the environment; empty: neither.
+ * False: the address is malformed. */
+static bool address_value(const char *url, const char *keyword, char value[VALUE])
+{
+    PQconninfoOption *given = PQconninfoParse(url, NULL),
+                     *standard = given ? PQconndefaults() : NULL;
+    bool is_read = given && standard;
+    *value = '\0';
+    for (int i = 0; is_read && given[i].keyword; i++) { /* both have the order of libpq */
+        const char *found = given[i].val ? given[i].val : standard[i].val;
+        if (found && strcmp(given[i].keyword, keyword) == 0) snprintf(value, VALUE, "%s", found);
     }
-    own->sql = (struct server_store_sql){.run = pg_sql_run,
-                                         .is_shared = true,
-                                         .skip_locked = " FOR UPDATE OF i SKIP LOCKED",
-                                         .close = pg_sql_close};
-    return &own->sql;
+    PQconninfoFree(given);
+    PQconninfoFree(standard);
+    return is_read;
+}
+
+bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
+                               void *user)
+{
+    char list[VALUE], *rest = list; /* "5432,5433": one for each host, or for all */
+    bool goes_on = address_value(url, "port", list);
+    if (!*list) strcpy(list, STANDARD_PORT);
+    for (char *port; goes_on && (port = strsep(&rest, ","));)
+        goes_on = visit(user, (uint16_t)strtoul(*port ? port : STANDARD_PORT, NULL, 10));
+    return goes_on;
+}
+
+bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file),
+                               void *user)
+{
+    static const char *const keywords[] = {"sslcert", "sslkey",    "sslrootcert",
+                                           "sslcrl",  "sslcrldir", "passfile"};
+    const char *home = getenv("HOME");
+    char value[VALUE] = "";
+    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {
+        if (!address_value(url, keywords[i], value)) return false;
+        if (*value) visit(user, value);
+    }
+    bool has_home = !*value && home && *home; /* `value`: of passfile */
+    if (has_home && snprintf(value, sizeof value, "%s/.pgpass", home) < (int)sizeof value)
+        visit(user, value);
+    return true;
 }

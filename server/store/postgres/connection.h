@@ -60,7 +60,7 @@ struct server_pg_attempt {
     bool is_transaction;
     uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
     uint64_t until_ns, pause_ns;
-    char number[32]; /* of a transaction whose COMMIT has no answer; or empty */
+    int64_t number; /* of a transaction whose COMMIT has no answer; 0: none */
     char error[SERVER_PG_ERROR];
 };
 
@@ -80,5 +80,28 @@ bool server_pg_next(struct server_pg_attempt *attempt);
 /* Blocks for `ns`, or until a notification on a channel that the connection listens to. False: the
  * connection is lost. */
 bool server_pg_await(struct server_pg *pg, uint64_t ns);
+
+/* --- objects: files and attachments (record.h) as rows of a MiB each ---------------------------- */
+/* Each is a part of a transaction, or a reading, with the outcomes of server_pg_run. */
+
+/* Writes the chunks that are missing or damaged; the database verifies the others. */
+enum server_store_outcome
+server_pg_write_object(struct server_pg *pg, const struct server_object *object, const void *bytes);
+
+/* Reads the object into `bytes`, of its size, and verifies it. ABSENT; DAMAGED. */
+enum server_store_outcome server_pg_read_object(struct server_pg *pg,
+                                                const struct server_object *object, void *bytes);
+
+/* Has the database verify one chunk; returns its size. ABSENT; DAMAGED. */
+enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
+                                                const struct server_object *object, uint64_t number,
+                                                size_t *size);
+
+/* The number of chunks of the object. */
+uint64_t server_pg_chunks(const struct server_object *object);
+
+/* Makes the tables (schema.c), or migrates them; one process at a time. PRECONDITION: a later
+ * version made them. Else as a transaction. */
+enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool);
 
 #endif

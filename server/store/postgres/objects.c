@@ -1,5 +1,5 @@
-/* See objects.h. */
-#include "server/store/postgres/objects.h"
+/* See connection.h: objects. */
+#include "server/store/postgres/connection.h"
 
 #define CHUNK ((size_t)1 << 20)
 
@@ -13,8 +13,6 @@ static size_t chunk_size(const struct server_object *object, uint64_t number)
     uint64_t left = object->size - number * CHUNK;
     return left < CHUNK ? (size_t)left : CHUNK;
 }
-
-/* --- writing ---------------------------------------------------------------------------------- */
 
 static enum server_store_outcome chunk_write(struct server_pg *pg,
                                              const struct server_object *object, uint64_t number,
@@ -44,29 +42,17 @@ static enum server_store_outcome chunk_write(struct server_pg *pg,
 enum server_store_outcome
 server_pg_write_object(struct server_pg *pg, const struct server_object *object, const void *bytes)
 {
-    const struct server_sql_value values[] = {server_sql_text(object->id),
-                                              server_sql_integer((int64_t)object->size)};
     struct server_sql_integers made = {0};
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("INSERT INTO objects (id, size) VALUES ($1, $2)"
                                      " ON CONFLICT (id) DO NOTHING RETURNING true",
-                                     values, 2, server_sql_on_integers, &made));
+                                     SERVER_VALUES(server_sql_text(object->id),
+                                                   server_sql_integer((int64_t)object->size)),
+                                     server_sql_on_integers, &made));
     for (uint64_t i = 0; !outcome && i < server_pg_chunks(object); i++)
         outcome = chunk_write(pg, object, i, (const char *)bytes + i * CHUNK, made.rows);
     return outcome;
 }
-
-enum server_store_outcome server_pg_drop_object(struct server_pg *pg, const char *object)
-{
-    const struct server_sql_value id = server_sql_text(object);
-    return server_pg_run(pg,
-                         SERVER_SQL("DELETE FROM objects WHERE id = $1"
-                                    " AND NOT EXISTS (SELECT FROM surfaces WHERE file = $1)"
-                                    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = $1)",
-                                    &id, 1));
-}
-
-/* --- reading ---------------------------------------------------------------------------------- */
 
 struct chunk_reading {
     char *bytes;
@@ -87,11 +73,11 @@ static enum server_store_outcome
 chunk_read(struct server_pg *pg, const struct server_object *object, uint64_t number, char *bytes)
 {
     struct chunk_reading reading = {.bytes = bytes, .size = chunk_size(object, number)};
-    const struct server_sql_value values[] = {server_sql_text(object->id),
-                                              server_sql_integer((int64_t)number)};
-    enum server_store_outcome outcome =
-        server_pg_run(pg, SERVER_SQL("SELECT bytes FROM chunks WHERE object = $1 AND number = $2",
-                                     values, 2, on_chunk, &reading));
+    enum server_store_outcome outcome = server_pg_run(
+        pg,
+        SERVER_SQL("SELECT bytes FROM chunks WHERE object = $1 AND number = $2",
+                   SERVER_VALUES(server_sql_text(object->id), server_sql_integer((int64_t)number)),
+                   on_chunk, &reading));
     if (outcome || reading.fits) return outcome;
     return reading.is_there || number ? SERVER_STORE_DAMAGED : SERVER_STORE_ABSENT;
 }
@@ -113,14 +99,14 @@ enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
                                                 const struct server_object *object, uint64_t number,
                                                 size_t *size)
 {
-    const struct server_sql_value values[] = {server_sql_text(object->id),
-                                              server_sql_integer((int64_t)number)};
     struct server_sql_integers found = {0}; /* is the chunk sound; its size */
-    enum server_store_outcome outcome =
-        server_pg_run(pg, SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
-                                     " length(bytes)::bigint FROM chunks"
-                                     " WHERE object = $1 AND number = $2",
-                                     values, 2, server_sql_on_integers, &found));
+    enum server_store_outcome outcome = server_pg_run(
+        pg,
+        SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
+                   " length(bytes)::bigint FROM chunks"
+                   " WHERE object = $1 AND number = $2",
+                   SERVER_VALUES(server_sql_text(object->id), server_sql_integer((int64_t)number)),
+                   server_sql_on_integers, &found));
     if (outcome) return outcome;
     if (!found.rows) return SERVER_STORE_ABSENT;
     *size = (size_t)found.at[1];

@@ -4,7 +4,7 @@
 
 #include "gd/control.h"
 #include "server/base/log.h"
-#include "server/store/postgres/objects.h"
+#include "server/store/postgres/connection.h"
 
 #define CHANNEL    "geodesicd"           /* each change notifies it */
 #define REMEMBERED "100000"              /* changes for which a removal stays listed */
@@ -74,13 +74,13 @@ static bool change_on_current(void *user, const struct server_sql_value *row)
 /* PRECONDITION: the key has another version than the registry knows. */
 static enum server_store_outcome change_check(struct server_pg *pg, struct change *change)
 {
-    const struct server_sql_value key = server_sql_text(change->record->key);
     memset(change->objects, 0, sizeof change->objects);
     change->found = 0;
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
                                      " WHERE key = $1 AND record IS NOT NULL",
-                                     &key, 1, change_on_current, change));
+                                     SERVER_VALUES(server_sql_text(change->record->key)),
+                                     change_on_current, change));
     if (outcome) return outcome;
     return (uint64_t)change->found == change->before ? SERVER_STORE_DONE
                                                      : SERVER_STORE_PRECONDITION;
@@ -111,14 +111,14 @@ static enum server_store_outcome change_write(struct server_pg *pg, const struct
 /* Deletes the rows of removals that are long past. */
 static enum server_store_outcome change_forget(struct server_pg *pg, const struct change *change)
 {
-    const struct server_sql_value version = server_sql_integer(change->version.at[0]);
+    const int64_t version = change->version.at[0];
     return server_pg_run(
         pg,
         SERVER_SQL(
             "WITH gone AS (DELETE FROM surfaces WHERE record IS NULL AND version < $1 - " REMEMBERED
             " RETURNING version) UPDATE clock SET forgotten ="
             " greatest(forgotten, coalesce((SELECT max(version) FROM gone), 0))",
-            &version, 1));
+            SERVER_VALUES(server_sql_integer(version))));
 }
 
 /* The first statement locks the clock: until the transaction ends nobody else changes anything. */
@@ -129,8 +129,14 @@ static enum server_store_outcome change_apply(struct server_pg *pg, struct chang
                                      NULL, 0, server_sql_on_integers, &change->version));
     if (!outcome) outcome = change_check(pg, change);
     if (!outcome) outcome = change_write(pg, change);
-    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (change->objects[part][0]) outcome = server_pg_drop_object(pg, change->objects[part]);
+    if (!outcome)
+        outcome = server_pg_run(
+            pg,
+            SERVER_SQL("DELETE FROM objects WHERE id IN ($1, $2)"
+                       " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                       " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+                       SERVER_VALUES(server_sql_text(change->objects[SERVER_PART_FILE]),
+                                     server_sql_text(change->objects[SERVER_PART_ATTACHMENT]))));
     if (!outcome && !change->text) outcome = change_forget(pg, change);
     return outcome ? outcome : server_pg_run(pg, SERVER_SQL("NOTIFY " CHANNEL));
 }
@@ -279,12 +285,12 @@ static enum server_store_outcome visit_changes(struct server_pg *pg, struct page
     page->is_forgotten = forgotten > page->seen || now < page->seen;
     if (page->is_forgotten || now == page->seen) return SERVER_STORE_DONE;
     do {
-        const struct server_sql_value seen = server_sql_integer((int64_t)page->seen);
         page->rows = 0;
         outcome = server_pg_run(
-            pg, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE version > $1"
-                           " ORDER BY version LIMIT " PAGE_TEXT,
-                           &seen, 1, on_page_row, page));
+            pg,
+            SERVER_SQL("SELECT key, version, record FROM surfaces WHERE version > $1"
+                       " ORDER BY version LIMIT " PAGE_TEXT,
+                       SERVER_VALUES(server_sql_integer((int64_t)page->seen)), on_page_row, page));
     } while (!outcome && page->rows == PAGE);
     return outcome;
 }
@@ -301,20 +307,6 @@ static enum server_store_outcome shared_follow(struct server_store *store,
     return !attempt.outcome && page.is_forgotten ? SERVER_STORE_STALE : attempt.outcome;
 }
 
-static enum server_store_outcome visit_all(struct server_pg *pg, struct page *page)
-{
-    enum server_store_outcome outcome;
-    do {
-        const struct server_sql_value last = server_sql_text(page->last);
-        page->rows = 0;
-        outcome =
-            server_pg_run(pg, SERVER_SQL("SELECT key, version, record FROM surfaces WHERE key > $1"
-                                         " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
-                                         &last, 1, on_page_row, page));
-    } while (!outcome && page->rows == PAGE);
-    return outcome;
-}
-
 /* A change meanwhile is visited by the next follow. */
 static enum server_store_outcome shared_each(struct server_store *store, server_stored_visit *visit,
                                              void *user)
@@ -326,7 +318,15 @@ static enum server_store_outcome shared_each(struct server_store *store, server_
     while (server_pg_next(&attempt)) {
         /* once: a change while rows are visited has a later version */
         attempt.outcome = clock.rows ? SERVER_STORE_DONE : read_clock(attempt.pg, &clock);
-        if (!attempt.outcome) attempt.outcome = visit_all(attempt.pg, &page);
+        page.rows = PAGE;
+        while (!attempt.outcome && page.rows == PAGE) {
+            page.rows = 0;
+            attempt.outcome = server_pg_run(
+                attempt.pg,
+                SERVER_SQL("SELECT key, version, record FROM surfaces WHERE key > $1"
+                           " AND record IS NOT NULL ORDER BY key LIMIT " PAGE_TEXT,
+                           SERVER_VALUES(server_sql_text(page.last)), on_page_row, &page));
+        }
     }
     if (page.is_over) return SERVER_STORE_NO_MEMORY;
     if (!attempt.outcome) own->seen = (uint64_t)clock.at[0];

@@ -1,4 +1,4 @@
-/* See objects.h: the tables of a PostgreSQL store, in the schema `geodesicd`.
+/* See connection.h: the tables of a PostgreSQL store, in the schema `geodesicd`.
  *
  *     migrations  version                     of each step that was made
  *     clock       version, forgotten          one row: the version of the last change; removals up
@@ -12,7 +12,7 @@
  *
  * A change locks the clock's row first, until it commits. So versions are committed in order: a
  * reader that has seen one has seen all before it. */
-#include "server/store/postgres/objects.h"
+#include "server/store/postgres/connection.h"
 
 /* number of the advisory lock of migrations: "geodesicd" in a way */
 #define MIGRATING "7307990571216692580"
@@ -66,11 +66,10 @@ static enum server_store_outcome schema_make(struct server_pg *pg)
 
 static enum server_store_outcome step_make(struct server_pg *pg, int64_t step)
 {
-    const struct server_sql_value number = server_sql_integer(step + 1);
     enum server_store_outcome outcome = server_pg_run(pg, SERVER_SQL(steps[step]));
     if (outcome) return outcome;
-    return server_pg_run(pg,
-                         SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)", &number, 1));
+    return server_pg_run(pg, SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)",
+                                        SERVER_VALUES(server_sql_integer(step + 1))));
 }
 
 static enum server_store_outcome schema_migrate(struct server_pg *pg)
