@@ -10,7 +10,6 @@
 #define TITLE         "geodesicd record "
 #define VERSION       "2"
 #define FIRST_VERSION "1" /* has no kind, tenant and attachment */
-#define HEX_DIGITS    "0123456789abcdef"
 #define CHECKSUM_LINE (sizeof "checksum \n" - 1 + SERVER_SHA256_HEX - 1)
 #define SLOT_BYTES    128 /* of the registry, for each record */
 
@@ -128,32 +127,24 @@ bool server_record_object(const struct server_record *record, enum server_part p
 
 /* --- to text ---------------------------------------------------------------------------------- */
 
-/* Prints the lines above the checksum; returns their size, as snprintf. */
-static int record_print(const struct server_record *record, char *text, size_t size)
-{
-    char attachment[SERVER_SHA256_HEX + 32] = "";
-    if (record->attachment_sha256[0])
-        snprintf(attachment, sizeof attachment, "%s %" PRIu64, record->attachment_sha256,
-                 record->attachment_size);
-    return snprintf(text, size,
-                    TITLE VERSION "\nkind %s\ntenant %s\nname %s\nsha256 %s\nsize %" PRIu64
-                                  "\nattachment %s\ncreated %" PRId64 "\nmemory %" PRIu64
-                                  "\noptions %s\ndescription %s\n",
-                    record->kind->word, record->tenant, record->name, record->sha256, record->size,
-                    attachment, record->created, record->memory, record->options,
-                    record->description ? record->description : "{}");
-}
-
 char *server_record_write(const struct server_record *record, size_t *size)
 {
-    char checksum[SERVER_SHA256_HEX], *text;
-    int body = record_print(record, NULL, 0);
-    if (body < 0 || !(text = malloc((size_t)body + CHECKSUM_LINE + 1))) return NULL;
-    record_print(record, text, (size_t)body + 1);
-    server_sha256(text, (size_t)body, checksum);
-    sprintf(text + body, "checksum %s\n", checksum);
-    *size = (size_t)body + CHECKSUM_LINE;
-    return text;
+    char checksum[SERVER_SHA256_HEX], *text = NULL;
+    FILE *out = open_memstream(&text, size);
+    if (!out) return NULL;
+    fprintf(out, TITLE VERSION "\nkind %s\ntenant %s\nname %s\nsha256 %s\nsize %" PRIu64,
+            record->kind->word, record->tenant, record->name, record->sha256, record->size);
+    fprintf(out, "\nattachment %s", record->attachment_sha256);
+    if (record->attachment_sha256[0]) fprintf(out, " %" PRIu64, record->attachment_size);
+    fprintf(out, "\ncreated %" PRId64 "\nmemory %" PRIu64 "\noptions %s\ndescription %s\n",
+            record->created, record->memory, record->options,
+            record->description ? record->description : "{}");
+    bool is_written = fflush(out) == 0 && !ferror(out);
+    if (is_written) server_sha256(text, *size, checksum);
+    if (is_written) is_written = fprintf(out, "checksum %s\n", checksum) > 0;
+    if (fclose(out) == 0 && is_written) return text;
+    free(text);
+    return NULL;
 }
 
 /* --- from text -------------------------------------------------------------------------------- */
@@ -186,28 +177,8 @@ static bool number_read(const char *text, uint64_t *out)
 
 static bool hash_read(const char *text, char out[SERVER_SHA256_HEX])
 {
-    if (!text || strlen(text) != SERVER_SHA256_HEX - 1 || text[strspn(text, HEX_DIGITS)])
-        return false;
+    if (!text || !server_sha256_check(text) || text[SERVER_SHA256_HEX - 1]) return false;
     strcpy(out, text);
-    return true;
-}
-
-/* Reads the lines that version 1 lacks at its beginning. */
-static enum server_record_reading owner_read(struct server_record *record, char **rest)
-{
-    const char *word = line_take(rest, "kind "), *tenant = line_take(rest, "tenant ");
-    if (!word || !tenant || (tenant[0] && !server_tenant_check(tenant)))
-        return SERVER_RECORD_DAMAGED;
-    record->kind = server_kind_by_word(word);
-    strcpy(record->tenant, tenant);
-    return record->kind ? SERVER_RECORD_READ : SERVER_RECORD_NEWER;
-}
-
-static bool name_read(struct server_record *record, const char *name)
-{
-    struct proto_problem problem;
-    if (!name || !proto_mesh_name_check(name, strlen(name), &problem)) return false;
-    strcpy(record->name, name);
     return true;
 }
 
@@ -233,8 +204,11 @@ static bool options_read(struct server_record *record, const char *text)
 static bool lines_read(struct server_record *record, char *rest, bool is_first)
 {
     uint64_t created = 0;
-    bool is_read = name_read(record, line_take(&rest, "name ")) &&
-                   hash_read(line_take(&rest, "sha256 "), record->sha256) &&
+    struct proto_problem problem;
+    const char *name = line_take(&rest, "name ");
+    if (!name || !proto_mesh_name_check(name, strlen(name), &problem)) return false;
+    strcpy(record->name, name);
+    bool is_read = hash_read(line_take(&rest, "sha256 "), record->sha256) &&
                    number_read(line_take(&rest, "size "), &record->size) &&
                    (is_first || attachment_read(record, line_take(&rest, "attachment "))) &&
                    number_read(line_take(&rest, "created "), &created) &&
@@ -250,12 +224,17 @@ static bool lines_read(struct server_record *record, char *rest, bool is_first)
     return true;
 }
 
+/* The first version lacks the lines of the owner. */
 static enum server_record_reading text_read(struct server_record *record, char *text, bool is_first)
 {
     (void)line_take(&text, TITLE);
-    record->kind = &server_kind_mesh;
-    enum server_record_reading reading = is_first ? SERVER_RECORD_READ : owner_read(record, &text);
-    if (reading) return reading;
+    const char *word = is_first ? server_kind_mesh.word : line_take(&text, "kind "),
+               *tenant = is_first ? "" : line_take(&text, "tenant ");
+    if (!word || !tenant || (tenant[0] && !server_tenant_check(tenant)))
+        return SERVER_RECORD_DAMAGED;
+    record->kind = server_kind_by_word(word);
+    strcpy(record->tenant, tenant);
+    if (!record->kind) return SERVER_RECORD_NEWER;
     if (!lines_read(record, text, is_first)) return SERVER_RECORD_DAMAGED;
     return record->description ? SERVER_RECORD_READ : SERVER_RECORD_NO_MEMORY;
 }
