@@ -37,47 +37,21 @@ void server_log_set_level(enum server_log_level level)
     threshold = level;
 }
 
-/* Appends all of the text or nothing. */
-static bool line_append(struct server_log_line *line, const char *text, size_t size)
+/* Appends all of the texts, up to NULL, or nothing. */
+static void line_append(struct server_log_line *line, ...)
 {
-    if (size > LINE_ROOM - line->size) return false;
-    memcpy(line->text + line->size, text, size);
-    line->size += size;
-    return true;
-}
-
-static bool line_append_string(struct server_log_line *line, const char *text)
-{
-    return line_append(line, text, strlen(text));
-}
-
-/* Appends ,"KEY": */
-static bool line_append_key(struct server_log_line *line, const char *key)
-{
-    return line_append(line, ",\"", 2) && line_append_string(line, key) &&
-           line_append(line, "\":", 2);
-}
-
-static bool is_plain(char character)
-{
-    return character >= ' ' && character <= '~' && character != '"' && character != '\\';
-}
-
-static bool line_append_escaped(struct server_log_line *line, const char *value)
-{
-    size_t end = line->size + TEXT_LIMIT;
-    while (*value && line->size < end) {
-        char escape[8];
-        size_t run = 0;
-        while (run < end - line->size && is_plain(value[run])) run++;
-        if (run == 0) {
-            bool is_short = *value == '"' || *value == '\\';
-            snprintf(escape, sizeof escape, is_short ? "\\%c" : "\\u%04x", (unsigned char)*value);
-        }
-        if (run ? !line_append(line, value, run) : !line_append_string(line, escape)) return false;
-        value += run ? run : 1;
+    size_t end = line->size;
+    const char *text;
+    va_list texts;
+    va_start(texts, line);
+    while ((text = va_arg(texts, const char *))) {
+        size_t size = strlen(text);
+        if (size > LINE_ROOM - end) break;
+        memcpy(line->text + end, text, size);
+        end += size;
     }
-    return true;
+    va_end(texts);
+    if (!text) line->size = end;
 }
 
 /* "2026-01-31T12:34:56"; each thread formats a second once. */
@@ -92,63 +66,58 @@ static const char *second_text(time_t second)
     return text;
 }
 
-/* Writes a point and three digits. */
-static void thousandths_print(unsigned thousandths, char out[4])
+/* Writes a point, three digits and NUL. */
+static void thousandths_print(unsigned thousandths, char out[5])
 {
     *out++ = '.';
     for (unsigned unit = 100; unit; unit /= 10) *out++ = (char)('0' + thousandths / unit % 10);
+    *out = '\0';
 }
 
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event)
 {
     if (level < threshold) return false;
-    char thousandths[4];
+    char thousandths[5];
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
-    line->size = 0;
-    line_append_string(line, "{\"time\":\"");
-    line_append_string(line, second_text(now.tv_sec));
     thousandths_print((unsigned)(now.tv_nsec / 1000000), thousandths);
-    line_append(line, thousandths, sizeof thousandths);
-    line_append_string(line, "Z\",\"level\":\"");
-    line_append_string(line, server_log_levels[level]);
-    line_append_string(line, "\",\"event\":\"");
-    line_append_string(line, event);
-    line_append_string(line, "\"");
+    line->size = 0;
+    line_append(line, "{\"time\":\"", second_text(now.tv_sec), thousandths, "Z\",\"level\":\"",
+                server_log_levels[level], "\",\"event\":\"", event, "\"", NULL);
     return true;
 }
 
 void server_log_text(struct server_log_line *line, const char *key, const char *value)
 {
-    size_t start = line->size;
-    if (value && !(line_append_key(line, key) && line_append(line, "\"", 1) &&
-                   line_append_escaped(line, value) && line_append(line, "\"", 1)))
-        line->size = start;
-}
-
-static void line_append_number(struct server_log_line *line, const char *key, const char *text,
-                               size_t size)
-{
-    size_t start = line->size;
-    if (!line_append_key(line, key) || !line_append(line, text, size)) line->size = start;
+    char text[TEXT_LIMIT + sizeof "\\u0000"], *end = text;
+    if (!value) return;
+    for (; *value && end < text + TEXT_LIMIT; value++) {
+        bool is_special = *value == '"' || *value == '\\';
+        if (*value >= ' ' && *value <= '~' && !is_special)
+            *end++ = *value;
+        else
+            end += sprintf(end, is_special ? "\\%c" : "\\u%04x", (unsigned char)*value);
+    }
+    *end = '\0';
+    line_append(line, ",\"", key, "\":\"", text, "\"", NULL);
 }
 
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value)
 {
-    char text[PROTO_INTEGER_SIZE + 1] = "-";
+    char text[PROTO_INTEGER_SIZE + 2] = "-";
     bool negative = value < 0;
-    size_t size =
-        proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
-    line_append_number(line, key, text, size + negative);
+    uint64_t magnitude = negative ? 0 - (uint64_t)value : (uint64_t)value;
+    text[negative + proto_integer_print(magnitude, text + negative)] = '\0';
+    line_append(line, ",\"", key, "\":", text, NULL);
 }
 
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds)
 {
-    char text[PROTO_INTEGER_SIZE + 4];
+    char text[PROTO_INTEGER_SIZE + 5];
     uint64_t microseconds = (nanoseconds + 500) / 1000;
     size_t size = proto_integer_print(microseconds / 1000, text);
     thousandths_print((unsigned)(microseconds % 1000), text + size);
-    line_append_number(line, key, text, size + 4);
+    line_append(line, ",\"", key, "\":", text, NULL);
 }
 
 /* --- output ----------------------------------------------------------------------------------- */
