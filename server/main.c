@@ -129,7 +129,7 @@ int main(int argc, char *argv[])
     open_standard_descriptors();
     if (argc > 1 && strcmp(argv[1], "keygen") == 0)
         return server_keygen(argc - 2, argv + 2, stdout, stderr) ? EXIT_SUCCESS : EXIT_USAGE;
-    enum server_config_outcome outcome = server_config_load(&config, argc, argv, stdout, stderr);
+    enum server_config_outcome outcome = server_config_load(&config, argv, stdout, stderr);
     if (outcome != SERVER_CONFIG_RUN)
         return outcome == SERVER_CONFIG_DONE ? EXIT_SUCCESS : EXIT_USAGE;
     /* files of the data folder, and copies of it, are private */

@@ -203,45 +203,38 @@ __attribute__((format(printf, 2, 3))) static bool loader_complain(const struct l
     return false;
 }
 
-static bool count_parse(const char *text, uint64_t *out, const char **rest)
-{
-    if (!isdigit((unsigned char)*text)) return false;
-    errno = 0;
-    *out = strtoull(text, (char **)rest, 10);
-    return errno == 0;
-}
-
-/* "4096", "64k", "512MiB", "4G", "4GiB": powers of 1024. */
-static bool bytes_parse(const char *text, uint64_t *out)
+/* "4096"; with units also "64k", "512MiB", "4G", "4GiB": powers of 1024. */
+static bool number_parse(const char *text, bool has_units, uint64_t *out)
 {
     static const char units[] = "KMGT";
-    const char *rest;
-    if (!count_parse(text, out, &rest)) return false;
-    const char *unit = *rest ? strchr(units, toupper((unsigned char)*rest)) : NULL;
+    char *rest;
+    if (!isdigit((unsigned char)*text)) return false;
+    errno = 0;
+    *out = strtoull(text, &rest, 10);
+    if (errno) return false;
+    const char *unit = has_units && *rest ? strchr(units, toupper((unsigned char)*rest)) : NULL;
     if (unit) {
         unsigned shift = 10 * (unsigned)(unit - units + 1);
         if (*out > UINT64_MAX >> shift || (rest[1] && rest[1] != 'i')) return false;
         *out <<= shift;
         rest += rest[1] ? 2 : 1;
     }
-    return !*rest || strcmp(rest, "B") == 0;
+    return !*rest || (has_units && strcmp(rest, "B") == 0);
 }
 
 static bool number_set(const struct loader *loader, const struct option *option, const char *value,
                        uint64_t *member)
 {
-    uint64_t number;
-    const char *rest;
-    if (option->kind == BYTES && !bytes_parse(value, &number))
+    bool is_size = option->kind == BYTES;
+    if (!number_parse(value, is_size, member))
         return loader_complain(
-            loader, "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB", value);
-    if (option->kind == COUNT && (!count_parse(value, &number, &rest) || *rest))
-        return loader_complain(loader, "'%s' is no whole number", value);
-    if (number < option->least || number > option->most)
-        return loader_complain(loader, "%s is outside %llu to %llu", value,
-                               (unsigned long long)option->least, (unsigned long long)option->most);
-    *member = number;
-    return true;
+            loader,
+            is_size ? "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB"
+                    : "'%s' is no whole number",
+            value);
+    return (*member >= option->least && *member <= option->most) ||
+           loader_complain(loader, "%s is outside %llu to %llu", value,
+                           (unsigned long long)option->least, (unsigned long long)option->most);
 }
 
 /* "https://maps.example:8443", as browsers send it. */
@@ -453,17 +446,6 @@ static bool flag_read(struct loader *loader, char *const argv[], int *at, struct
     return out->value || loader_complain(loader, "a value is missing: %s", out->option->argument);
 }
 
-static bool load_flags(struct loader *loader, int argc, char *const argv[])
-{
-    struct flag flag;
-    for (int at = 1; at < argc;)
-        if (!flag_read(loader, argv, &at, &flag) || !option_set(loader, flag.option, flag.value))
-            return false;
-    return true;
-}
-
-/* --- before any value counts ------------------------------------------------------------------ */
-
 static void print_help(FILE *out)
 {
     fprintf(out, "geodesicd: exact geodesics on surfaces, as a network service\n\n"
@@ -482,16 +464,16 @@ static void print_help(FILE *out)
                  "flags win over the environment, the environment over the file.\n");
 }
 
-/* Looks for --help and --version, which win over everything, and for the file to read. */
-static enum server_config_outcome flags_look_ahead(struct loader *loader, int argc,
-                                                   char *const argv[], FILE *out, const char **file)
+/* Sets the flags' values. First, with `file`, it sets nothing: it looks for --help and --version,
+ * which win over everything, and for the file to read. */
+static enum server_config_outcome load_flags(struct loader *loader, char *const argv[], FILE *out,
+                                             const char **file)
 {
-    char name[TEXT_LIMIT];
-    struct flag flag;
-    *file = environment_get(option_find("config", strlen("config")), name);
-    for (int at = 1; at < argc;) {
+    struct flag flag = {0};
+    for (int at = 1; argv[at];) {
         if (!flag_read(loader, argv, &at, &flag)) return SERVER_CONFIG_WRONG;
-        if (flag.option->kind == CONFIG_FILE) *file = flag.value;
+        if (!file && !option_set(loader, flag.option, flag.value)) return SERVER_CONFIG_WRONG;
+        if (file && flag.option->kind == CONFIG_FILE) *file = flag.value;
         if (flag.option->kind != SWITCH) continue;
         if (strcmp(flag.option->name, "help") == 0)
             print_help(out);
@@ -508,73 +490,63 @@ static enum server_config_outcome flags_look_ahead(struct loader *loader, int ar
 static bool find_data_dir(struct server_config *config)
 {
     const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
-    int size = 0;
-    if (geteuid() == 0)
-        size = snprintf(config->data_dir, SERVER_CONFIG_PATH, "/var/lib/geodesicd");
-    else if (data_home && *data_home == '/')
-        size = snprintf(config->data_dir, SERVER_CONFIG_PATH, "%s/geodesicd", data_home);
-    else if (home && *home == '/')
-        size = snprintf(config->data_dir, SERVER_CONFIG_PATH, "%s/.local/share/geodesicd", home);
-    return size > 0 && size < SERVER_CONFIG_PATH;
-}
-
-/* Complains under the name of a flag. */
-static bool loader_complain_of(struct loader *loader, const char *flag, const char *sentence)
-{
-    snprintf(loader->origin, sizeof loader->origin, "%s", flag);
-    return loader_complain(loader, "%s", sentence);
+    bool has_data_home = data_home && *data_home == '/', has_home = home && *home == '/';
+    if (geteuid() != 0 && !has_data_home && !has_home) return false;
+    return snprintf(config->data_dir, SERVER_CONFIG_PATH, "%s%s/geodesicd",
+                    geteuid() == 0  ? "/var/lib"
+                    : has_data_home ? data_home
+                                    : home,
+                    geteuid() == 0 || has_data_home ? "" : "/.local/share") < SERVER_CONFIG_PATH;
 }
 
 static bool config_validate(struct loader *loader)
 {
     struct server_config *config = loader->config;
-    bool copies = *config->backup || *config->restore;
-    if (config->store == SERVER_STORE_KIND_LOCAL && !*config->data_dir && !find_data_dir(config))
-        return loader_complain_of(
-            loader, "--data-dir",
-            "there is no home folder to keep meshes in: name a folder, or use --store memory");
-    if (config->store == SERVER_STORE_KIND_POSTGRES && copies)
-        return loader_complain_of(
-            loader, "--store",
-            "a database is copied by its own means (pg_dump): leave out --backup "
-            "and --restore");
-    if (config->store == SERVER_STORE_KIND_POSTGRES && config->persist_fields && !*config->data_dir)
-        return loader_complain_of(
-            loader, "--store",
-            "--persist-fields wants a folder beside the database: give --data-dir");
-    if (config->store == SERVER_STORE_KIND_MEMORY &&
-        (config->persist_fields || config->check_store || copies))
-        return loader_complain_of(loader, "--store",
-                                  "a store in memory keeps nothing: leave out --persist-fields, "
-                                  "--check-store, --backup and --restore");
-    if (!*config->tls_cert != !*config->tls_key)
-        return loader_complain_of(loader, "--tls-cert",
-                                  "--tls-cert and --tls-key belong together: give both or none");
-    if (!*config->keys && !server_address_is_local(&config->listen)) {
-        char address[SERVER_ADDRESS_TEXT];
-        server_address_format(&config->listen, address);
-        snprintf(loader->origin, sizeof loader->origin, "--listen");
-        return loader_complain(
-            loader,
-            "refusing to listen on %s: without keys everyone who reaches the address "
-            "could read and delete every mesh; give --keys, or listen on a loopback "
-            "address or a unix socket",
-            address);
-    }
-    return config->max_body <= config->memory_budget ||
-           loader_complain_of(loader, "--max-body", "it can't be larger than --memory-budget");
+    bool is_shared = config->store == SERVER_STORE_KIND_POSTGRES,
+         is_memory = config->store == SERVER_STORE_KIND_MEMORY,
+         copies = *config->backup || *config->restore;
+    char listen[sizeof "--listen " + SERVER_ADDRESS_TEXT] = "--listen ";
+    server_address_format(&config->listen, listen + strlen(listen));
+    const struct {
+        bool is_wrong;
+        const char *flag, *sentence;
+    } rules[] = {
+        {config->store == SERVER_STORE_KIND_LOCAL && !*config->data_dir && !find_data_dir(config),
+         "--data-dir",
+         "there is no home folder to keep meshes in: name a folder, or use --store memory"},
+        {is_shared && copies, "--store",
+         "a database is copied by its own means (pg_dump): leave out --backup and --restore"},
+        {is_shared && config->persist_fields && !*config->data_dir, "--store",
+         "--persist-fields wants a folder beside the database: give --data-dir"},
+        {is_memory && (config->persist_fields || config->check_store || copies), "--store",
+         "a store in memory keeps nothing: leave out --persist-fields, --check-store, --backup and "
+         "--restore"},
+        {!*config->tls_cert != !*config->tls_key, "--tls-cert",
+         "--tls-cert and --tls-key belong together: give both or none"},
+        {!*config->keys && !server_address_is_local(&config->listen), listen,
+         "refusing to listen: without keys everyone who reaches the address could read and delete "
+         "every mesh; give --keys, or listen on a loopback address or a unix socket"},
+        {config->max_body > config->memory_budget, "--max-body",
+         "it can't be larger than --memory-budget"}};
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+        if (rules[i].is_wrong) {
+            snprintf(loader->origin, sizeof loader->origin, "%s", rules[i].flag);
+            return loader_complain(loader, "%s", rules[i].sentence);
+        }
+    return true;
 }
 
-enum server_config_outcome server_config_load(struct server_config *config, int argc,
-                                              char *const argv[], FILE *out, FILE *error)
+enum server_config_outcome server_config_load(struct server_config *config, char *const argv[],
+                                              FILE *out, FILE *error)
 {
     struct loader loader = {.config = config, .error = error};
-    const char *file;
     *config = (struct server_config){0};
-    enum server_config_outcome outcome = flags_look_ahead(&loader, argc, argv, out, &file);
+    const char *file = environment_get(option_find("config", strlen("config")), loader.origin);
+    enum server_config_outcome outcome = load_flags(&loader, argv, out, &file);
     if (outcome != SERVER_CONFIG_RUN) return outcome;
-    bool ok = load_defaults(&loader) && (!file || load_file(&loader, file)) &&
-              load_environment(&loader) && load_flags(&loader, argc, argv) &&
-              config_validate(&loader);
-    return ok ? SERVER_CONFIG_RUN : SERVER_CONFIG_WRONG;
+    if (!load_defaults(&loader) || (file && !load_file(&loader, file)) ||
+        !load_environment(&loader))
+        return SERVER_CONFIG_WRONG;
+    outcome = load_flags(&loader, argv, out, NULL);
+    return outcome || config_validate(&loader) ? outcome : SERVER_CONFIG_WRONG;
 }

@@ -72,9 +72,9 @@ enum server_config_outcome {
 };
 
 /* Fills `*config` from the defaults, the file of --config or GEODESICD_CONFIG, the variables
- * GEODESICD_* and the flags. Later sources win, but lists (--allowed-host, --cors-origin) grow.
- * Validates the whole. */
-enum server_config_outcome server_config_load(struct server_config *config, int argc,
-                                              char *const argv[], FILE *out, FILE *error);
+ * GEODESICD_* and the flags (`argv`, NULL-terminated, after the program's name). Later sources win,
+ * but lists (--allowed-host, --cors-origin) grow. Validates the whole. */
+enum server_config_outcome server_config_load(struct server_config *config, char *const argv[],
+                                              FILE *out, FILE *error);
 
 #endif

@@ -41,16 +41,22 @@ static void stop(void)
 
 static void start(void)
 {
-    static char *const flags[] = {
-        "geodesicd", "--listen",       "127.0.0.1:0", "--store",         "memory", "--workers",
-        "1",         "--http-threads", "1",           "--memory-budget", "64MiB",  "--max-body",
-        "64KiB",     "--max-faces",    "2000",        "--timeout-ms",    "200",    "--landmarks",
-        "0",         "--log-level",    "error",       "--max-jobs",      "50",     "--drain-ms",
-        "100"};
+    static char *const flags[] = {"geodesicd",   "--listen",
+                                  "127.0.0.1:0", "--store",
+                                  "memory",      "--workers",
+                                  "1",           "--http-threads",
+                                  "1",           "--memory-budget",
+                                  "64MiB",       "--max-body",
+                                  "64KiB",       "--max-faces",
+                                  "2000",        "--timeout-ms",
+                                  "200",         "--landmarks",
+                                  "0",           "--log-level",
+                                  "error",       "--max-jobs",
+                                  "50",          "--drain-ms",
+                                  "100",         NULL};
     struct server_config config;
     char error[512];
-    promise(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) ==
-            SERVER_CONFIG_RUN);
+    promise(server_config_load(&config, flags, stdout, stderr) == SERVER_CONFIG_RUN);
     server_log_set_level(config.log_level);
     int listening = server_address_bind(&config.listen, error, sizeof error);
     promise(listening >= 0);

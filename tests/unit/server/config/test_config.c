@@ -28,7 +28,7 @@ static enum server_config_outcome load(const char *first, ...)
     va_end(arguments);
     forget();
     FILE *out = open_memstream(&said, &out_size), *error = open_memstream(&complained, &error_size);
-    enum server_config_outcome outcome = server_config_load(&config, argc, argv, out, error);
+    enum server_config_outcome outcome = server_config_load(&config, argv, out, error);
     fclose(out);
     fclose(error);
     return outcome;
