@@ -6,17 +6,12 @@
  * a thread of its own, which blocks in a relay (relay.h) until the client has read enough.
  * Meanwhile the budget counts the relay's buffer and the handler's state as an answer's.
  *
- * A pool of SERVER_ANSWER_STREAMS threads with small stacks serves the streams, one each. They are
- * started with the daemon, since the sandbox allows no new threads later (sandbox.h). When all are
- * taken, and for jobs, HEAD and HTTP/1.0, an answer is held as a text. */
+ * Each of SERVER_ANSWER_STREAMS threads serves one stream. They are started with the daemon, since
+ * the sandbox allows no new threads later. When all are taken, and for jobs, HEAD and HTTP/1.0, an
+ * answer is held as a text. */
 #ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
 #define SERVER_EXCHANGE_ANSWER_STREAM_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 
 #define SERVER_ANSWER_STREAMS     32
@@ -27,7 +22,7 @@ struct server_answer_streams;
 /* Starts the threads. NULL without memory or threads. */
 struct server_answer_streams *server_answer_streams_create(void);
 
-/* Waits for the streams that are left. NULL is harmless. */
+/* When no stream is under way. NULL is harmless. */
 void server_answer_streams_destroy(struct server_answer_streams *streams);
 
 struct server_answer_streams_load {

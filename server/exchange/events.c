@@ -26,7 +26,6 @@ struct server_stream {
     uint64_t told_version, told_ns;
     bool is_paused, is_woken;
     bool has_ended; /* nothing comes after the message */
-    bool is_whole;  /* it is the source's last */
 };
 
 struct server_events {
@@ -78,7 +77,7 @@ struct server_stream *server_stream_open(struct server_events *events,
 
 void server_stream_attach(struct server_stream *stream, struct server_stream_reader reader)
 {
-    stream->reader = reader; /* nobody calls it before it is paused for the first time */
+    stream->reader = reader; /* not called before its first pause */
 }
 
 void server_stream_close(struct server_stream *stream)
@@ -97,92 +96,79 @@ void server_stream_close(struct server_stream *stream)
 
 /* --- reading, under the lock ------------------------------------------------------------------ */
 
-static bool has_news(const struct server_stream *stream)
+static bool stream_is_due(const struct server_stream *stream, uint64_t now_ns)
 {
-    return stream->source.version(stream->source.user) != stream->told_version;
-}
-
-static bool is_due(const struct server_stream *stream, uint64_t now_ns)
-{
+    const struct server_event_source *source = &stream->source;
     uint64_t silence = now_ns - stream->told_ns;
+    if (source->read) return false; /* a wake alone resumes its reader */
     if (stream->is_woken) return true;
-    if (stream->source.is_content) return has_news(stream);
-    return (silence >= PROGRESS_NS && has_news(stream)) || silence >= HEARTBEAT_NS;
+    return silence >= HEARTBEAT_NS ||
+           (silence >= PROGRESS_NS && source->version(source->user) != stream->told_version);
 }
 
 /* The version is read first: what happens meanwhile is told twice rather than never. */
 static void stream_compose(struct server_stream *stream, uint64_t now_ns)
 {
-    uint64_t version = stream->source.version(stream->source.user);
+    const struct server_event_source *source = &stream->source;
+    uint64_t version = source->version(source->user);
     bool is_news = stream->is_woken || version != stream->told_version;
     proto_writer_free(&stream->message);
     proto_writer_init(&stream->message, MESSAGE_MOST);
     if (is_news)
-        stream->has_ended = stream->is_whole =
-            !stream->source.tell(stream->source.user, &stream->message);
+        stream->has_ended = !source->tell(source->user, &stream->message);
     else
         proto_append(&stream->message, heartbeat, strlen(heartbeat));
-    if (stream->message.failure || (stream->events->is_ending && !stream->source.is_content))
-        stream->has_ended = true;
+    if (stream->message.failure || stream->events->is_ending) stream->has_ended = true;
     stream->read = 0;
     stream->is_woken = false;
     stream->told_version = version;
     stream->told_ns = now_ns;
 }
 
-static void pause_reader(struct server_stream *stream)
-{
-    stream->is_paused = true;
-    stream->reader.pause(stream->reader.user);
-}
-
-static void resume_reader(struct server_stream *stream)
-{
-    if (!stream->is_paused) return;
-    stream->is_paused = false;
-    stream->reader.resume(stream->reader.user);
-}
-
-static size_t stream_copy(struct server_stream *stream, char *bytes, size_t size)
-{
-    size_t left = stream->message.size - stream->read;
-    if (size > left) size = left;
-    if (size) memcpy(bytes, stream->message.data + stream->read, size);
-    stream->read += size;
-    return size;
-}
-
-static ptrdiff_t read_some(struct server_stream *stream, char *bytes, size_t size)
+static ptrdiff_t stream_read_message(struct server_stream *stream, char *bytes, size_t size)
 {
     uint64_t now = gd_now_ns();
-    if (stream->read == stream->message.size && !stream->has_ended && is_due(stream, now))
+    if (stream->read == stream->message.size && !stream->has_ended && stream_is_due(stream, now))
         stream_compose(stream, now);
-    size_t read = stream_copy(stream, bytes, size);
-    if (read) return (ptrdiff_t)read;
-    if (stream->has_ended)
-        return stream->source.is_content && !stream->is_whole ? SERVER_STREAM_CUT
-                                                              : SERVER_STREAM_END;
-    pause_reader(stream);
-    return 0;
+    size_t left = stream->message.size - stream->read;
+    if (!left) return stream->has_ended ? SERVER_STREAM_END : 0;
+    if (size > left) size = left;
+    memcpy(bytes, stream->message.data + stream->read, size);
+    stream->read += size;
+    return (ptrdiff_t)size;
 }
 
 ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t size)
 {
+    const struct server_event_source *source = &stream->source;
+    ptrdiff_t read;
     pthread_mutex_lock(&stream->events->lock);
-    ptrdiff_t read = read_some(stream, bytes, size);
+    if (!source->read)
+        read = stream_read_message(stream, bytes, size);
+    else
+        read = stream->has_ended ? SERVER_STREAM_CUT : source->read(source->user, bytes, size);
+    stream->is_paused = read == 0;
+    if (stream->is_paused) stream->reader.pause(stream->reader.user);
     pthread_mutex_unlock(&stream->events->lock);
     return read;
 }
 
 /* --- waking ----------------------------------------------------------------------------------- */
 
+static void stream_resume(struct server_stream *stream)
+{
+    if (!stream->is_paused) return;
+    stream->is_paused = false;
+    stream->reader.resume(stream->reader.user);
+}
+
 /* A stream whose client has hung up ends, so that its reader is resumed and finds out. */
-static void stream_look(struct server_events *events)
+static void events_look(struct server_events *events)
 {
     for (struct server_stream *stream = events->first; stream; stream = stream->next) {
         if (!stream->is_paused || !stream->reader.is_gone(stream->reader.user)) continue;
         stream->has_ended = true;
-        resume_reader(stream);
+        stream_resume(stream);
     }
 }
 
@@ -191,10 +177,10 @@ void server_events_tick(struct server_events *events, uint64_t now_ns)
     if (server_events_count(events) == 0) return;
     pthread_mutex_lock(&events->lock);
     for (struct server_stream *stream = events->first; stream; stream = stream->next)
-        if (stream->is_paused && is_due(stream, now_ns)) resume_reader(stream);
+        if (stream->is_paused && stream_is_due(stream, now_ns)) stream_resume(stream);
     if (now_ns - events->looked_ns >= LOOK_NS) {
         events->looked_ns = now_ns;
-        stream_look(events);
+        events_look(events);
     }
     pthread_mutex_unlock(&events->lock);
 }
@@ -206,7 +192,7 @@ void server_events_wake(struct server_events *events, const void *user)
     for (struct server_stream *stream = events->first; stream; stream = stream->next) {
         if (stream->source.user != user) continue;
         stream->is_woken = true;
-        resume_reader(stream);
+        stream_resume(stream);
     }
     pthread_mutex_unlock(&events->lock);
 }
@@ -216,9 +202,9 @@ void server_events_end(struct server_events *events)
     pthread_mutex_lock(&events->lock);
     events->is_ending = true;
     for (struct server_stream *stream = events->first; stream; stream = stream->next) {
-        if (stream->source.is_content) continue;
+        if (stream->source.read) continue;
         stream->has_ended = true;
-        resume_reader(stream);
+        stream_resume(stream);
     }
     pthread_mutex_unlock(&events->lock);
 }

@@ -5,20 +5,18 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "gd/control.h"
 #include "proto/json/writer.h"
 #include "server/exchange/events.h"
 #include "server/base/gzip.h"
+#include "server/base/thread.h"
 #include "server/exchange/reply.h"
 
 /* bytes that gzip makes of a block at most */
 #define PACKED_MOST (SERVER_RELAY_BLOCK + SERVER_RELAY_BLOCK / 4)
 
-#define LOOK_NS   100000000 /* between two looks of a blocked writer at the daemon's end */
-#define SECOND_NS 1000000000
-/* bytes that are taken at a time: less than a stream's message may have */
-#define MESSAGE_MOST 32768
+#define LOOK_NS 100000000 /* between two looks of a blocked writer at the daemon's end */
 
 struct server_relay {
     struct server_host *host;
@@ -32,7 +30,6 @@ struct server_relay {
     struct proto_writer packed;      /* the writer's: what the packer made of the text */
     bool is_ended, is_whole;         /* by the writer */
     atomic_bool is_over;
-    atomic_uint_least64_t version; /* changes with every byte that can be taken */
 };
 
 /* --- life ------------------------------------------------------------------------------------- */
@@ -58,12 +55,6 @@ struct server_relay *server_relay_create(struct server_host *host, bool is_packe
     return NULL;
 }
 
-static struct server_relay *relay_retain(struct server_relay *relay)
-{
-    atomic_fetch_add(&relay->references, 1);
-    return relay;
-}
-
 void server_relay_release(struct server_relay *relay)
 {
     if (!relay || atomic_fetch_sub(&relay->references, 1) != 1) return;
@@ -82,12 +73,6 @@ static size_t left_in(const struct server_relay *relay)
     return relay->waiting.size - relay->taken;
 }
 
-static uint64_t relay_version(void *user)
-{
-    struct server_relay *relay = user;
-    return atomic_load(&relay->version);
-}
-
 /* Under the relay's lock: wakes the writer. */
 static void let_go_on(struct server_relay *relay)
 {
@@ -95,34 +80,22 @@ static void let_go_on(struct server_relay *relay)
     pthread_cond_signal(&relay->room);
 }
 
-/* Under the relay's lock. */
-static void relay_take(struct server_relay *relay, struct proto_writer *writer)
-{
-    size_t left = left_in(relay), size = left < MESSAGE_MOST ? left : MESSAGE_MOST;
-    if (size) proto_append(writer, relay->waiting.data + relay->taken, size);
-    relay->taken += size;
-    if (size < left) {
-        atomic_fetch_add(&relay->version, 1);
-    } else {
-        relay->waiting.size = relay->taken = 0;
-    }
-    if (left_in(relay) <= SERVER_RELAY_MOST / 2) let_go_on(relay);
-}
-
-static bool relay_tell(void *user, struct proto_writer *writer)
+static ptrdiff_t relay_read(void *user, char *bytes, size_t size)
 {
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
-    relay_take(relay, writer);
-    bool is_last = relay->is_ended && left_in(relay) == 0;
-    /* the end, and not its own */
-    if (is_last && !relay->is_whole) writer->failure = PROTO_WRITER_NO_MEMORY;
-    bool goes_on = !is_last || !relay->is_whole;
+    size_t left = left_in(relay);
+    ptrdiff_t end = relay->is_whole ? SERVER_STREAM_END : SERVER_STREAM_CUT;
+    bool is_ended = relay->is_ended && !left;
+    if (size > left) size = left;
+    if (size) memcpy(bytes, relay->waiting.data + relay->taken, size);
+    relay->taken += size;
+    if (left_in(relay) <= SERVER_RELAY_MOST / 2) let_go_on(relay);
     pthread_mutex_unlock(&relay->lock);
-    return goes_on;
+    return is_ended ? end : (ptrdiff_t)size;
 }
 
-static void close_stream(void *user)
+static void relay_close(void *user)
 {
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
@@ -134,13 +107,10 @@ static void close_stream(void *user)
 
 struct server_stream *server_relay_open(struct server_relay *relay)
 {
-    const struct server_event_source source = {.version = relay_version,
-                                               .tell = relay_tell,
-                                               .release = close_stream,
-                                               .user = relay,
-                                               .is_content = true};
+    const struct server_event_source source = {
+        .read = relay_read, .release = relay_close, .user = relay};
     struct server_stream *stream = server_stream_open(relay->host->events, &source);
-    if (stream) relay_retain(relay);
+    if (stream) atomic_fetch_add(&relay->references, 1);
     return stream;
 }
 
@@ -158,12 +128,6 @@ static void relay_append(struct server_relay *relay, const char *text, size_t si
     }
     proto_append(waiting, text, size);
     if (waiting->failure) atomic_store(&relay->is_over, true);
-}
-
-static void relay_wake(struct server_relay *relay)
-{
-    atomic_fetch_add(&relay->version, 1);
-    server_events_wake(relay->host->events, relay);
 }
 
 /* Packs without the lock, which the client's thread takes. */
@@ -186,20 +150,7 @@ static void write_text(struct server_relay *relay, const char *text, size_t size
 void server_relay_write(struct server_relay *relay, const char *text, size_t size)
 {
     write_text(relay, text, size, false);
-    relay_wake(relay);
-}
-
-/* Waits for the client, or for a moment: whether the daemon ends is not signalled. */
-static void wait_for_room(struct server_relay *relay)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += LOOK_NS;
-    if (until.tv_nsec >= SECOND_NS) {
-        until.tv_nsec -= SECOND_NS;
-        until.tv_sec++;
-    }
-    pthread_cond_timedwait(&relay->room, &relay->lock, &until);
+    server_events_wake(relay->host->events, relay);
 }
 
 bool server_relay_block(struct server_relay *relay)
@@ -208,7 +159,8 @@ bool server_relay_block(struct server_relay *relay)
     bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST;
     while (is_ahead && !server_relay_is_over(relay)) {
         if (server_workers_cancelled(relay->host->workers)) atomic_store(&relay->is_over, true);
-        if (!server_relay_is_over(relay)) wait_for_room(relay);
+        if (!server_relay_is_over(relay)) /* the daemon's end is not signalled */
+            server_condition_wait(&relay->room, &relay->lock, gd_now_ns() + LOOK_NS);
         is_ahead = left_in(relay) > SERVER_RELAY_MOST / 2;
     }
     pthread_mutex_unlock(&relay->lock);
@@ -218,7 +170,7 @@ bool server_relay_block(struct server_relay *relay)
 /* The job may be run and the writer's reference released before this returns. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job)
 {
-    relay_retain(relay);
+    atomic_fetch_add(&relay->references, 1);
     pthread_mutex_lock(&relay->lock);
     bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
@@ -239,7 +191,7 @@ void server_relay_end(struct server_relay *relay, bool is_whole)
     relay->is_whole = is_whole && !atomic_load(&relay->is_over);
     relay->is_ended = true;
     pthread_mutex_unlock(&relay->lock);
-    relay_wake(relay);
+    server_events_wake(relay->host->events, relay);
 }
 
 bool server_relay_is_over(struct server_relay *relay)

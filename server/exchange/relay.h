@@ -8,12 +8,11 @@
  *     server_relay_end(relay, true);                   when all is written
  *     server_relay_release(relay);
  *
- * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex
- * guards both. A writer that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h) or
- * blocks until half of them are read, so what is kept is bounded however long the answer is; that
- * memory is counted as an answer's from the beginning. The stream's close
- * is how a client's leaving is told. Of locks, the events' ranks above the relay's, the workers'
- * below. */
+ * DESIGN. The worker writes into a buffer, and the stream's reader takes from its front. A writer
+ * that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h) or blocks until half of
+ * them are read, so memory is bounded however long the answer is; it counts as an answer's from the
+ * beginning. When the client leaves, the stream is closed. Of locks, the events' ranks above the
+ * relay's, the workers' below. */
 #ifndef SERVER_EXCHANGE_RELAY_H
 #define SERVER_EXCHANGE_RELAY_H
 

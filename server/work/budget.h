@@ -48,8 +48,7 @@ struct server_reclaimer {
     void *user;
 };
 
-/* Answers together leave one half of the budget to the other classes; small answers, one
- * quarter. */
+/* Answers together leave one half of the budget to other classes; small answers, one quarter. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
@@ -73,15 +72,11 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
                               size_t bytes);
 
-/* Takes for an answer. Returns false also when all answers together would exceed their part of the
- * budget: clients that do not read their answers leave the rest to others. */
+/* Takes for an answer, or moves bytes from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. Returns
+ * false, with nothing taken or moved, also when all answers together would exceed their part. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes);
-
-/* Moves bytes from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. Returns false, with nothing
- * moved, when all answers together would exceed their part of the budget. */
 bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes);
 
-/* Returns bytes to the budget. */
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
 /* Moves taken bytes from one class to another. */
@@ -93,10 +88,8 @@ void server_budget_adjust(struct server_budget *budget, enum server_budget_class
                           size_t actual);
 
 /* Returns an upper bound of what a take can get now: the bytes that are free or reclaimable. Walks
- * all meshes. */
+ * all meshes. could_take: is it at least `bytes`? Walks the meshes only when fewer are free. */
 size_t server_budget_available(struct server_budget *budget);
-
-/* Is that at least `bytes`? Walks the meshes only when fewer are free. */
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
 /* Sets the problem: `what` ("the mesh") needs `bytes` (0: unknown, but too many). Returns false. */

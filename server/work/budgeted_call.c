@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define GRANT_FACTOR 4 /* from one attempt to the next */
 
@@ -18,35 +19,27 @@ struct server_workspaces {
     struct space idle[]; /* [count - 1] was used last */
 };
 
-/* --- workspaces ------------------------------------------------------------------------------- */
-
 static void space_destroy(struct server_workspaces *workspaces, struct space space)
 {
     gd_workspace_destroy(space.workspace);
     server_budget_give(workspaces->budget, SERVER_BUDGET_WORKSPACES, space.bytes);
 }
 
-/* Removes the workspace that was idle for longest. Returns false when there is none. */
-static bool workspaces_take_oldest(struct server_workspaces *workspaces, struct space *out)
-{
-    pthread_mutex_lock(&workspaces->lock);
-    bool found = workspaces->count > 0;
-    if (found) {
-        *out = workspaces->idle[0];
-        workspaces->count--;
-        for (uint32_t i = 0; i < workspaces->count; i++)
-            workspaces->idle[i] = workspaces->idle[i + 1];
-    }
-    pthread_mutex_unlock(&workspaces->lock);
-    return found;
-}
-
+/* The workspace that was idle for longest goes first. */
 static void workspaces_reclaim(void *user, size_t bytes)
 {
     struct server_workspaces *workspaces = user;
-    struct space oldest;
+    struct space oldest = {0};
     for (size_t freed = 0; freed < bytes; freed += oldest.bytes) {
-        if (!workspaces_take_oldest(workspaces, &oldest)) return;
+        pthread_mutex_lock(&workspaces->lock);
+        bool is_found = workspaces->count > 0;
+        if (is_found) {
+            oldest = workspaces->idle[0];
+            workspaces->count--;
+            memmove(workspaces->idle, workspaces->idle + 1, workspaces->count * sizeof oldest);
+        }
+        pthread_mutex_unlock(&workspaces->lock);
+        if (!is_found) return;
         space_destroy(workspaces, oldest);
     }
 }
@@ -102,8 +95,6 @@ static void workspaces_return(struct server_workspaces *workspaces, struct space
     if (!is_kept) space_destroy(workspaces, space);
 }
 
-/* --- calls ------------------------------------------------------------------------------------ */
-
 /* Frees the memory of the workspace only when the budget is too small for the grant otherwise. */
 static bool call_can_take(struct server_budget *budget, struct space *space, size_t grant)
 {
@@ -115,15 +106,14 @@ static bool call_can_take(struct server_budget *budget, struct space *space, siz
 }
 
 /* The workspace counts beside the grant: its old memory and what the call allocates overlap, but
- * only the engine knows by how much. */
+ * only the engine knows by how much. To the engine, a grant of 0 is no limit. */
 static enum gd_status call_attempt(const struct server_budgeted_call *call,
                                    struct server_budget *budget, struct space *space, size_t grant)
 {
     struct gd_control control = call->control;
     size_t kept = 0, taken = grant + call->aside;
-    if (!grant) return GD_BUDGET; /* to the engine, 0 is no limit */
-    if (!(call->is_modest ? server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, taken)
-                          : server_budget_take(budget, SERVER_BUDGET_FLIGHT, taken)))
+    if (!grant || !(call->is_modest ? server_budget_take_spare : server_budget_take)(
+                      budget, SERVER_BUDGET_FLIGHT, taken))
         return GD_BUDGET;
     control.budget_bytes = grant;
     control.workspace = space->workspace;

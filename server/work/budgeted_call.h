@@ -4,18 +4,13 @@
  *         .make = build, .user = &wanted, .control = …, .grant = bytes};
  *     enum gd_status status = server_budgeted_call_run(workspaces, &call);
  *
- * DESIGN. Nobody knows the memory of a call before the call ends. So a call gets a grant that most
- * calls of its kind need, taken from the budget before the call starts. A call that fails for lack
- * of memory runs again with several times as much: the wasted work is a fraction of the last
- * attempt's.
+ * DESIGN. The memory of a call is known only when the call ends. So a call gets a grant that most
+ * calls of its kind need. A call that fails for lack of memory runs again with several times as
+ * much: the wasted work is a fraction of the last attempt's.
  *
- * Workspaces keep the scratch memory of a call for the next one. They form a stack, at most one per
- * worker; a call borrows the top one, whose memory was touched last. So an almost idle daemon keeps
- * the memory of one worker. Only idle workspaces are ever reclaimed, and first of all classes, the
- * longest idle one first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT, those of an
- * idle one SERVER_BUDGET_WORKSPACES.
- *
- * One mutex guards the stack; workspaces are destroyed without it. All functions are
+ * Workspaces keep the scratch memory of a call for the next one, in a stack: a call borrows the one
+ * whose memory was touched last. Idle ones are reclaimed first of all classes, the longest idle
+ * first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All functions are
  * thread-safe. */
 #ifndef SERVER_WORK_BUDGETED_CALL_H
 #define SERVER_WORK_BUDGETED_CALL_H

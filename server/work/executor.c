@@ -75,27 +75,20 @@ static void executor_run_task(struct executor *executor)
     if (--executor->running == 0) executor_signal(executor);
 }
 
-/* --- helpers ---------------------------------------------------------------------------------- */
-
-/* Returns true when other jobs need the worker, false after the stop. */
-static bool helper_serve(struct executor *executor)
+/* Serves until the stop, or until other jobs need the worker: then it queues itself again. */
+static void helper_run(struct server_job *job)
 {
+    struct executor *executor = ((struct helper *)job)->executor;
     uint64_t end_ns = gd_now_ns() + QUANTUM_NS;
-    while (!executor->is_stopped) {
+    bool comes_back = false;
+    pthread_mutex_lock(&executor->lock);
+    while (!comes_back && !executor->is_stopped) {
         if (executor->next < executor->count)
             executor_run_task(executor);
         else
             executor_wait(executor);
-        if (gd_now_ns() >= end_ns && server_workers_load(executor->workers).queued) return true;
+        comes_back = gd_now_ns() >= end_ns && server_workers_load(executor->workers).queued;
     }
-    return false;
-}
-
-static void helper_run(struct server_job *job)
-{
-    struct executor *executor = ((struct helper *)job)->executor;
-    pthread_mutex_lock(&executor->lock);
-    bool comes_back = helper_serve(executor);
     pthread_mutex_unlock(&executor->lock);
     if (!comes_back || !server_workers_submit(executor->workers, job)) executor_release(executor);
 }
@@ -105,8 +98,6 @@ static void helper_refuse(struct server_job *job, enum server_refusal why)
     (void)why;
     executor_release(((struct helper *)job)->executor);
 }
-
-/* --- the caller ------------------------------------------------------------------------------- */
 
 static void executor_run(void *user, void (*task)(void *context, uint32_t index), void *context,
                          uint32_t count)

@@ -6,14 +6,12 @@
  *
  * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
  * all runs until the stop: a field build has thousands of runs, and queueing a job costs as much as
- * one of them. Between runs a helper spins for some microseconds, then it sleeps.
+ * one of them. Between runs a helper spins for some microseconds, then it sleeps. One that has
+ * worked for a millisecond while other jobs wait queues itself again behind them.
  *
- * A helper that has worked for a millisecond while other jobs wait queues itself again behind them.
- * So a request of many tasks delays other requests by one task or one millisecond. The caller runs
- * every task that no helper has begun: it finishes without helpers too.
- *
- * Caller and helpers share the executor by reference count: a helper that leaves the queue after
- * the stop touches no memory of the caller. */
+ * The caller runs every task that no helper has begun: it finishes without helpers too. Caller and
+ * helpers share the executor by reference count: a helper that leaves the queue after the stop
+ * touches no memory of the caller. */
 #ifndef SERVER_WORK_EXECUTOR_H
 #define SERVER_WORK_EXECUTOR_H
 

@@ -5,8 +5,7 @@
  * guards the queue. `run` and `refuse` are called without it, so they may take any lock.
  *
  * A background job starts when the queue is empty; one runs at a time. It calls
- * server_workers_yield about every millisecond: when all threads are busy, it runs the queued jobs
- * itself before it continues. So it loses no work and delays a request by about a millisecond.
+ * server_workers_yield about every millisecond, to run the queued jobs that find no free thread.
  *
  * States: open -> cancelled (queued and new jobs are refused, running ones see
  * server_workers_cancelled and stop) -> destroyed. All functions are thread-safe. */

@@ -30,6 +30,14 @@ static bool tell(void *user, struct proto_writer *writer)
     return !source.is_last;
 }
 
+/* Content: "news N" for each version that was not read; in the end, as a relay. */
+static ptrdiff_t read_content(void *user, char *bytes, size_t size)
+{
+    (void)user;
+    if (source.version < (uint64_t)source.told) return source.is_last ? SERVER_STREAM_END : 0;
+    return snprintf(bytes, size, "news %d\n\n", ++source.told);
+}
+
 static void release(void *user)
 {
     (void)user;
@@ -77,9 +85,9 @@ static struct server_stream *open_stream(void)
 {
     const struct server_event_source told = {.version = version,
                                              .tell = tell,
+                                             .read = source.is_content ? read_content : NULL,
                                              .release = release,
-                                             .user = &source,
-                                             .is_content = source.is_content};
+                                             .user = &source};
     struct server_stream *stream = server_stream_open(events, &told);
     server_stream_attach(stream,
                          (struct server_stream_reader){pause_reader, resume_reader, is_gone, NULL});
@@ -230,6 +238,8 @@ static void content_is_told_at_once_and_nothing_else(void **state)
     assert_int_equal(reader.resumes, 0);
     source.version++;
     source.is_last = true;
+    server_events_wake(events, &source);
+    assert_int_equal(reader.resumes, 1);
     assert_reads(stream, "news 3\n\n");
     assert_ended(stream);
     server_stream_close(stream);
