@@ -8,7 +8,6 @@
 #include "server/access/guard.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
-#include "server/exchange/prefer.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
@@ -220,7 +219,7 @@ void server_router_end(struct server_exchange *exchange)
     if (exchange->response.status) return;
     if (!server_body_check(&exchange->body, exchange->host->budget, &problem))
         server_reply_problem(exchange, &problem);
-    else if (exchange->match.route->is_async && server_prefers(exchange, "respond-async"))
+    else if (exchange->match.route->is_async && server_exchange_prefers(exchange, "respond-async"))
         server_handle_async(exchange);
     else
         server_router_dispatch(exchange);

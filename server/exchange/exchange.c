@@ -2,11 +2,21 @@
 #include "server/exchange/exchange.h"
 
 #include <ctype.h>
+#include <errno.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+#include "server/exchange/events.h"
+#include "server/exchange/reply.h"
+
+#define TARGET_MOST 8192  /* bytes */
+#define HEAD_MOST   12288 /* bytes of all parts: leaves the library room for the answer (http.c) */
+#define BLANKS      " \t"
+
+#define QUOTE_(number) #number
+#define QUOTE(number)  QUOTE_(number)
 
 /* --- the target ------------------------------------------------------------------------------- */
 
@@ -68,19 +78,130 @@ static const char *split_query(struct server_exchange *exchange, char *query)
     return NULL;
 }
 
-/* Takes the target apart, in a copy. */
-static bool read_target(struct server_exchange *exchange, const char *target)
+/* --- the end ---------------------------------------------------------------------------------- */
+
+static void drop_state(struct server_exchange *exchange)
 {
-    exchange->target_size = strlen(target) + 1;
-    exchange->target = malloc(exchange->target_size);
-    if (!exchange->target) return false;
-    memcpy(exchange->target, target, exchange->target_size);
-    char *path = exchange->target, *query = strchr(path, '?');
-    if (query) *query++ = '\0';
-    exchange->path = path;
-    exchange->fault = decode_path(path);
-    if (!exchange->fault && query) exchange->fault = split_query(exchange, query);
-    return true;
+    if (exchange->free_state) exchange->free_state(exchange->state);
+    exchange->free_state = NULL;
+    exchange->state = NULL;
+}
+
+void server_exchange_end(struct server_exchange *exchange)
+{
+    drop_state(exchange);
+    if (exchange->surface) exchange->release_surface(exchange->surface);
+    server_body_drop(&exchange->body, exchange->host->budget);
+    server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
+    server_grant_end(&exchange->grant);
+    server_reply_drop_body(exchange);
+    free(exchange->copies);
+    free(exchange->target);
+}
+
+void server_exchange_destroy(struct server_exchange *exchange)
+{
+    if (!exchange) return;
+    server_exchange_end(exchange);
+    free(exchange);
+}
+
+void server_exchange_keep(struct server_exchange *exchange, void *state,
+                          void (*free_state)(void *state))
+{
+    exchange->state = state;
+    exchange->free_state = free_state;
+}
+
+/* --- work ------------------------------------------------------------------------------------- */
+
+struct server_exchange *server_exchange_of(struct server_job *job)
+{
+    return (struct server_exchange *)((char *)job - offsetof(struct server_exchange, job));
+}
+
+void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms)
+{
+    uint64_t limit_ms = exchange->host->timeout_ms;
+    if (!timeout_ms || timeout_ms >= limit_ms) return;
+    exchange->job.deadline_ns -= (limit_ms - timeout_ms) * 1000000;
+}
+
+void server_exchange_defer(struct server_exchange *exchange,
+                           bool (*work)(struct server_exchange *exchange),
+                           bool (*join)(struct server_exchange *exchange))
+{
+    exchange->work = work;
+    exchange->join = join;
+}
+
+static void exchange_finish(struct server_exchange *exchange)
+{
+    struct server_host *host = exchange->host;
+    drop_state(exchange); /* now: others may wait for what it holds */
+    exchange->transport->finish(exchange);
+    atomic_fetch_sub(&host->deferred, 1);
+}
+
+static void exchange_job_run(struct server_job *job)
+{
+    struct server_exchange *exchange = server_exchange_of(job);
+    if (exchange->transport->begin) exchange->transport->begin(exchange);
+    do {
+        if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
+    } while (!exchange->response.status);
+    exchange_finish(exchange);
+}
+
+static void exchange_job_refuse(struct server_job *job, enum server_refusal why)
+{
+    struct server_exchange *exchange = server_exchange_of(job);
+    struct proto_problem problem;
+    bool is_late = why == SERVER_REFUSAL_DEADLINE && !atomic_load(&job->is_unwanted);
+    if (why == SERVER_REFUSAL_MEMORY)
+        (void)server_budget_refuse(exchange->host->budget, "the mesh", 0, &problem);
+    else
+        (void)proto_problem_from_status(&problem, is_late ? GD_DEADLINE : GD_CANCELLED, NULL);
+    server_reply_problem(exchange, &problem);
+    exchange_finish(exchange);
+}
+
+void server_exchange_count_deferred(struct server_host *host)
+{
+    if (atomic_fetch_add(&host->deferred, 1) == 0) host->watch(host->watcher);
+}
+
+void server_exchange_submit(struct server_exchange *exchange)
+{
+    struct server_host *host = exchange->host;
+    server_exchange_count_deferred(host);
+    exchange->job.tenant = exchange->tenant;
+    if (exchange->join && exchange->join(exchange)) return;
+    if (server_workers_submit(host->workers, &exchange->job)) return;
+    server_reply_refusal(
+        exchange, PROTO_PROBLEM_OVERLOADED,
+        "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
+        "try again in a moment",
+        (unsigned long long)host->queue_length);
+    exchange_finish(exchange);
+}
+
+static bool on_progress(void *user, double fraction)
+{
+    struct server_monitor *monitor = user;
+    struct server_exchange *exchange = monitor->exchange;
+    const struct server_transport *transport = exchange->transport;
+    double share = monitor->share > 0 ? monitor->share : 1;
+    if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
+    if (!server_workers_go_on(exchange->host->workers)) return false;
+    return !transport->is_gone(exchange) || (monitor->build && monitor->is_awaited(monitor->build));
+}
+
+struct gd_control server_exchange_control(struct server_monitor *monitor)
+{
+    return (struct gd_control){.deadline_ns = monitor->exchange->job.deadline_ns,
+                               .progress = on_progress,
+                               .user = monitor};
 }
 
 /* --- life ------------------------------------------------------------------------------------- */
@@ -93,15 +214,24 @@ static void exchange_clear(struct server_exchange *exchange, struct server_host 
     exchange->transport = transport;
     exchange->tenant = "";
     exchange->started_ns = gd_now_ns();
-    exchange->job.run = server_exchange_job_run;
-    exchange->job.refuse = server_exchange_job_refuse;
+    exchange->job.run = exchange_job_run;
+    exchange->job.refuse = exchange_job_refuse;
 }
 
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target)
 {
     exchange_clear(exchange, host, transport);
-    return read_target(exchange, target);
+    exchange->target_size = strlen(target) + 1;
+    exchange->target = malloc(exchange->target_size);
+    if (!exchange->target) return false;
+    memcpy(exchange->target, target, exchange->target_size);
+    char *path = exchange->target, *query = strchr(path, '?');
+    if (query) *query++ = '\0';
+    exchange->path = path;
+    exchange->fault = decode_path(path);
+    if (!exchange->fault && query) exchange->fault = split_query(exchange, query);
+    return true;
 }
 
 struct server_exchange *server_exchange_create(struct server_host *host,
@@ -133,21 +263,12 @@ static bool copy_head(struct server_exchange *to, const struct server_exchange *
     char *at = to->copies = malloc(size);
     if (!at) return false;
     to->method = copy_text(&at, from->method);
-    for (uint32_t i = 0; i < from->header_count; i++) {
-        const struct server_named_value *header = &from->headers[i];
-        to->headers[i] = (struct server_named_value){copy_text(&at, header->name), NULL};
-        to->headers[i].value = copy_text(&at, header->value);
-    }
     to->header_count = from->header_count;
-    to->has_conditions = from->has_conditions;
+    for (uint32_t i = 0; i < from->header_count; i++) {
+        to->headers[i].name = copy_text(&at, from->headers[i].name);
+        to->headers[i].value = copy_text(&at, from->headers[i].value);
+    }
     return true;
-}
-
-/* What stands at that place of the other's target. */
-static const char *find_again(const struct server_exchange *to, const struct server_exchange *from,
-                              const char *text)
-{
-    return to->target + (text - from->target);
 }
 
 static bool copy_target(struct server_exchange *to, const struct server_exchange *from)
@@ -156,38 +277,32 @@ static bool copy_target(struct server_exchange *to, const struct server_exchange
     if (!to->target) return false;
     memcpy(to->target, from->target, from->target_size);
     to->target_size = from->target_size;
-    to->path = find_again(to, from, from->path);
+    to->path = to->target + (from->path - from->target);
     to->match = from->match;
-    for (uint32_t i = 0; i < to->match.capture_count; i++)
-        to->match.captures[i].text = find_again(to, from, from->match.captures[i].text);
+    for (uint32_t i = 0; i < from->match.capture_count; i++)
+        to->match.captures[i].text = to->target + (from->match.captures[i].text - from->target);
     to->parameter_count = from->parameter_count;
-    for (uint32_t i = 0; i < to->parameter_count; i++)
-        to->parameters[i] =
-            (struct server_named_value){find_again(to, from, from->parameters[i].name),
-                                        find_again(to, from, from->parameters[i].value)};
+    for (uint32_t i = 0; i < from->parameter_count; i++) {
+        to->parameters[i].name = to->target + (from->parameters[i].name - from->target);
+        to->parameters[i].value = to->target + (from->parameters[i].value - from->target);
+    }
     return true;
-}
-
-static struct server_exchange *create_detached(struct server_exchange *exchange,
-                                               const struct server_transport *transport)
-{
-    struct server_exchange *detached = malloc(sizeof *detached);
-    if (!detached) return NULL;
-    exchange_clear(detached, exchange->host, transport);
-    size_t bytes = sizeof *detached + exchange->target_size;
-    if (server_budget_take(exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
-        detached->held = bytes;
-    if (detached->held && copy_target(detached, exchange) && copy_head(detached, exchange))
-        return detached;
-    server_exchange_destroy(detached);
-    return NULL;
 }
 
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport)
 {
-    struct server_exchange *detached = create_detached(exchange, transport);
+    struct server_exchange *detached = malloc(sizeof *detached);
+    size_t bytes = sizeof *detached + exchange->target_size;
     if (!detached) return NULL;
+    exchange_clear(detached, exchange->host, transport);
+    if (server_budget_take(exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
+        detached->held = bytes;
+    if (!detached->held || !copy_target(detached, exchange) || !copy_head(detached, exchange)) {
+        server_exchange_destroy(detached);
+        return NULL;
+    }
+    detached->has_conditions = exchange->has_conditions;
     detached->is_http10 = exchange->is_http10;
     memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);
     server_grant_pass(&exchange->grant, &detached->grant);
@@ -279,4 +394,137 @@ struct proto_parameters server_exchange_parameters(struct server_exchange *excha
 {
     return (struct proto_parameters){
         .get = parameter_get, .each = parameter_each, .user = exchange};
+}
+
+/* --- preferences ------------------------------------------------------------------------------ */
+
+/* End of the element of a list that begins at `text`: the next comma that is not within quotes, or
+ * the end. */
+static const char *element_end(const char *text)
+{
+    bool is_quoted = false;
+    for (; *text && (is_quoted || *text != ','); text++) {
+        if (*text == '"') is_quoted = !is_quoted;
+        if (*text == '\\' && is_quoted && text[1]) text++;
+    }
+    return text;
+}
+
+/* The element is the preference, with or without parameters. */
+static bool is_preference(const char *element, const char *preference)
+{
+    size_t size = strlen(preference);
+    element += strspn(element, BLANKS);
+    if (strncasecmp(element, preference, size) != 0) return false;
+    element += size + strspn(element + size, BLANKS);
+    if (*element == '=') {
+        element += 1 + strspn(element + 1, BLANKS);
+        if (strncmp(element, "\"\"", 2) == 0) element += 2;
+        element += strspn(element, BLANKS);
+    }
+    return *element == '\0' || *element == ',' || *element == ';';
+}
+
+bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference)
+{
+    for (uint32_t i = 0; i < exchange->header_count; i++) {
+        if (!is_name(exchange->headers[i].name, "Prefer")) continue;
+        for (const char *element = exchange->headers[i].value;; element++) {
+            if (is_preference(element, preference)) return true;
+            element = element_end(element);
+            if (!*element) break;
+        }
+    }
+    return false;
+}
+
+/* --- the head --------------------------------------------------------------------------------- */
+
+static const bool is_token_byte[256] = {
+    ['!'] = true,         ['#' ... '\''] = true, ['*' ... '+'] = true,
+    ['-' ... '.'] = true, ['0' ... '9'] = true,  ['A' ... 'Z'] = true,
+    ['^' ... 'z'] = true, ['|'] = true,          ['~'] = true,
+};
+
+/* The size of a token; 0: the text is none. */
+static size_t token_size(const char *text)
+{
+    size_t size = 0;
+    while (is_token_byte[(unsigned char)text[size]]) size++;
+    return text[size] ? 0 : size;
+}
+
+static bool is_control(unsigned char byte)
+{
+    return (byte < ' ' && byte != '\t') || byte == 0x7f;
+}
+
+const char *server_exchange_check_target(const char *target)
+{
+    size_t size = 0;
+    for (; target[size]; size++)
+        if (target[size] <= ' ' || target[size] > '~' || target[size] == '#')
+            return "the request target holds a byte that has to be percent-encoded";
+    return size <= TARGET_MOST ? NULL
+                               : "the request target has more than " QUOTE(
+                                     TARGET_MOST) " bytes; send a POST with a body";
+}
+
+/* `size`: of method and target. */
+static const char *check_headers(const struct server_exchange *exchange, size_t size)
+{
+    for (uint32_t i = 0; i < exchange->header_count; i++) {
+        const char *value = exchange->headers[i].value, *end = value;
+        size_t name_size = token_size(exchange->headers[i].name);
+        if (!name_size)
+            return "the name of a header is no token, or a blank stands before its colon";
+        while (*end && !is_control((unsigned char)*end)) end++;
+        if (*end) return "the value of a header holds a control character";
+        size += name_size + (size_t)(end - value);
+    }
+    return size <= HEAD_MOST
+               ? NULL
+               : "the request line and the headers have more than " QUOTE(HEAD_MOST) " bytes";
+}
+
+static bool read_length(const char *text, uint64_t *out)
+{
+    size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || text[digits]) return false;
+    errno = 0;
+    *out = strtoull(text, NULL, 10);
+    return errno == 0 && *out != SERVER_BODY_CHUNKED;
+}
+
+/* Two equal lengths are refused, too: readers differ in which one they would take. */
+static const char *read_framing(struct server_exchange *exchange)
+{
+    uint32_t lengths = server_exchange_count_headers(exchange, "Content-Length");
+    uint32_t hosts = server_exchange_count_headers(exchange, "Host");
+    uint32_t codings = server_exchange_count_headers(exchange, "Transfer-Encoding");
+    exchange->has_body = lengths || codings;
+    if (hosts > 1) return "Host stands twice; send it once";
+    if (hosts == 0 && !exchange->is_http10) return "Host is missing; send it once";
+    if (lengths && codings) return "send Content-Length or Transfer-Encoding, not both";
+    if (lengths > 1) return "Content-Length stands twice; send it once";
+    if (codings > 1) return "Transfer-Encoding stands twice; send it once";
+    if (codings) exchange->body.declared = SERVER_BODY_CHUNKED;
+    if (codings && (exchange->is_http10 ||
+                    strcasecmp(server_exchange_header(exchange, "Transfer-Encoding"), "chunked")))
+        return "the only Transfer-Encoding is chunked, from HTTP/1.1 on";
+    if (lengths &&
+        !read_length(server_exchange_header(exchange, "Content-Length"), &exchange->body.declared))
+        return "Content-Length is not a decimal number of bytes";
+    return NULL;
+}
+
+const char *server_exchange_read_head(struct server_exchange *exchange, const char *version)
+{
+    size_t method_size = token_size(exchange->method);
+    exchange->is_http10 = strcmp(version, "HTTP/1.0") == 0;
+    if (!method_size) return "the method is no token";
+    if (!exchange->is_http10 && strcmp(version, "HTTP/1.1") != 0)
+        return "the version is neither HTTP/1.1 nor HTTP/1.0";
+    const char *fault = check_headers(exchange, method_size + exchange->target_size);
+    return fault ? fault : read_framing(exchange);
 }

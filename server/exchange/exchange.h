@@ -3,16 +3,11 @@
  * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the
  * handler deferred it, the queue, a worker or a pending build of the cache, then the HTTP thread
  * again. The workers' lock hands it over one way and transport->finish the other: a thread that
- * has submitted, parked or finished an exchange does not touch it any more.
- *
- * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept
- * for later (job_table.h). Handlers need not know which.
+ * has submitted, parked or finished an exchange does not touch it any more. Its transport is a
+ * connection (http.c), or a job whose answer is stored (job_table.h); handlers need not know which.
  *
  * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is
- * set (reply.h).
- *
- * A handler is flat: each step succeeds, or replies and returns. It ends with a reply or with
- * server_exchange_defer. */
+ * set (reply.h). A handler ends with a reply or with server_exchange_defer. */
 #ifndef SERVER_EXCHANGE_EXCHANGE_H
 #define SERVER_EXCHANGE_EXCHANGE_H
 
@@ -54,8 +49,7 @@ struct server_response_header {
     char value[SERVER_HEADER_VALUE];
 };
 
-/* The middle of a body: bytes that are a part of something else, which counts them and stays until
- * it is released. */
+/* The middle of a body: bytes of the lender, which counts them and stays until its release. */
 struct server_lent {
     const void *bytes; /* NULL: there is none, and `body` is all */
     size_t size;
@@ -72,14 +66,11 @@ struct server_response {
     void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
     struct server_lent lent;
     size_t size; /* of all of it, with what is lent */
-    /* bytes of SERVER_BUDGET_ANSWERS that are counted for the body until it is freed */
-    size_t held;
-    /* instead of a body: one that comes as it happens (events.h); NULL: none */
-    struct server_stream *stream;
-    bool close;         /* the connection ends with this answer */
-    const char *policy; /* Content-Security-Policy of a page; NULL: the answer is data */
+    size_t held; /* bytes of SERVER_BUDGET_ANSWERS for the body, until it is freed */
+    struct server_stream *stream; /* instead of a body (events.h); NULL: none */
+    bool close;                   /* the connection ends with this answer */
+    const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */
     uint32_t header_count;
-    /* what is not counted is not initialized */
     struct server_response_header headers[SERVER_RESPONSE_HEADERS];
 };
 
@@ -87,12 +78,11 @@ struct server_response {
 struct server_transport {
     /* A deferred exchange is answered: it is the transport's again. */
     void (*finish)(struct server_exchange *exchange);
-    /* The client of a deferred exchange has gone. Called every millisecond, by any thread that
-     * works for the exchange. */
+    /* The client of a deferred exchange has gone. Called every millisecond, by any thread. */
     bool (*is_gone)(struct server_exchange *exchange);
     /* A worker starts to work on a deferred exchange, perhaps again. May be NULL. */
     void (*begin)(struct server_exchange *exchange);
-    /* Progress in [0,1], by any thread that works for the exchange. May be NULL. */
+    /* Progress in [0,1], by any thread. May be NULL. */
     void (*report)(struct server_exchange *exchange, double part);
     bool can_stream; /* the answer may be a stream (server_reply_stream) */
 };
@@ -170,9 +160,9 @@ struct server_exchange {
 
 /* --- for the transport (http.c) and the router ------------------------------------------------ */
 
-/* Makes an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when it
- * has ended. False without memory: then it has not begun. A target that can't be read is a fault of
- * the request. */
+/* Begins an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when
+ * it has ended. False without memory: then it has not begun. A target that can't be read is a fault
+ * of the request. */
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target);
 void server_exchange_end(struct server_exchange *exchange);
@@ -188,16 +178,23 @@ void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harml
 void server_exchange_add_header(struct server_exchange *exchange, const char *name,
                                 const char *value);
 
+/* Two readers that disagree on where a request ends can be made to see different requests (request
+ * smuggling). So a head that readers are known to understand differently is refused: RFC 9112, 3.2,
+ * 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2; server/doc/019-http-library.md. The first function
+ * checks the target of the request line; the second one method, version and headers, and sets
+ * is_http10, has_body and body.declared. Return why the head is refused, static; NULL: it is not.
+ * O(bytes). */
+const char *server_exchange_check_target(const char *target);
+const char *server_exchange_read_head(struct server_exchange *exchange, const char *version);
+
 /* The same request for a transport that outlives this one's, or NULL without memory. It takes over
  * the body and copies the rest. What is left of `exchange` can be answered. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
 /* For a transport without a connection: dispatches the exchange, which ends in the transport's
- * `finish`, perhaps before this returns. */
+ * `finish`, perhaps before this returns. is_unwanted: such a transport's `is_gone`. */
 void server_exchange_run(struct server_exchange *exchange);
-
-/* Such a transport's `is_gone`: the exchange's job was marked as unwanted. */
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
 /* Counts an exchange as deferred, before it is submitted. */
@@ -212,6 +209,10 @@ void server_exchange_submit(struct server_exchange *exchange);
 /* Value of the first header of that name, any case; NULL: none. */
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name);
+
+/* True when a Prefer header (RFC 7240) lists `preference`, any case, without a value or with an
+ * empty one. */
+bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference);
 
 /* View of the query string for proto's decoders; lives as long as the exchange. */
 struct proto_parameters server_exchange_parameters(struct server_exchange *exchange);
@@ -230,19 +231,14 @@ void server_exchange_keep(struct server_exchange *exchange, void *state,
                           void (*free_state)(void *state));
 
 /* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or
- * deferred again, false when the exchange is no longer its own: parked in a pending build of the
- * cache, which will have `work` called again. `join` (may be NULL) is tried first, without a
- * worker: true when it has parked the exchange in a pending build that is under way, so that those
- * who wait for one answer don't fill the queue. */
+ * deferred again, false when the exchange is parked in a pending build of the cache, which will
+ * have `work` called again. `join` (may be NULL) is tried first, without a worker: true when it has
+ * parked the exchange in a pending build that is under way. */
 void server_exchange_defer(struct server_exchange *exchange,
                            bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
 
-/* The functions of the exchange's job (work/workers.h). */
-void server_exchange_job_run(struct server_job *job);
-void server_exchange_job_refuse(struct server_job *job, enum server_refusal why);
-
-/* Whose job it is. */
+/* The exchange that has the job. */
 struct server_exchange *server_exchange_of(struct server_job *job);
 
 /* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that

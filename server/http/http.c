@@ -2,7 +2,7 @@
  *
  * DESIGN. A client is one connection with one request at a time, which begins with its request line
  * and ends when the library says so:
- *     HEAD      the headers are read; then the request is checked (head.h) and begins
+ *     HEAD      the headers are read; then the request is checked and begins
  *     BODY      the body arrives in pieces; then the request ends
  *     PARKED    the connection is suspended, a worker has the exchange; its transport's finish
  *               resumes the connection, and the answer is queued
@@ -33,7 +33,6 @@
 #include "server/config/config.h"
 #include "server/http/connections.h"
 #include "server/exchange/events.h"
-#include "server/http/head.h"
 #include "server/exchange/metrics.h"
 #include "server/exchange/reply.h"
 #include "server/http/request_log.h"
@@ -67,7 +66,7 @@ struct client {
     const struct server_http *http;
     struct MHD_Connection *connection;
     struct server_connection *deadlines;
-    const char *fault;               /* of the request line; see head.h */
+    const char *fault;               /* of the request line */
     enum phase phase;                /* written by the connection's HTTP thread only */
     atomic_uint_least64_t looked_ns; /* when is_gone looked at the socket last */
 };
@@ -166,7 +165,7 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
     struct server_exchange *exchange = &client->exchange;
     if (!server_exchange_begin(exchange, parts->host, &client->transport, target)) return NULL;
     client->phase = PHASE_HEAD;
-    client->fault = server_head_check_target(target);
+    client->fault = server_exchange_check_target(target);
     server_thread_place((uint32_t)parts->config->http_threads,
                         server_workers_are_busy(parts->host->workers), exchange->started_ns);
     server_connection_ask(client->deadlines, exchange->started_ns);
@@ -335,7 +334,7 @@ static enum MHD_Result client_begin(struct client *client, const char *method, c
     struct server_exchange *exchange = &client->exchange;
     exchange->method = method;
     MHD_get_connection_values(client->connection, MHD_HEADER_KIND, on_header, exchange);
-    const char *fault = server_head_read(exchange, version);
+    const char *fault = server_exchange_read_head(exchange, version);
     if (client->fault) fault = client->fault;
     if (fault) {
         exchange->fault = fault;

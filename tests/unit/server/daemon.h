@@ -10,7 +10,6 @@
 
 #include "server/base/thread.h"
 #include "server/exchange/events.h"
-#include "server/http/head.h"
 #include "server/jobs/job_table.h"
 #include "server/surfaces/registry.h"
 #include "server/exchange/reply.h"
@@ -115,7 +114,7 @@ static inline struct server_exchange *daemon_begin(const char *method, const cha
     exchange->method = method;
     server_exchange_add_header(exchange, "Host", "localhost");
     daemon_add_headers(exchange, headers);
-    const char *fault = server_head_read(exchange, "HTTP/1.1");
+    const char *fault = server_exchange_read_head(exchange, "HTTP/1.1");
     if (fault) exchange->fault = fault;
     server_router_begin(exchange);
     return exchange;

@@ -1,6 +1,6 @@
 #include "tests/unit/server/support.h"
 
-#include "server/exchange/prefer.h"
+#include "server/exchange/exchange.h"
 
 static bool prefers(const char *first, const char *second)
 {
@@ -8,7 +8,7 @@ static bool prefers(const char *first, const char *second)
     server_exchange_add_header(exchange, "Accept", "respond-async");
     if (first) server_exchange_add_header(exchange, "prefer", first);
     if (second) server_exchange_add_header(exchange, "Prefer", second);
-    bool is_preferred = server_prefers(exchange, "respond-async");
+    bool is_preferred = server_exchange_prefers(exchange, "respond-async");
     free(exchange);
     return is_preferred;
 }

@@ -3,7 +3,6 @@
 #include <stdio.h>
 
 #include "server/exchange/exchange.h"
-#include "server/http/head.h"
 
 #define TARGET "/v1/meshes/x"
 
@@ -23,7 +22,7 @@ static const char *fault_of(const char *version, const char *lines,
         server_exchange_add_header(exchange, line, value + 2);
         if (!rest) break;
     }
-    return server_head_read(exchange, version);
+    return server_exchange_read_head(exchange, version);
 }
 
 static void a_body_ends_where_its_head_says(void **state)
@@ -89,7 +88,7 @@ static void a_method_is_a_token(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT(methods); i++) {
         struct server_exchange exchange = {.method = methods[i]};
-        assert_non_null(strstr(server_head_read(&exchange, "HTTP/1.0"), "method"));
+        assert_non_null(strstr(server_exchange_read_head(&exchange, "HTTP/1.0"), "method"));
     }
 }
 
@@ -111,12 +110,12 @@ static void a_target_is_visible_ascii(void **state)
     static char long_target[8194];
     (void)state;
     for (size_t i = 0; i < COUNT(targets); i++)
-        assert_non_null(server_head_check_target(targets[i]));
-    assert_null(server_head_check_target("/v1/meshes/%20?a=[1]&b=\"c\""));
+        assert_non_null(server_exchange_check_target(targets[i]));
+    assert_null(server_exchange_check_target("/v1/meshes/%20?a=[1]&b=\"c\""));
     memset(long_target, 'a', 8192);
-    assert_null(server_head_check_target(long_target));
+    assert_null(server_exchange_check_target(long_target));
     long_target[8192] = 'a';
-    assert_non_null(strstr(server_head_check_target(long_target), "8192"));
+    assert_non_null(strstr(server_exchange_check_target(long_target), "8192"));
 }
 
 int main(void)
