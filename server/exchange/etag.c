@@ -13,12 +13,6 @@
 _Static_assert(SERVER_ETAG_LINES >= SERVER_EXCHANGE_HEADERS,
                "all headers of a request may be of one name");
 
-/* How the tags of a list are compared: by strong or weak comparison, and with which tags. */
-struct comparison {
-    bool is_weak;
-    bool with_all; /* with all tags of the resource, not only the representation's */
-};
-
 /* One tag of a list: `W/"text"` or `"text"`. */
 struct tag {
     const char *text;
@@ -73,56 +67,46 @@ static bool is_any(const char *line)
     return *line == '*' && line[1 + strspn(line + 1, BLANKS)] == '\0';
 }
 
-/* A syntax error ends the line. */
-static enum server_etag_form find_in_line(const char *line, const char *etag,
-                                          struct comparison comparison)
-{
-    struct tag listed;
-    enum server_etag_form form = is_any(line) ? SERVER_ETAG_PLAIN : SERVER_ETAG_NONE;
-    while (!form && next_tag(&line, &listed)) {
-        if (!listed.is_weak || comparison.is_weak)
-            form = compare(&listed, etag, comparison.with_all);
-    }
-    return form;
-}
-
-static enum server_etag_form find(const char *const *lines, const char *etag,
-                                  struct comparison comparison)
+/* Finds the first tag of the representation, or with `with_all` of the resource, by strong or weak
+ * comparison. A syntax error ends a line. */
+static enum server_etag_form find(const char *const *lines, const char *etag, bool is_weak,
+                                  bool with_all)
 {
     enum server_etag_form form = SERVER_ETAG_NONE;
-    for (; etag && *lines && !form; lines++) form = find_in_line(*lines, etag, comparison);
+    for (; etag && *lines && !form; lines++) {
+        const char *line = *lines;
+        struct tag listed;
+        if (is_any(line)) form = SERVER_ETAG_PLAIN;
+        while (!form && next_tag(&line, &listed))
+            if (!listed.is_weak || is_weak) form = compare(&listed, etag, with_all);
+    }
     return form;
 }
 
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag)
 {
-    return !precondition->if_match[0] ||
-           find(precondition->if_match, etag, (struct comparison){.with_all = true});
+    return !precondition->if_match[0] || find(precondition->if_match, etag, false, true);
 }
 
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag)
 {
-    return find(precondition->if_none_match, etag, (struct comparison){.is_weak = true});
+    return find(precondition->if_none_match, etag, true, false);
 }
 
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag)
 {
     return server_precondition_matches(precondition, etag) &&
-           !find(precondition->if_none_match, etag,
-                 (struct comparison){.is_weak = true, .with_all = true});
+           !find(precondition->if_none_match, etag, true, true);
 }
 
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form)
 {
-    const char *const parts[] = {etag, "-", form, FORMAT_SUFFIX};
-    size_t size = 0;
-    for (int i = 0; i < (form ? 4 : 1); i++) {
-        size_t length = strnlen(parts[i], SERVER_ETAG_TEXT - 1 - size);
-        memcpy(out + size, parts[i], length);
-        size += length;
-    }
-    out[size] = '\0';
+    const char *const parts[] = {etag, "-", form, FORMAT_SUFFIX, NULL};
+    const char *end = out + SERVER_ETAG_TEXT - 1;
+    for (int i = 0; parts[i] && (i == 0 || form); i++)
+        for (const char *c = parts[i]; *c && out < end;) *out++ = *c++;
+    *out = '\0';
 }
 
 static void collect(const struct server_exchange *exchange, const char *name, const char **lines)

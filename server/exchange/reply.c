@@ -22,15 +22,17 @@
 /* shown as a document, data loads nothing */
 #define DATA_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type,
-                     const void *body, void *owned, size_t size)
+/* Answers with bytes that outlive the answer. Returns the response, for others to be its own. */
+static struct server_response *response_set(struct server_exchange *exchange, unsigned status,
+                                            const char *media_type, const void *body, size_t size)
 {
     struct server_response *response = &exchange->response;
     response->status = status;
     response->media_type = media_type;
     response->body = body;
-    response->owned = owned;
+    response->owned = NULL;
     response->size = size;
+    return response;
 }
 
 static void add_header(struct server_response *response, const char *name, const char *value)
@@ -47,19 +49,16 @@ static void add_header(struct server_response *response, const char *name, const
 void server_reply_header(struct server_exchange *exchange, const char *name, const char *format,
                          ...)
 {
-    struct server_response *response = &exchange->response;
-    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
+    char value[SERVER_HEADER_VALUE];
     if (!strchr(format, '%')) {
-        add_header(response, name, format);
+        add_header(&exchange->response, name, format);
         return;
     }
     va_list arguments;
     va_start(arguments, format);
-    char *value = response->headers[response->header_count].value;
-    vsnprintf(value, SERVER_HEADER_VALUE, format, arguments);
+    vsnprintf(value, sizeof value, format, arguments);
     va_end(arguments);
-    response->headers[response->header_count].size = strlen(value);
-    response->headers[response->header_count++].name = name;
+    add_header(&exchange->response, name, value);
 }
 
 void server_reply_tag(struct server_exchange *exchange, const char *etag, const char *form)
@@ -91,8 +90,7 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
     writer->account = &budget->answers;
 }
 
-/* Counts a body of that size as an answer's: what is counted as work in flight for it is not any
- * more. */
+/* Counts a body of that size as an answer's, and no more as work in flight. */
 static bool hold_answer(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {
@@ -114,10 +112,9 @@ static bool hold_answer(struct server_exchange *exchange, size_t size,
 void *server_reply_allocate(struct server_exchange *exchange, size_t size)
 {
     struct proto_problem problem;
-    bool is_held = hold_answer(exchange, size, &problem);
-    void *bytes = is_held ? malloc(size ? size : 1) : NULL;
-    if (bytes) return bytes;
-    if (is_held) {
+    if (hold_answer(exchange, size, &problem)) {
+        void *bytes = malloc(size ? size : 1);
+        if (bytes) return bytes;
         server_reply_drop_body(exchange);
         (void)proto_problem_from_status(&problem, GD_NO_MEMORY, NULL);
     }
@@ -130,7 +127,7 @@ void server_reply_bytes(struct server_exchange *exchange, unsigned status, const
 {
     struct proto_problem problem;
     if (exchange->response.held || hold_answer(exchange, size, &problem)) {
-        set_body(exchange, status, media_type, bytes, bytes, size);
+        response_set(exchange, status, media_type, bytes, size)->owned = bytes;
         return;
     }
     free(bytes);
@@ -140,13 +137,12 @@ void server_reply_bytes(struct server_exchange *exchange, unsigned status, const
 void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
                          struct server_stream *stream)
 {
-    set_body(exchange, status, media_type, NULL, NULL, 0);
-    exchange->response.stream = stream;
+    response_set(exchange, status, media_type, NULL, 0)->stream = stream;
 }
 
 void server_reply_empty(struct server_exchange *exchange, unsigned status)
 {
-    set_body(exchange, status, NULL, NULL, NULL, 0);
+    response_set(exchange, status, NULL, NULL, 0);
 }
 
 /* The text of a writer that has not failed. That of one without an account is counted even past the
@@ -161,7 +157,7 @@ static void set_text(struct server_exchange *exchange, unsigned status, const ch
     if (!is_counted)
         server_budget_adjust(exchange->host->budget, SERVER_BUDGET_ANSWERS, 0,
                              exchange->response.held);
-    set_body(exchange, status, media_type, text, text, size);
+    response_set(exchange, status, media_type, text, size)->owned = text;
 }
 
 void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
@@ -209,7 +205,7 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     if (problem->challenge) add_header(&exchange->response, "WWW-Authenticate", problem->challenge);
     if (problem->retry_after)
         server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
-    set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);
+    response_set(exchange, problem->status, PROBLEM_JSON, text, size)->owned = text;
 }
 
 void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code,
@@ -259,12 +255,10 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
     add_header(&exchange->response, "Referrer-Policy", "no-referrer");
     add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
     exchange->response.policy = asset->policy;
-    if (asset->gzip && server_reply_takes_gzip(exchange)) {
-        add_header(&exchange->response, "Content-Encoding", "gzip");
-        set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
-    } else {
-        set_body(exchange, 200, asset->media_type, asset->bytes, NULL, asset->size);
-    }
+    bool is_packed = asset->gzip && server_reply_takes_gzip(exchange);
+    if (is_packed) add_header(&exchange->response, "Content-Encoding", "gzip");
+    response_set(exchange, 200, asset->media_type, is_packed ? asset->gzip : asset->bytes,
+                 is_packed ? asset->gzip_size : asset->size);
 }
 
 /* --- sealing ---------------------------------------------------------------------------------- */
@@ -277,45 +271,26 @@ static struct server_response_header *response_header(struct server_response *re
     return NULL;
 }
 
-/* Copies the answer's entity tag without quotes; false: it has none. */
-static bool read_tag(struct server_response *response, char tag[SERVER_HEADER_VALUE])
+static void name_packed_form(struct server_response_header *tag)
 {
-    const struct server_response_header *quoted = response_header(response, "ETag");
-    if (!quoted) return false;
-    memcpy(tag, quoted->value + 1, quoted->size - 2);
-    tag[quoted->size - 2] = '\0';
-    return true;
+    static const char end[] = SERVER_ETAG_PACKED_SUFFIX "\"";
+    if (tag->size + sizeof end > sizeof tag->value) return;
+    memcpy(tag->value + tag->size - 1, end, sizeof end);
+    tag->size += sizeof end - 2;
 }
 
-static void name_packed_form(struct server_response *response)
+/* Makes the answer a 304, which carries no metadata of the body (RFC 9110, 15.4.5). */
+static void reply_known(struct server_exchange *exchange)
 {
-    struct server_response_header *header = response_header(response, "ETag");
-    char tag[SERVER_HEADER_VALUE];
-    if (!read_tag(response, tag)) return;
-    snprintf(header->value, sizeof header->value, "\"%.*s%s\"", SERVER_HEADER_VALUE / 2, tag,
-             SERVER_ETAG_PACKED_SUFFIX);
-    header->size = strlen(header->value);
-}
-
-/* A 304 carries no metadata of the body (RFC 9110, 15.4.5). */
-static void drop_content_headers(struct server_response *response)
-{
+    struct server_response *response = &exchange->response;
     uint32_t kept = 0;
+    server_reply_drop_body(exchange);
     for (uint32_t i = 0; i < response->header_count; i++)
         if (strncmp(response->headers[i].name, "Content-", strlen("Content-")) != 0)
             response->headers[kept++] = response->headers[i];
     response->header_count = kept;
-}
-
-/* Makes the answer a 304 with the tag that the client has. */
-static void reply_known(struct server_exchange *exchange, enum server_etag_form form)
-{
-    struct server_response *response = &exchange->response;
-    server_reply_drop_body(exchange);
-    drop_content_headers(response);
     response->status = 304;
     response->media_type = NULL;
-    if (form == SERVER_ETAG_PACKED) name_packed_form(response);
 }
 
 /* Evaluates the conditions of a GET or HEAD with the status 200 or 304, in the order of RFC 9110,
@@ -325,8 +300,10 @@ static void apply_conditions(struct server_exchange *exchange)
     struct server_response *response = &exchange->response;
     char tag[SERVER_HEADER_VALUE];
     if (!exchange->has_conditions || (response->status != 200 && response->status != 304)) return;
-    if (!read_tag(response, tag)) return;
     if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return;
+    struct server_response_header *quoted = response_header(response, "ETag");
+    if (!quoted) return;
+    snprintf(tag, sizeof tag, "%.*s", (int)quoted->size - 2, quoted->value + 1);
     const struct server_precondition precondition = server_precondition_read(exchange);
     enum server_etag_form known = server_precondition_known(&precondition, tag);
     if (!server_precondition_matches(&precondition, tag)) {
@@ -335,7 +312,8 @@ static void apply_conditions(struct server_exchange *exchange)
             exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
             "the resource is not in the version that If-Match names; get its ETag and try again");
     } else if (known) {
-        reply_known(exchange, known);
+        if (known == SERVER_ETAG_PACKED) name_packed_form(quoted);
+        reply_known(exchange);
     }
 }
 
@@ -362,8 +340,7 @@ static void compress(struct server_exchange *exchange)
     add_header(response, "Content-Encoding", "gzip");
 }
 
-/* What a page of a listed origin may see of the answer. Caches keep the answers to different
- * origins apart. */
+/* Caches keep the answers to pages of different origins apart. */
 static void allow_origin(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
@@ -379,16 +356,16 @@ void server_reply_seal(struct server_exchange *exchange)
     if (is_packable(response)) add_header(response, "Vary", "Accept-Encoding");
     apply_conditions(exchange);
     compress(exchange);
-    if (response->status != 304 && response_header(response, "Content-Encoding"))
-        name_packed_form(response);
+    struct server_response_header *tag = response_header(response, "ETag");
+    if (tag && response->status != 304 && response_header(response, "Content-Encoding"))
+        name_packed_form(tag);
     if (response->media_type) add_header(response, "Content-Type", response->media_type);
     allow_origin(exchange);
     add_header(response, "X-Request-Id", exchange->request_id);
     add_header(response, "X-Content-Type-Options", "nosniff");
     add_header(response, "Content-Security-Policy",
                response->policy ? response->policy : DATA_POLICY);
-    add_header(response, "Cache-Control",
-               response_header(response, "ETag") ? "no-cache" : "no-store");
+    add_header(response, "Cache-Control", tag ? "no-cache" : "no-store");
     if (atomic_load_explicit(&exchange->host->is_draining, memory_order_relaxed))
         response->close = true;
 }
