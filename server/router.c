@@ -122,7 +122,7 @@ static bool prepare_coding(struct server_exchange *exchange, struct proto_proble
     if (!coding || strcasecmp(coding, "identity") == 0) return true;
     if (server_exchange_count_headers(exchange, "Content-Encoding") == 1 &&
         (strcasecmp(coding, "gzip") == 0 || strcasecmp(coding, "x-gzip") == 0))
-        return server_body_unpack(&exchange->body, exchange->host->budget, problem);
+        return server_body_unpack(&exchange->body, problem);
     return proto_problem_set(
         problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
         "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
@@ -217,7 +217,7 @@ void server_router_end(struct server_exchange *exchange)
 {
     struct proto_problem problem;
     if (exchange->response.status) return;
-    if (!server_body_check(&exchange->body, exchange->host->budget, &problem))
+    if (!server_body_check(&exchange->body, &problem))
         server_reply_problem(exchange, &problem);
     else if (exchange->match.route->is_async && server_exchange_prefers(exchange, "respond-async"))
         server_handle_async(exchange);

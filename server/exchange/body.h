@@ -14,11 +14,11 @@
 struct server_inflater;
 
 struct server_body {
-    char *bytes; /* NULL while empty */
+    struct server_budget *budget; /* set by server_body_prepare */
+    char *bytes;                  /* NULL while empty */
     /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
     size_t size, capacity;
-    /* Content-Length; 0: none; SERVER_BODY_CHUNKED: it will show */
-    uint64_t declared;
+    uint64_t declared;                /* Content-Length; 0: none; or SERVER_BODY_CHUNKED */
     uint64_t limit;                   /* most bytes that the operation takes */
     size_t refused;                   /* bytes that the budget did not give */
     struct server_inflater *inflater; /* the body comes packed; NULL: it does not */
@@ -27,25 +27,21 @@ struct server_body {
     enum proto_problem_code failure;
 };
 
-/* Refuses a declared length that is over the limit or has no chance in the budget, before a byte
- * was sent. */
+/* Refuses a declared length that is over the limit or has no chance in the budget. */
 bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
                          uint64_t limit, struct proto_problem *problem);
 
 /* The body comes packed by gzip: its size and limit are those of what it unpacks to. Before the
  * first byte. */
-bool server_body_unpack(struct server_body *body, struct server_budget *budget,
-                        struct proto_problem *problem);
+bool server_body_unpack(struct server_body *body, struct proto_problem *problem);
 
 /* Appends bytes. Passing the limit or the budget sets `failure`, and the rest is dropped. */
-void server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes,
-                        size_t size);
+void server_body_append(struct server_body *body, const void *bytes, size_t size);
 
 /* At the end of the body. False with the problem that `failure` stands for. */
-bool server_body_check(struct server_body *body, struct server_budget *budget,
-                       struct proto_problem *problem);
+bool server_body_check(struct server_body *body, struct proto_problem *problem);
 
 /* Frees the bytes and gives them back to the budget. */
-void server_body_drop(struct server_body *body, struct server_budget *budget);
+void server_body_drop(struct server_body *body);
 
 #endif

@@ -91,7 +91,7 @@ void server_exchange_end(struct server_exchange *exchange)
 {
     drop_state(exchange);
     if (exchange->surface) exchange->release_surface(exchange->surface);
-    server_body_drop(&exchange->body, exchange->host->budget);
+    server_body_drop(&exchange->body);
     server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_grant_end(&exchange->grant);
     server_reply_drop_body(exchange);

@@ -136,60 +136,56 @@ void server_metrics_write_head(struct proto_writer *writer, const char *name, co
                         name, kind);
 }
 
-static void write_labels(const struct server_metrics *metrics, size_t row,
-                         struct proto_writer *writer)
+enum { LABELS = 160 };
+
+/* The labels of a row's route. */
+static void row_labels(const struct server_metrics *metrics, size_t row, char out[LABELS])
 {
     static const char *const methods[] = {[PROTO_METHOD_GET] = "GET",
                                           [PROTO_METHOD_PUT] = "PUT",
                                           [PROTO_METHOD_POST] = "POST",
                                           [PROTO_METHOD_DELETE] = "DELETE"};
     bool found = row < metrics->rows - 1;
-    proto_append_format(writer, "method=\"%s\",route=\"%s\"",
-                        found ? methods[metrics->routes[row].method] : "",
-                        found ? metrics->routes[row].path : "");
+    snprintf(out, LABELS, "method=\"%s\",route=\"%s\"",
+             found ? methods[metrics->routes[row].method] : "",
+             found ? metrics->routes[row].path : "");
 }
 
-static void write_requests(const struct server_metrics *metrics, struct proto_writer *writer)
+static void write_requests(const struct server_metrics *metrics, size_t row,
+                           struct proto_writer *writer)
 {
-    server_metrics_write_head(writer, "requests_total", "counter",
-                              "Requests answered, by route and status.");
-    for (size_t row = 0; row < metrics->rows; row++) {
-        for (size_t status = 0; status < STATUSES; status++) {
-            uint64_t count = counter_sum(metrics, row, status);
-            if (!count) continue;
-            proto_append_format(writer, "geodesicd_requests_total{");
-            write_labels(metrics, row, writer);
-            proto_append_format(writer, ",status=\"%u\"} %llu\n",
+    char labels[LABELS];
+    row_labels(metrics, row, labels);
+    for (size_t status = 0; status < STATUSES; status++) {
+        uint64_t count = counter_sum(metrics, row, status);
+        if (count)
+            proto_append_format(writer, "geodesicd_requests_total{%s,status=\"%u\"} %llu\n", labels,
                                 status < STATUSES - 1 ? statuses[status] : 0,
                                 (unsigned long long)count);
-        }
     }
 }
 
 static void write_histogram(const struct server_metrics *metrics, size_t row,
                             struct proto_writer *writer)
 {
-    uint64_t total = 0, count = 0;
+    unsigned long long total = 0, count = 0;
+    char labels[LABELS], bound[32];
+    row_labels(metrics, row, labels);
     for (size_t bucket = 0; bucket < BUCKETS; bucket++)
         total += counter_sum(metrics, row, FIRST_BUCKET + bucket);
     if (!total) return;
     for (size_t bucket = 0; bucket < BUCKETS; bucket++) {
         bool is_last = bucket == BUCKETS - 1;
         count = is_last ? total : count + counter_sum(metrics, row, FIRST_BUCKET + bucket);
-        proto_append_format(writer, "geodesicd_request_seconds_bucket{");
-        write_labels(metrics, row, writer);
-        if (is_last)
-            proto_append_format(writer, ",le=\"+Inf\"} ");
-        else
-            proto_append_format(writer, ",le=\"%g\"} ", bounds[bucket]);
-        proto_append_format(writer, "%llu\n", (unsigned long long)count);
+        snprintf(bound, sizeof bound, "%g", is_last ? 0 : bounds[bucket]);
+        proto_append_format(writer, "geodesicd_request_seconds_bucket{%s,le=\"%s\"} %llu\n", labels,
+                            is_last ? "+Inf" : bound, count);
     }
-    proto_append_format(writer, "geodesicd_request_seconds_sum{");
-    write_labels(metrics, row, writer);
-    proto_append_format(writer, "} %.9f\ngeodesicd_request_seconds_count{",
-                        (double)counter_sum(metrics, row, NANOSECONDS) / 1e9);
-    write_labels(metrics, row, writer);
-    proto_append_format(writer, "} %llu\n", (unsigned long long)total);
+    proto_append_format(writer,
+                        "geodesicd_request_seconds_sum{%s} %.9f\n"
+                        "geodesicd_request_seconds_count{%s} %llu\n",
+                        labels, (double)counter_sum(metrics, row, NANOSECONDS) / 1e9, labels,
+                        total);
 }
 
 void server_metrics_write_values(struct proto_writer *writer, const struct server_metric *values,
@@ -219,7 +215,9 @@ void server_metrics_write(const struct server_metrics *metrics, struct proto_wri
         {"log_lines_dropped_total", "Lines of the log that nobody read in time.",
          (double)server_log_dropped()},
     };
-    write_requests(metrics, writer);
+    server_metrics_write_head(writer, "requests_total", "counter",
+                              "Requests answered, by route and status.");
+    for (size_t row = 0; row < metrics->rows; row++) write_requests(metrics, row, writer);
     server_metrics_write_head(writer, "request_seconds", "histogram",
                               "Time from the request line to the answer.");
     for (size_t row = 0; row < metrics->rows; row++) write_histogram(metrics, row, writer);

@@ -28,10 +28,8 @@ void server_metrics_count_problem(struct server_metrics *metrics, enum proto_pro
 /* Counts an engine's status that is a failed self-check or runaway work. True: it is. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
-/* Counts the windows that a field took to build. */
+/* Count the windows that a field took to build, and a search for a pair. */
 void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows);
-
-/* Counts a search for a pair. */
 void server_metrics_count_search(struct server_metrics *metrics);
 
 /* Appends the counters as text for Prometheus. */

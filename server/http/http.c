@@ -351,7 +351,7 @@ static enum MHD_Result client_begin(struct client *client, const char *method, c
 static enum MHD_Result client_take(struct client *client, const char *bytes, size_t size)
 {
     server_connection_body(client->deadlines, size, gd_now_ns());
-    server_body_append(&client->exchange.body, client->exchange.host->budget, bytes, size);
+    server_body_append(&client->exchange.body, bytes, size);
     return MHD_YES;
 }
 

@@ -145,8 +145,8 @@ static bool item_set_request(struct item *item, const struct proto_writer *body,
         !proto_writer_check(body, problem) ||
         !server_body_prepare(&exchange->body, budget, body->size, BODY_MOST, problem))
         return false;
-    server_body_append(&exchange->body, budget, body->data, body->size);
-    return server_body_check(&exchange->body, budget, problem);
+    server_body_append(&exchange->body, body->data, body->size);
+    return server_body_check(&exchange->body, problem);
 }
 
 static bool item_set_exchange(struct item *item, const struct proto_many *many,

@@ -168,7 +168,7 @@ static bool upload_compare(struct server_exchange *exchange, struct upload *uplo
 static bool upload_reply(struct server_exchange *exchange, enum server_store_outcome outcome)
 {
     const struct upload *upload = exchange->state;
-    server_body_drop(&exchange->body, exchange->host->budget);
+    server_body_drop(&exchange->body);
     server_surface_resource_reply_stored(exchange, upload->surface, outcome);
     return true;
 }

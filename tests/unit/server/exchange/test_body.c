@@ -23,8 +23,7 @@ static void append_all(size_t size)
     char bytes[100];
     for (size_t sent = 0; sent < size; sent += sizeof bytes) {
         memset(bytes, (int)(sent / sizeof bytes), sizeof bytes);
-        server_body_append(&body, &budget, bytes,
-                           size - sent < sizeof bytes ? size - sent : sizeof bytes);
+        server_body_append(&body, bytes, size - sent < sizeof bytes ? size - sent : sizeof bytes);
     }
 }
 
@@ -35,13 +34,13 @@ static void collects_what_arrives(void **state)
     for (size_t i = 0; i < COUNT(declared); i++) {
         assert_true(prepare(1 << 20, declared[i]));
         append_all(9000);
-        assert_true(server_body_check(&body, &budget, &problem));
+        assert_true(server_body_check(&body, &problem));
         assert_int_equal(body.size, 9000);
         assert_int_equal(body.bytes[8999], 89);
         assert_int_equal(budget.total, body.capacity);
         /* no more than was declared */
         if (declared[i] == 9000) assert_int_equal(body.capacity, 9000);
-        server_body_drop(&body, &budget);
+        server_body_drop(&body);
         assert_int_equal(budget.total, 0);
     }
 }
@@ -53,7 +52,7 @@ static void holds_memory_for_what_arrived_only(void **state)
     assert_int_equal(budget.total, 0);
     append_all(100);
     assert_true(budget.total < LIMIT);
-    server_body_drop(&body, &budget);
+    server_body_drop(&body);
 }
 
 static void refuses_a_length_before_it_is_sent(void **state)
@@ -88,13 +87,13 @@ static void remembers_that_chunks_passed_the_limit(void **state)
     (void)state;
     assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED));
     append_all(LIMIT);
-    assert_true(server_body_check(&body, &budget, &problem));
+    assert_true(server_body_check(&body, &problem));
     append_all(1);
     append_all(500);
     assert_int_equal(budget.total, 0);
-    assert_false(server_body_check(&body, &budget, &problem));
+    assert_false(server_body_check(&body, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
-    server_body_drop(&body, &budget);
+    server_body_drop(&body);
 }
 
 static void remembers_that_chunks_passed_the_budget(void **state)
@@ -103,9 +102,9 @@ static void remembers_that_chunks_passed_the_budget(void **state)
     assert_true(prepare(6000, SERVER_BODY_CHUNKED));
     append_all(9000);
     assert_int_equal(budget.total, 0);
-    assert_false(server_body_check(&body, &budget, &problem));
+    assert_false(server_body_check(&body, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
-    server_body_drop(&body, &budget);
+    server_body_drop(&body);
 }
 
 /* --- packed bodies ---------------------------------------------------------------------------- */
@@ -137,14 +136,13 @@ static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
     server_budget_init(&budget, 64 << 20);
     body = (struct server_body){0};
     assert_true(server_body_prepare(&body, &budget, SERVER_BODY_CHUNKED, limit, &problem));
-    assert_true(server_body_unpack(&body, &budget, &problem));
+    assert_true(server_body_unpack(&body, &problem));
     assert_int_equal(budget.total, SERVER_INFLATE_BYTES);
     packed_size -= cut;
     for (size_t at = 0; at < packed_size; at += piece)
-        server_body_append(&body, &budget, packed + at,
-                           piece < packed_size - at ? piece : packed_size - at);
+        server_body_append(&body, packed + at, piece < packed_size - at ? piece : packed_size - at);
     free(packed);
-    return server_body_check(&body, &budget, &problem);
+    return server_body_check(&body, &problem);
 }
 
 static void unpacks_what_comes_packed(void **state)
@@ -158,7 +156,7 @@ static void unpacks_what_comes_packed(void **state)
             assert_int_equal(body.size, sizes[i]);
             assert_true(!sizes[i] || (body.bytes[0] == 'x' && body.bytes[sizes[i] - 1] == 'x'));
             assert_int_equal(budget.total, body.capacity);
-            server_body_drop(&body, &budget);
+            server_body_drop(&body);
             assert_int_equal(budget.total, 0);
         }
     }
@@ -176,7 +174,7 @@ static void refuses_what_unpacks_badly(void **state)
     for (size_t cut = 1; cut < 20; cut++) {
         assert_false(send_packed(1000, 100, 100, cut));
         assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
-        server_body_drop(&body, &budget);
+        server_body_drop(&body);
     }
     assert_int_equal(budget.total, 0);
 }
@@ -185,12 +183,11 @@ static void refuses_what_is_not_packed(void **state)
 {
     (void)state;
     static const char plain[] = "v 0 0 0";
-    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) &&
-                server_body_unpack(&body, &budget, &problem));
-    server_body_append(&body, &budget, plain, sizeof plain);
-    server_body_append(&body, &budget, plain, sizeof plain);
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &problem));
+    server_body_append(&body, plain, sizeof plain);
+    server_body_append(&body, plain, sizeof plain);
     assert_int_equal(budget.total, 0);
-    assert_false(server_body_check(&body, &budget, &problem));
+    assert_false(server_body_check(&body, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
 }
 
@@ -200,17 +197,15 @@ static void unpacks_several_members(void **state)
     (void)state;
     size_t size;
     unsigned char *packed = pack(100, &size);
-    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) &&
-                server_body_unpack(&body, &budget, &problem));
-    for (int i = 0; i < 3; i++) server_body_append(&body, &budget, packed, size);
-    assert_true(server_body_check(&body, &budget, &problem));
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &problem));
+    for (int i = 0; i < 3; i++) server_body_append(&body, packed, size);
+    assert_true(server_body_check(&body, &problem));
     assert_int_equal(body.size, 300);
-    server_body_drop(&body, &budget);
-    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) &&
-                server_body_unpack(&body, &budget, &problem));
-    server_body_append(&body, &budget, packed, size);
-    server_body_append(&body, &budget, "rubbish", 7);
-    assert_false(server_body_check(&body, &budget, &problem));
+    server_body_drop(&body);
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &problem));
+    server_body_append(&body, packed, size);
+    server_body_append(&body, "rubbish", 7);
+    assert_false(server_body_check(&body, &problem));
     free(packed);
 }
 
@@ -218,7 +213,7 @@ static void finds_no_memory_to_unpack(void **state)
 {
     (void)state;
     assert_true(prepare(SERVER_INFLATE_BYTES - 1, SERVER_BODY_CHUNKED));
-    assert_false(server_body_unpack(&body, &budget, &problem));
+    assert_false(server_body_unpack(&body, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
 }
 

@@ -269,7 +269,7 @@ static void the_request_comes_whole(void **state)
     strcpy(exchange->request_id, "id");
     server_exchange_add_header(exchange, "Content-Type", "text/plain");
     assert_true(server_body_prepare(&exchange->body, &server.budget, 4, 10, &problem));
-    server_body_append(&exchange->body, &server.budget, "body", 4);
+    server_body_append(&exchange->body, "body", 4);
     struct server_deferred_job *job = server_job_table_start(server.jobs, exchange, &problem);
     assert_int_equal(server_deferred_job_describe(job).answer->status, 204);
     assert_int_equal(exchange->body.size, 0);
