@@ -1,11 +1,14 @@
 #include "server/query/query.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "proto/http/accept.h"
 #include "server/exchange/answer_stream.h"
 #include "server/exchange/etag.h"
 #include "server/exchange/reply.h"
+#include "server/fields/cache.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
@@ -15,6 +18,10 @@
 
 #define JSON  "application/json"
 #define BYTES "application/octet-stream"
+
+/* of a search: the arrays of a workspace and the windows of a far pair; see doc/003 */
+#define BYTES_AN_EDGE  224
+#define BYTES_A_SEARCH ((size_t)1 << 20) /* on a mesh of any size */
 
 enum { MOST_PARAMETERS = 24, MOST_FORMS = 8 };
 
@@ -81,15 +88,10 @@ struct server_monitor server_query_monitor(const struct server_query *query, dou
     return server_monitor_portion(&whole, begun, share);
 }
 
-void server_query_count(const struct server_query *query, enum gd_status status)
-{
-    server_metrics_count_status(query->exchange->host->metrics, status);
-}
-
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what, struct proto_problem *problem)
 {
-    server_query_count(query, status);
+    server_metrics_count_status(query->exchange->host->metrics, status);
     if (status != GD_BUDGET)
         proto_problem_from_status(problem, status, NULL);
     else if (query->draft.failure)
@@ -179,12 +181,90 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
     return status;
 }
 
-/* --- the draft -------------------------------------------------------------------------------- */
+/* --- pairs ------------------------------------------------------------------------------------ */
 
-enum gd_status server_query_check_draft(const struct server_query *query)
+struct pair_call {
+    const struct gd_mesh *mesh;
+    const struct server_pair *pair;
+    const struct gd_landmarks *landmarks;
+    struct gd_pair_answer *out;
+};
+
+/* Keeps nothing: a path is small and soon freed. */
+static enum gd_status pair_make(void *user, const struct gd_control *control, size_t *kept)
 {
-    return query->draft.failure ? GD_BUDGET : GD_OK;
+    const struct pair_call *call = user;
+    *kept = 0;
+    return gd_pair_solve(call->mesh, call->pair->from, call->pair->to, call->pair->wish,
+                         call->landmarks, control, call->out, NULL);
 }
+
+enum gd_status server_pair_search(struct server_monitor *part, struct server_surface *surface,
+                                  const struct server_pair *pair, struct gd_pair_answer *out)
+{
+    struct server_host *host = part->exchange->host;
+    struct server_landmark_set *set = server_landmarks_find(host->api->landmarks, surface);
+    struct pair_call search = {surface->mesh, pair, set ? set->landmarks : NULL, out};
+    size_t edges = gd_mesh_summary(surface->mesh)->edges;
+    const struct server_budgeted_call call = {.make = pair_make,
+                                              .user = &search,
+                                              .control = server_exchange_control(part),
+                                              .grant = BYTES_A_SEARCH + edges * BYTES_AN_EDGE};
+    server_metrics_count_search(host->metrics);
+    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
+    server_landmark_set_release(set);
+    return status;
+}
+
+const struct server_cached *server_pair_find_field(struct server_surface *surface,
+                                                   const struct server_pair *pair)
+{
+    const struct server_cached *cached = server_cache_find(surface->fields, pair->from);
+    return cached ? cached : server_cache_find(surface->fields, pair->to);
+}
+
+enum gd_status server_pair_solve(struct server_monitor *part, struct server_surface *surface,
+                                 const struct server_pair *pair, struct gd_pair_answer *out)
+{
+    const struct server_cached *cached = server_pair_find_field(surface, pair);
+    if (!cached) return server_pair_search(part, surface, pair, out);
+    enum gd_status status =
+        gd_pair_from_field(cached->field, pair->from, pair->to, pair->wish, out);
+    server_cache_unpin(cached);
+    return status;
+}
+
+/* The leg's first point is the route's last one. */
+static enum gd_status path_append(struct gd_path *route, const struct gd_path *leg)
+{
+    uint32_t more = leg->count - 1;
+    struct gd_point *points =
+        realloc(route->points, ((size_t)route->count + more) * sizeof *points);
+    if (!points) return GD_NO_MEMORY;
+    memcpy(points + route->count, leg->points + 1, more * sizeof *points);
+    route->points = points;
+    route->count += more;
+    route->length += leg->length;
+    return GD_OK;
+}
+
+enum gd_status server_pair_append(struct gd_pair_answer *route, struct gd_pair_answer *leg)
+{
+    enum gd_status status = GD_OK;
+    route->distance += leg->distance;
+    if (isinf(route->distance)) {
+        gd_path_free(&route->path);
+    } else if (!route->path.count) {
+        route->path = leg->path;
+        leg->path = (struct gd_path){0};
+    } else {
+        status = path_append(&route->path, &leg->path);
+    }
+    gd_pair_answer_free(leg);
+    return status;
+}
+
+/* --- the draft -------------------------------------------------------------------------------- */
 
 enum gd_status server_query_pause(const struct server_query *query,
                                   const struct gd_control *control, double fraction)
@@ -209,43 +289,45 @@ void server_query_encode(const struct server_query *query, struct proto_writer *
 
 /* --- the form of the answer ------------------------------------------------------------------- */
 
-static bool form_choose_by_accept(const struct server_query_kind *kind, const char *accept,
-                                  unsigned *out, struct proto_problem *problem)
+static const struct server_form *form_at(const struct server_query_kind *kind, unsigned form)
 {
-    unsigned best = proto_accept_quality(accept, JSON);
-    unsigned bytes = kind->bytes ? proto_accept_quality(accept, BYTES) : 0;
-    *out = SERVER_FORM_JSON;
-    if (bytes > best) {
-        best = bytes;
-        *out = SERVER_FORM_BYTES;
+    static const struct server_form json = {"json", JSON, false}, bytes = {"float64", BYTES, false};
+    if (form == SERVER_FORM_JSON) return &json;
+    return form == SERVER_FORM_BYTES ? &bytes : &kind->forms[form - SERVER_FORM_FIRST];
+}
+
+static unsigned form_count(const struct server_query_kind *kind)
+{
+    unsigned count = SERVER_FORM_FIRST;
+    while (kind->forms && form_at(kind, count)->name) count++;
+    return count;
+}
+
+/* Chooses by ?format= if it is there, else by Accept, where JSON wins a tie. */
+static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
+                        unsigned *out, struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    const char *accept = server_exchange_header(exchange, "Accept");
+    const char *words[MOST_FORMS + 1] = {"json"};
+    unsigned word = 0, best = 0, count = form_count(kind);
+    if (kind->forms && parameters.get(parameters.user, "format")) {
+        for (unsigned i = SERVER_FORM_FIRST; i < count && i <= MOST_FORMS; i++)
+            words[i - SERVER_FORM_BYTES] = form_at(kind, i)->name;
+        if (!proto_parameters_choice(&parameters, "format", words, &word, problem)) return false;
+        *out = word ? word + SERVER_FORM_BYTES : SERVER_FORM_JSON;
+        return true;
     }
-    for (unsigned i = 0; kind->forms && kind->forms[i].name; i++) {
-        unsigned quality = proto_accept_quality(accept, kind->forms[i].media_type);
-        if (quality <= best) continue;
+    for (unsigned i = 0; i < count; i++) {
+        unsigned quality = proto_accept_quality(accept, form_at(kind, i)->media_type);
+        if (quality <= best || (i == SERVER_FORM_BYTES && !kind->bytes)) continue;
         best = quality;
-        *out = SERVER_FORM_FIRST + i;
+        *out = i;
     }
     return best > 0 ||
            proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
                              "the answer is %s%s; the request's Accept takes none of it", JSON,
                              kind->forms ? ", or a file: see format" : "");
-}
-
-/* By ?format= if it is there, else by Accept, where JSON wins a tie. */
-static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
-                        unsigned *out, struct proto_problem *problem)
-{
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    const char *words[MOST_FORMS + 1] = {"json"};
-    unsigned word = 0;
-    if (!kind->forms || !parameters.get(parameters.user, "format"))
-        return form_choose_by_accept(kind, server_exchange_header(exchange, "Accept"), out,
-                                     problem);
-    for (unsigned i = 0; kind->forms[i].name && i + 1 < MOST_FORMS; i++)
-        words[i + 1] = kind->forms[i].name;
-    if (!proto_parameters_choice(&parameters, "format", words, &word, problem)) return false;
-    *out = word ? SERVER_FORM_FIRST + word - 1 : SERVER_FORM_JSON;
-    return true;
 }
 
 /* Reads ?mesh=, which only forms with a mesh take. */
@@ -256,20 +338,15 @@ static bool form_read_mesh(struct server_query *query, const struct proto_parame
     unsigned word = 0;
     if (!proto_parameters_choice(parameters, "mesh", words, &word, problem)) return false;
     query->with_mesh = word;
-    return !word ||
-           (query->form >= SERVER_FORM_FIRST &&
-            query->kind->forms[query->form - SERVER_FORM_FIRST].has_mesh) ||
+    return !word || form_at(query->kind, query->form)->has_mesh ||
            proto_problem_refuse(problem, "mesh",
                                 "this format can't have the mesh with it; glb and obj can");
 }
 
-/* Returns the name of the answer's form in its entity tag. */
+/* The name of the answer's form in its entity tag. */
 static const char *form_name(const struct server_query *query)
 {
-    if (query->kind->reply) return query->kind->reply_form;
-    if (query->form == SERVER_FORM_JSON) return "json";
-    if (query->form == SERVER_FORM_BYTES) return "float64";
-    return query->kind->forms[query->form - SERVER_FORM_FIRST].name;
+    return query->kind->reply ? query->kind->reply_form : form_at(query->kind, query->form)->name;
 }
 
 /* The kind's parameters, and those of its forms. */
@@ -300,7 +377,7 @@ static void query_reply_bytes(struct server_query *query)
 
 static void query_reply_form(struct server_query *query)
 {
-    const struct server_form *form = &query->kind->forms[query->form - SERVER_FORM_FIRST];
+    const struct server_form *form = form_at(query->kind, query->form);
     struct proto_problem problem;
     struct server_answer_file file;
     if (!query->kind->write(query, &file, &problem)) {
@@ -320,37 +397,33 @@ static void query_encode(struct server_exchange *exchange, struct proto_writer *
 }
 
 /* A stream may own the query when this returns. */
-static void query_reply_encoded(struct server_query *query, unsigned status)
+static void query_reply_json(struct server_query *query, unsigned status)
 {
     const struct server_answer_encoder encoder = {.encode = query_encode, .held = &query->held};
-    struct server_exchange *exchange = query->exchange;
+    if (!query->kind->encode) {
+        server_reply_json(query->exchange, status, &query->draft);
+        return;
+    }
     struct proto_writer writer = query->draft; /* empty */
-    server_answer_reply(exchange, status, &writer, &encoder);
+    server_answer_reply(query->exchange, status, &writer, &encoder);
     proto_writer_free(&writer);
 }
 
 static void query_reply(struct server_query *query)
 {
-    unsigned status = query->kind->status ? query->kind->status(query) : 200;
+    const struct server_query_kind *kind = query->kind;
+    unsigned status = kind->status ? kind->status(query) : 200;
     server_reply_tag(query->exchange, query->surface->record->etag, form_name(query));
-    if (query->kind->reply) {
-        query->kind->reply(query);
-        return;
-    }
-    if (query->kind->forms || query->kind->bytes)
+    if (!kind->reply && (kind->forms || kind->bytes))
         server_reply_header(query->exchange, "Vary", "Accept");
-    if (query->form == SERVER_FORM_BYTES) {
+    if (kind->reply)
+        kind->reply(query);
+    else if (query->form == SERVER_FORM_JSON)
+        query_reply_json(query, status);
+    else if (query->form == SERVER_FORM_BYTES)
         query_reply_bytes(query);
-        return;
-    }
-    if (query->form >= SERVER_FORM_FIRST) {
-        query_reply_form(query);
-        return;
-    }
-    if (query->kind->encode)
-        query_reply_encoded(query, status);
     else
-        server_reply_json(query->exchange, status, &query->draft);
+        query_reply_form(query);
 }
 
 /* False: another thread has the exchange. After AGAIN there is no reply, and the worker calls
@@ -365,10 +438,9 @@ static bool query_take_turn(struct server_query *query, enum server_query_turn t
 
 static bool query_work(struct server_exchange *exchange)
 {
-    struct server_query *query = exchange->state;
     struct proto_problem problem;
-    enum server_query_turn turn = server_query_solve(query, &problem);
-    return query_take_turn(query, turn, &problem);
+    enum server_query_turn turn = server_query_solve(exchange->state, &problem);
+    return query_take_turn(exchange->state, turn, &problem);
 }
 
 static bool query_join(struct server_exchange *exchange)
@@ -398,11 +470,6 @@ static bool query_read(struct server_query *query, struct proto_problem *problem
     return ok;
 }
 
-static void query_free(void *query)
-{
-    server_query_destroy(query);
-}
-
 /* Replies 304 if the client has the answer, so that nothing is computed. */
 static bool query_is_known(struct server_query *query)
 {
@@ -419,37 +486,26 @@ static bool query_is_known(struct server_query *query)
     return true;
 }
 
-static void query_start(struct server_query *query)
+static bool query_start(struct server_exchange *exchange)
 {
-    struct server_exchange *exchange = query->exchange;
+    struct server_query *query = exchange->state;
     struct proto_problem problem;
+    enum server_query_turn turn = SERVER_QUERY_AGAIN;
     if (!query_read(query, &problem)) {
         server_reply_problem(exchange, &problem);
-        return;
+        return true;
     }
-    if (query_is_known(query)) return;
+    if (query_is_known(query)) return true;
     server_exchange_shorten(exchange, query->options.timeout_ms);
-    enum server_query_turn turn =
-        query->with_mesh ? SERVER_QUERY_AGAIN : server_query_glance(query, &problem);
+    if (!query->with_mesh) turn = server_query_glance(query, &problem);
     query_take_turn(query, turn, &problem);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, query_work, query_join);
-}
-
-static bool query_start_by_worker(struct server_exchange *exchange)
-{
-    query_start(exchange->state);
     return true;
 }
 
-/* An HTTP thread parses small bodies only. */
-static void query_begin(struct server_query *query)
+static void query_free(void *query)
 {
-    struct server_exchange *exchange = query->exchange;
-    server_exchange_keep(exchange, query, query_free);
-    if (exchange->work || exchange->body.size <= SERVER_REQUEST_SMALL)
-        query_start(query);
-    else
-        server_exchange_defer(exchange, query_start_by_worker, NULL);
+    server_query_destroy(query);
 }
 
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind)
@@ -470,7 +526,12 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
         return;
     }
     query->form = form;
-    query_begin(query);
+    server_exchange_keep(exchange, query, query_free);
+    /* an HTTP thread parses small bodies only */
+    if (exchange->work || exchange->body.size <= SERVER_REQUEST_SMALL)
+        query_start(exchange);
+    else
+        server_exchange_defer(exchange, query_start, NULL);
 }
 
 void server_handle_query(struct server_exchange *exchange)

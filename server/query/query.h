@@ -22,6 +22,7 @@
 
 #include <jansson.h>
 
+#include "gd/query.h"
 #include "proto/http/options.h"
 #include "proto/values/points.h"
 #include "proto/values/set.h"
@@ -153,17 +154,14 @@ struct server_monitor server_monitor_portion(const struct server_monitor *whole,
  * memory ("the search"). FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what, struct proto_problem *problem);
-void server_query_count(const struct server_query *query, enum gd_status status); /* counts only */
 
 /* The last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that is too
  * large. */
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
                                               const char *what, struct proto_problem *problem);
 
-/* GD_BUDGET when the draft takes no more. To be called now and then, so that no work is in vain. */
-GD_MUST_USE enum gd_status server_query_check_draft(const struct server_query *query);
-
-/* The same, then the control's check of deadline and cancellation. */
+/* GD_BUDGET when the draft takes no more; else the control's (NULL: none) check of deadline and
+ * cancellation. To be called now and then, so that no work is in vain. */
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
 
@@ -187,6 +185,36 @@ typedef enum gd_status server_query_maker(void *user, const struct gd_control *c
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query,
                                              struct server_monitor *part, server_query_maker *make,
                                              void *user, size_t grant);
+
+/* --- pairs of points -------------------------------------------------------------------------- */
+
+struct server_pair {
+    const struct gd_point *from, *to;
+    enum gd_pair_wish wish;
+};
+
+/* Searches on behalf of the part's exchange, with the mesh's landmarks, within the memory budget.
+ * Distance INFINITY: there is no path. Errors: those of gd_pair_solve. Thread-safe. */
+GD_MUST_USE enum gd_status server_pair_search(struct server_monitor *part,
+                                              struct server_surface *surface,
+                                              const struct server_pair *pair,
+                                              struct gd_pair_answer *out);
+
+/* The cached field of either point, pinned, or NULL. */
+const struct server_cached *server_pair_find_field(struct server_surface *surface,
+                                                   const struct server_pair *pair);
+
+/* Answers from the cached field of either point, else by a search. */
+GD_MUST_USE enum gd_status server_pair_solve(struct server_monitor *part,
+                                             struct server_surface *surface,
+                                             const struct server_pair *pair,
+                                             struct gd_pair_answer *out);
+
+/* Appends to a route (all zero at first) a leg that begins where the route ends: adds distances and
+ * lengths, and joins the polylines. Frees the leg. A leg without a path (INFINITY) leaves a route
+ * without. GD_NO_MEMORY. O(points of the leg). */
+GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
+                                              struct gd_pair_answer *leg);
 
 /* --- for kinds that are answered from a field (field_query.c) --------------------------------- */
 

@@ -59,7 +59,7 @@ static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
         server_query_fail(query, status, what, problem);
         return false;
     }
-    server_query_count(query, status);
+    server_metrics_count_status(query->exchange->host->metrics, status);
     return own->is_resolved ? proto_problem_from_status(problem, status, &own->detail)
                             : proto_curve_fail(&own->curve, status, &own->detail, problem);
 }
@@ -447,7 +447,7 @@ static enum server_query_turn spline_solve(struct server_query *query,
                                               server_field_build_grant(query->surface->mesh));
     if (!status || status == GD_BUDGET || !own->detail.text[0])
         return server_query_end_draft(query, status, "the spline", problem);
-    server_query_count(query, status);
+    server_metrics_count_status(query->exchange->host->metrics, status);
     proto_spline_fail("", status, &own->detail, problem);
     return SERVER_QUERY_FAILED;
 }

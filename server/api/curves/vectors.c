@@ -8,7 +8,6 @@
 #include "proto/json/member.h"
 #include "proto/queries/trace.h"
 #include "proto/values/vector.h"
-#include "server/query/pair_search.h"
 #include "server/query/query.h"
 
 /* --- vectors of a request --------------------------------------------------------------------- */

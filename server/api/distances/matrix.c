@@ -18,7 +18,6 @@
 
 #include "proto/queries/matrix.h"
 #include "server/fields/cache.h"
-#include "server/query/pair_search.h"
 #include "server/query/query.h"
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"

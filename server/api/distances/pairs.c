@@ -9,8 +9,9 @@
 #include <math.h>
 
 #include "proto/queries/pair.h"
+#include "server/exchange/metrics.h"
 #include "server/fields/cache.h"
-#include "server/query/pair_search.h"
+#include "server/query/query.h"
 #include "server/query/result.h"
 
 /* A path across a larger mesh takes too long for an HTTP thread. */
@@ -160,7 +161,7 @@ static enum server_query_turn leg_build(struct pair_query *pair, struct proto_pr
     if (!status) return leg_answer(pair, cached, problem);
     if (status == GD_DEADLINE || status == GD_CANCELLED)
         return server_query_fail(query, status, WHAT, problem);
-    server_query_count(query, status);
+    server_metrics_count_status(query->exchange->host->metrics, status);
     return leg_search(pair, problem);
 }
 

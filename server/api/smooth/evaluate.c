@@ -71,7 +71,7 @@ static enum gd_status evaluation_write_round(struct evaluation *evaluation, uint
         server_query_monitor(&evaluation->query, (double)first / total, (double)count / total);
     const struct gd_control control = server_exchange_control(&monitor);
     enum gd_status status = by->write(evaluation, first, count, &control);
-    if (!status) status = server_query_check_draft(&evaluation->query);
+    if (!status) status = server_query_pause(&evaluation->query, NULL, 0);
     return status ? status : gd_control_check(&control, 1);
 }
 

@@ -286,7 +286,7 @@ static enum gd_status trace_write_paths(struct trace *trace)
     for (uint32_t i = 0, count; i < total && !status; i += count) {
         count = is_smooth ? 1 : total - i < trace->lanes ? total - i : trace->lanes;
         status = is_smooth ? smooth_write(trace, i) : mesh_write(trace, i, count);
-        if (!status) status = server_query_check_draft(&trace->query);
+        if (!status) status = server_query_pause(&trace->query, NULL, 0);
     }
     proto_write_array_end(writer);
     return status;

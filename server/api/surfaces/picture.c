@@ -7,7 +7,6 @@
 #include "proto/http/accept.h"
 #include "proto/queries/picture.h"
 #include "server/exchange/reply.h"
-#include "server/query/pair_search.h"
 #include "server/query/query.h"
 
 /* bytes that most pictures need */

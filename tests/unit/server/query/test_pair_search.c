@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "server/query/pair_search.h"
+#include "server/query/query.h"
 
 static struct gd_pair_answer leg(const struct gd_mesh *mesh, uint32_t from, uint32_t to,
                                  bool want_path)
