@@ -14,11 +14,9 @@
 #define SET_SHARE   0.2 /* of the work, if the set takes time to locate */
 #define BUILD_SHARE 0.9 /* of the work, if the field is not cached */
 
-#define BYTES_A_CALL ((size_t)1 << 20) /* on a mesh of any size */
-/* A field that two threads build. The finished field has 50 bytes on flat meshes, 200 to 400 on
- * scans. */
-#define BYTES_AN_EDGE     1024
-#define SET_BYTES_AN_EDGE 224 /* as a search (pair_search.c) */
+#define BYTES_A_CALL      ((size_t)1 << 20) /* on a mesh of any size */
+#define BYTES_AN_EDGE     1024              /* while two threads build; finished, 50 to 400 */
+#define SET_BYTES_AN_EDGE 224               /* as a search (query.c) */
 
 /* --- locating the set ------------------------------------------------------------------------- */
 
@@ -174,13 +172,6 @@ static enum gd_status build_make(void *user, const struct gd_control *control, s
 }
 
 /* Counts the windows that were propagated, of a resumed field the additional ones. */
-static void build_count(struct server_metrics *metrics, const struct field_build *build)
-{
-    uint64_t all = gd_field_statistics(build->field)->windows_propagated;
-    uint64_t before = build->nearer ? gd_field_statistics(build->nearer)->windows_propagated : 0;
-    server_metrics_count_windows(metrics, all > before ? all - before : 0);
-}
-
 static enum gd_status build_run(struct field_build *build, struct server_monitor *part)
 {
     struct server_host *host = part->exchange->host;
@@ -191,8 +182,11 @@ static enum gd_status build_run(struct field_build *build, struct server_monitor
                                               .grant = server_field_build_grant(build->mesh)};
     enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
     server_executor_stop(build->executor);
-    if (!status) build_count(host->metrics, build);
-    return status;
+    if (status) return status;
+    uint64_t all = gd_field_statistics(build->field)->windows_propagated;
+    uint64_t before = build->nearer ? gd_field_statistics(build->nearer)->windows_propagated : 0;
+    server_metrics_count_windows(host->metrics, all > before ? all - before : 0);
+    return GD_OK;
 }
 
 /* Without memory for two fields, or when rounding has spoilt the nearer one, the field is built
@@ -242,18 +236,20 @@ static enum server_query_turn field_answer(struct server_query *query,
     return turn;
 }
 
+/* Finds the field in the cache, unless it is pinned already. */
+static bool field_pin(struct server_query *query)
+{
+    struct server_field_query *field = &query->field;
+    if (!field->pin) field->pin = server_cache_find_field(query->surface->fields, &field->request);
+    return field->pin;
+}
+
 static enum server_query_turn field_answer_by_pin(struct server_query *query,
                                                   struct proto_problem *problem)
 {
     const struct server_cached *pin = query->field.pin;
     query->field.pin = NULL;
     return field_answer(query, pin, 0, problem);
-}
-
-static bool field_pin(struct server_query *query)
-{
-    query->field.pin = server_cache_find_field(query->surface->fields, &query->field.request);
-    return query->field.pin;
 }
 
 static enum server_query_turn field_build(struct server_query *query, struct proto_problem *problem)
@@ -293,7 +289,7 @@ enum server_query_turn server_field_query_solve(struct server_query *query,
     enum gd_status why;
     if (!query->field.set && !set_prepare(query, problem)) return SERVER_QUERY_FAILED;
     if (query->field.build) return field_build(query, problem);
-    if (query->field.pin || field_pin(query)) return field_answer_by_pin(query, problem);
+    if (field_pin(query)) return field_answer_by_pin(query, problem);
     switch (field_claim(query, &why)) {
     case SERVER_CACHE_WAIT:
         return SERVER_QUERY_PARKED;

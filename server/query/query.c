@@ -486,21 +486,20 @@ static bool query_is_known(struct server_query *query)
     return true;
 }
 
-static bool query_start(struct server_exchange *exchange)
+static void query_start(struct server_exchange *exchange)
 {
     struct server_query *query = exchange->state;
     struct proto_problem problem;
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
     if (!query_read(query, &problem)) {
         server_reply_problem(exchange, &problem);
-        return true;
+        return;
     }
-    if (query_is_known(query)) return true;
+    if (query_is_known(query)) return;
     server_exchange_shorten(exchange, query->options.timeout_ms);
     if (!query->with_mesh) turn = server_query_glance(query, &problem);
     query_take_turn(query, turn, &problem);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, query_work, query_join);
-    return true;
 }
 
 static void query_free(void *query)
@@ -527,11 +526,7 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
     }
     query->form = form;
     server_exchange_keep(exchange, query, query_free);
-    /* an HTTP thread parses small bodies only */
-    if (exchange->work || exchange->body.size <= SERVER_REQUEST_SMALL)
-        query_start(exchange);
-    else
-        server_exchange_defer(exchange, query_start, NULL);
+    query_start(exchange);
 }
 
 void server_handle_query(struct server_exchange *exchange)

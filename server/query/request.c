@@ -10,11 +10,9 @@
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
-#define KIND_SEGMENT 1 /* of the path */
-/* bytes: a shorter text's document is not counted */
-#define PARSED_UNCOUNTED SERVER_REQUEST_SMALL
-/* bytes: after a larger document, freed memory goes back to the system */
-#define PARSED_TRIMMED ((size_t)16 << 20)
+#define KIND_SEGMENT     1                  /* of the path */
+#define PARSED_UNCOUNTED ((size_t)16 << 10) /* bytes of a text whose document is not counted */
+#define PARSED_TRIMMED   ((size_t)16 << 20) /* bytes of a document that malloc_trim follows */
 
 /* The kind that the route's path "/v1/<plural>…" names, or NULL. */
 static const struct server_kind *request_find_kind(const struct proto_route *route)
@@ -30,15 +28,21 @@ const struct server_kind *server_request_kind(const struct server_exchange *exch
     return kind ? kind : &server_kind_mesh;
 }
 
+/* Replies with the problem unless all is well; returns whether it is. */
+static bool request_check(struct server_exchange *exchange, bool is_well,
+                          const struct proto_problem *problem)
+{
+    if (!is_well) server_reply_problem(exchange, problem);
+    return is_well;
+}
+
 bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
                         struct server_key *key)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
     struct proto_problem problem;
-    if (!proto_mesh_name_check(capture->text, capture->length, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return false;
-    }
+    bool is_valid = proto_mesh_name_check(capture->text, capture->length, &problem);
+    if (!request_check(exchange, is_valid, &problem)) return false;
     memcpy(name, capture->text, capture->length);
     name[capture->length] = '\0';
     *key = (struct server_key){exchange->tenant, server_request_kind(exchange), name};
@@ -49,27 +53,22 @@ bool server_request_is_plain(struct server_exchange *exchange)
 {
     struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    if (proto_parameters_check(&parameters, NULL, &problem)) return true;
-    server_reply_problem(exchange, &problem);
-    return false;
+    bool is_plain = proto_parameters_check(&parameters, NULL, &problem);
+    return request_check(exchange, is_plain, &problem);
 }
 
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page)
 {
     struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    if (proto_page_parse(&parameters, page, &problem)) return true;
-    server_reply_problem(exchange, &problem);
-    return false;
+    return request_check(exchange, proto_page_parse(&parameters, page, &problem), &problem);
 }
 
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page)
 {
     struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    if (proto_page_parse_names(&parameters, page, &problem)) return true;
-    server_reply_problem(exchange, &problem);
-    return false;
+    return request_check(exchange, proto_page_parse_names(&parameters, page, &problem), &problem);
 }
 
 static void reply_store_unavailable(struct server_exchange *exchange, const char *what)
@@ -154,39 +153,26 @@ static void handler_rerun(struct server_exchange *exchange, struct server_surfac
     exchange->match.route->handle(exchange);
 }
 
-/* Loads the record and runs the handler. If the name has another record by now, there is no reply:
- * the worker looks it up again. False: parked. */
-static bool surface_load(struct server_exchange *exchange, struct server_record *record)
-{
-    struct server_surface *surface;
-    struct proto_problem problem;
-    switch (server_loader_load(exchange->host->api->loader, record, &exchange->job, &surface,
-                               &problem)) {
-    case SERVER_LOADER_LOADED:
-        handler_rerun(exchange, surface);
-        return true;
-    case SERVER_LOADER_WAITING:
-        return false;
-    case SERVER_LOADER_GONE:
-        return true;
-    default:
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
-}
-
-/* False: parked; runs again when the load has ended. */
+/* By a worker: loads the surface and runs the handler. If the name has another record by now, there
+ * is no reply: the worker looks it up again. False: parked; runs again when the load has ended. */
 static bool surface_bring(struct server_exchange *exchange)
 {
     struct server_listed listed;
-    bool is_done = true;
+    struct server_surface *surface;
+    struct proto_problem problem;
+    enum server_loader_outcome outcome = SERVER_LOADER_LOADED;
     if (!server_request_record(exchange, &listed)) return true;
     if (listed.surface)
-        handler_rerun(exchange, server_surface_retain(listed.surface));
+        surface = server_surface_retain(listed.surface);
     else
-        is_done = surface_load(exchange, listed.record);
+        outcome = server_loader_load(exchange->host->api->loader, listed.record, &exchange->job,
+                                     &surface, &problem);
     server_listed_release(&listed);
-    return is_done;
+    if (outcome == SERVER_LOADER_LOADED)
+        handler_rerun(exchange, surface);
+    else if (outcome != SERVER_LOADER_WAITING && outcome != SERVER_LOADER_GONE)
+        server_reply_problem(exchange, &problem);
+    return outcome != SERVER_LOADER_WAITING;
 }
 
 static bool surface_join(struct server_exchange *exchange)
@@ -303,6 +289,15 @@ json_t *server_request_document(struct server_exchange *exchange, struct proto_p
 
 void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome)
 {
+    static const char *const full[] = {
+        [SERVER_STORE_FULL] = "the server's disk is full; nothing was changed: delete surfaces, or "
+                              "try again when there is room",
+        [SERVER_STORE_REFUSED] =
+            "the server's system refuses to write; nothing was changed: tell its operator",
+        [SERVER_STORE_READ_ONLY] =
+            "the server's store takes no changes since a write failed; queries go on: tell its "
+            "operator, /readyz says more",
+    };
     switch (outcome) {
     case SERVER_STORE_ABSENT:
         reply_absent(exchange);
@@ -318,21 +313,12 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
                              "there is no memory for this; delete meshes, raise --memory-budget, "
                              "or try again later");
         break;
-    case SERVER_STORE_FULL:
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-                             "the server's disk is full; nothing was changed: delete surfaces, or "
-                             "try again when there is room");
-        break;
-    case SERVER_STORE_REFUSED:
-        server_reply_refusal(
-            exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-            "the server's system refuses to write; nothing was changed: tell its operator");
-        break;
-    case SERVER_STORE_READ_ONLY:
     case SERVER_STORE_DAMAGED:
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-                             "the server's store takes no changes since a write failed; queries go "
-                             "on: tell its operator, /readyz says more");
+        outcome = SERVER_STORE_READ_ONLY; /* fall through */
+    case SERVER_STORE_FULL:
+    case SERVER_STORE_REFUSED:
+    case SERVER_STORE_READ_ONLY:
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE, "%s", full[outcome]);
         break;
     case SERVER_STORE_STALE:
     case SERVER_STORE_UNAVAILABLE:

@@ -18,10 +18,9 @@ bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_N
 /* For operations without query-string parameters. False: there are some; a problem is replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
-/* The page of a list that the parameters ask for. False: a problem is replied. */
+/* The page of a list that the parameters ask for, or of a list of names, which `prefix` may narrow.
+ * False: a problem is replied. */
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
-
-/* The same of a list of names, which `prefix` may narrow. */
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page);
 
 /* The record of the surface that the path names, retained. False: a problem is replied. */
@@ -45,8 +44,7 @@ bool server_request_write(struct server_exchange *exchange,
 void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange));
 
-#define SERVER_REQUEST_SHORT_LIST 16                 /* items of a list that an HTTP thread makes */
-#define SERVER_REQUEST_SMALL      ((size_t)16 << 10) /* bytes of JSON that an HTTP thread parses */
+#define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread makes */
 
 /* Holds the memory of a document that is parsed from this text, until server_request_end_parsing,
  * which follows when the document is freed. insufficient_memory. */
