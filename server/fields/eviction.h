@@ -2,10 +2,8 @@
  *
  * GreedyDual-Size-Frequency (Cherkasova, "Improving WWW proxies performance with
  * GreedyDual-Size-Frequency caching policy", 1998): priority = age + cost x uses / bytes, where age
- * is the priority of the last evicted thing. So expensive things go too when they are no longer
- * used. Priorities only grow: the heap is corrected when its first is asked for.
- *
- * A node is a member of the thing that it orders. Not thread-safe. */
+ * is the priority of the last evicted thing. Priorities only grow: the heap is corrected when its
+ * first is asked for. A node is a member of the thing that it orders. Not thread-safe. */
 #ifndef SERVER_FIELDS_EVICTION_H
 #define SERVER_FIELDS_EVICTION_H
 

@@ -1,12 +1,9 @@
 /* Hot points: the points that were asked about most often of late, in fixed memory.
  *
  * The counters of Misra and Gries (1982, "Finding repeated elements"): a point without a counter
- * gets a free one; when none is free, every counter is decremented instead. So a point that is more
- * than one in SERVER_HOT_POINTS of the questions ends up with a counter, and a crowd of different
- * points leaves none.
- *
- * Points are identified by a hash; a collision counts two points together, which is harmless. Not
- * thread-safe. */
+ * gets a free one; when none is free, every counter is decremented. So a point that is more than
+ * one in SERVER_HOT_POINTS of the questions ends up with a counter. Points are identified by a
+ * hash; a collision is harmless. Not thread-safe. */
 #ifndef SERVER_FIELDS_HOT_POINTS_H
 #define SERVER_FIELDS_HOT_POINTS_H
 

@@ -1,5 +1,4 @@
-/* Job table: the requests that were accepted to be answered later (202), and their answers. The
- * smaller tasks of the workers are in work/job.h.
+/* Job table: the requests that were accepted to be answered later (202), and their answers.
  *
  *     job = server_job_table_start(table, exchange, &problem);
  *     state = server_deferred_job_describe(job);
@@ -7,21 +6,19 @@
  *
  * DESIGN. A deferred job is a transport (exchange.h): it carries an exchange of its own through
  * dispatch, handler and workers as a connection does, and saves the answer. Handlers know nothing
- * of jobs, and jobs share pending builds and loads with all requests.
+ * of jobs.
  *
  * States: queued -> running -> done | failed, and cancelled from the first two. A cancelled job
- * shows its state at once; its exchange is refused where it waits or stopped by its control, and
- * the answer is dropped.
+ * shows its state at once; its exchange is refused where it waits or stopped by its control.
  *
  * Bounds: ended jobs are dropped when their time to live is over, and earlier when the table or the
- * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest job of the largest user
- * . Jobs that have not ended are never dropped; with keys a tenant has at most as many
- * of them as it leaves places free. Ids grow, so the table is sorted by both id and age.
+ * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest job of the largest user. Jobs
+ * that have not ended are never dropped; with keys a tenant has at most as many of them as it
+ * leaves places free. Ids grow, so the table is sorted by both id and age.
  *
- * Ownership: a job is counted, once for the table, once for its exchange, once for each holder.
- *
- * One mutex guards the table and the states. Under it nothing is called that takes a lock. All
- * functions are thread-safe. */
+ * A job is counted, once for the table, once for its exchange, once for each holder. One mutex
+ * guards the table and the states. Under it nothing is called that takes a lock. All functions are
+ * thread-safe. */
 #ifndef SERVER_JOBS_JOB_TABLE_H
 #define SERVER_JOBS_JOB_TABLE_H
 
@@ -81,9 +78,6 @@ struct server_job_statistics {
 struct server_job_statistics server_job_table_statistics(struct server_job_table *table,
                                                          const char *tenant);
 
-/* --- one job ---------------------------------------------------------------------------------- */
-
-/* Take no lock. */
 struct server_deferred_job *server_deferred_job_retain(struct server_deferred_job *job);
 void server_deferred_job_release(struct server_deferred_job *job); /* NULL is harmless */
 

@@ -3,9 +3,9 @@
  *
  * DESIGN. A catalogue is attached to the record of a mesh: unloading the mesh keeps it, replacing
  * or deleting the mesh ends it. The fields that one API key listed are bounded in number and bytes:
- * the one of that key that was not used for longest is forgotten. Its id is remembered for a while,
- * so that a client that asks for it learns why it is gone. Resources are counted and immutable. One
- * mutex guards the list. All functions are thread-safe. */
+ * the least recently used of that key is forgotten. Its id is remembered for a while, so that a
+ * client that asks for it learns why it is gone. Resources are counted and immutable. One mutex
+ * guards the list. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_CATALOGUE_H
 #define SERVER_SURFACES_CATALOGUE_H
 
