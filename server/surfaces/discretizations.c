@@ -3,8 +3,8 @@
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "server/base/thread.h"
 #include "server/work/budgeted_call.h"
 
 #define LOOK_NS 5000000 /* between two looks at the deadline of a request that waits */
@@ -48,8 +48,6 @@ static void discretizations_reclaim(void *user, size_t bytes)
         server_discretization_release(coldest);
     }
 }
-
-/* --- building --------------------------------------------------------------------------------- */
 
 struct limit_mesh_build {
     const struct server_discretization_request *request;
@@ -96,21 +94,6 @@ static enum gd_status level_build(struct server_discretizations *owner,
     return GD_OK;
 }
 
-/* --- finding ---------------------------------------------------------------------------------- */
-
-/* Waits a few milliseconds at most, under the lock. */
-static void level_wait(struct server_discretizations *owner)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_nsec += LOOK_NS;
-    if (until.tv_nsec >= 1000000000) {
-        until.tv_nsec -= 1000000000;
-        until.tv_sec++;
-    }
-    pthread_cond_clockwait(&owner->build_ended, &owner->lock, CLOCK_MONOTONIC, &until);
-}
-
 /* Finds the level, or claims its build (NULL). False: another request still builds it. */
 static bool level_find_or_claim(struct server_discretizations *owner,
                                 const struct server_discretization_request *request,
@@ -119,7 +102,8 @@ static bool level_find_or_claim(struct server_discretizations *owner,
     bool *is_building = &request->slot->is_building[request->level];
     struct server_discretization *kept = NULL;
     pthread_mutex_lock(&owner->lock);
-    if (*is_building) level_wait(owner);
+    if (*is_building)
+        server_condition_wait(&owner->build_ended, &owner->lock, gd_now_ns() + LOOK_NS);
     bool is_settled = !*is_building;
     if (is_settled) kept = request->slot->levels[request->level];
     if (kept) {
@@ -176,8 +160,6 @@ void server_discretization_slot_close(struct server_discretization_slot *slot)
     for (uint32_t level = 0; level <= GD_LIMIT_LEVEL_MOST; level++)
         server_discretization_release(kept[level]);
 }
-
-/* --- life ------------------------------------------------------------------------------------- */
 
 struct server_discretizations *server_discretizations_create(struct server_workspaces *workspaces,
                                                              uint32_t max_faces)

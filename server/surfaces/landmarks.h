@@ -5,14 +5,13 @@
  *     server_landmark_set_release(set);
  *
  * DESIGN. A surface has a *slot*. The first search that finds it empty submits a background job
- * (workers.h), which reads the landmarks from the field store, or builds and stores them, and puts
- * them into the slot. Searches go on without them meanwhile.
+ * (workers.h), which reads the landmarks from the field store, or builds and stores them. Searches
+ * go on without them meanwhile.
  *
  * Memory: the job uses only free memory. A set is SERVER_BUDGET_LANDMARKS until the last search
  * that uses it has ended. Under pressure a job that waits or runs is ended, and sets go, the least
  * recently used first: before fields and meshes, since a rebuild is cheapest. A slot that lost its
- * set pauses for many times what the set cost, so that a full daemon does not spend its idle time
- * on rebuilds.
+ * set pauses for many times what the set cost.
  *
  * Time: the job yields while it computes, but not while it reads, hashes and writes the file (64
  * bytes a vertex for 16 landmarks): this keeps its worker for milliseconds, once a mesh and start.
@@ -22,11 +21,13 @@
 #ifndef SERVER_SURFACES_LANDMARKS_H
 #define SERVER_SURFACES_LANDMARKS_H
 
+#include <sys/queue.h>
+
 #include "gd/landmarks.h"
-#include "server/surfaces/landmark_slot.h"
 #include "server/work/budgeted_call.h"
 
 struct server_field_store;
+struct server_job;
 struct server_metrics;
 struct server_registry;
 struct server_surface;
@@ -39,6 +40,21 @@ struct server_landmark_set {
     size_t bytes;
 };
 
+struct server_landmark_slot {                 /* of a surface; all zero is empty */
+    _Atomic(struct server_landmarks *) owner; /* NULL: no search has asked */
+    atomic_bool is_closed;
+    /* under the owner's lock: */
+    struct server_landmark_set *set;          /* NULL: empty */
+    TAILQ_ENTRY(server_landmark_slot) by_use; /* while there is a set */
+    struct server_job *waiting;               /* the job that builds the set, until it begins */
+    bool is_coming;                           /* a job builds or reads a set */
+    uint64_t cost_ns;                         /* of the last job */
+    uint64_t not_before_ns;                   /* the earliest begin of the next one */
+};
+
+/* Empties the slot for good. May be called again. */
+void server_landmark_slot_close(struct server_landmark_slot *slot);
+
 struct server_landmarks_parts { /* all borrowed */
     struct server_workers *workers;
     struct server_workspaces *workspaces;
@@ -50,9 +66,7 @@ struct server_landmarks_parts { /* all borrowed */
 
 /* Becomes a reclaimer of the workspaces' budget. NULL without memory. */
 struct server_landmarks *server_landmarks_create(const struct server_landmarks_parts *parts);
-
-/* All slots are closed and no job is left. NULL is harmless. */
-void server_landmarks_destroy(struct server_landmarks *landmarks);
+void server_landmarks_destroy(struct server_landmarks *landmarks); /* NULL is harmless */
 
 /* The surface's set, to be released, or NULL: then a job is submitted, unless the mesh is small or
  * memory is short. `landmarks` NULL: there are none. Tens of nanoseconds. */

@@ -52,7 +52,7 @@ static enum server_loader_outcome load_report_damage(const struct load *load, co
         load->problem, PROTO_PROBLEM_INTERNAL,
         "the stored file of this %s is unavailable (%s); upload the %s again to replace it",
         record->kind->noun, what, record->kind->noun);
-    return SERVER_LOADER_DAMAGED;
+    return SERVER_LOADER_FAILED;
 }
 
 static enum server_loader_outcome load_fetch_part(struct load *load, enum server_part part)
@@ -68,14 +68,14 @@ static enum server_loader_outcome load_fetch_part(struct load *load, enum server
                    : SERVER_LOADER_GONE;
     case SERVER_STORE_NO_MEMORY:
         server_build_refuse(&load->builder, load->record, GD_BUDGET, NULL, load->problem);
-        return SERVER_LOADER_NO_MEMORY;
+        return SERVER_LOADER_FAILED;
     case SERVER_STORE_UNAVAILABLE:
         (void)proto_problem_set(load->problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
                                 "the %s is not in memory, and the database that has it does not "
                                 "answer; try again in a moment",
                                 load->record->kind->noun);
         load->problem->retry_after = 1;
-        return SERVER_LOADER_UNAVAILABLE;
+        return SERVER_LOADER_FAILED;
     case SERVER_STORE_DAMAGED:
         return load_report_damage(load, "it is damaged: its SHA-256 is another one");
     default:
@@ -90,7 +90,7 @@ static enum server_loader_outcome load_fetch(struct load *load)
     struct server_object object;
     size_t bytes = (size_t)(record->size + record->attachment_size);
     if (server_build_take(&load->builder, record, bytes, load->problem))
-        return SERVER_LOADER_NO_MEMORY;
+        return SERVER_LOADER_FAILED;
     load->held = bytes;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
         if (server_record_object(record, part, &object)) outcome = load_fetch_part(load, part);
@@ -100,31 +100,23 @@ static enum server_loader_outcome load_fetch(struct load *load)
 /* Builds the surface, which takes over the attachment. */
 static enum server_loader_outcome load_build(struct load *load, struct server_surface **out)
 {
-    struct proto_problem refusal;
+    struct proto_problem *problem = load->problem;
     void **attachment = &load->parts[SERVER_PART_ATTACHMENT];
-    switch (server_build_surface(&load->builder, load->record, load->parts[SERVER_PART_FILE], out,
-                                 &refusal)) {
-    case GD_OK:
-        if (!*attachment) return SERVER_LOADER_LOADED;
-        server_surface_attach(*out, *attachment);
-        *attachment = NULL;
-        load->held -= (size_t)load->record->attachment_size;
-        return SERVER_LOADER_LOADED;
-    case GD_BUDGET:
-    case GD_NO_MEMORY:
-        *load->problem = refusal;
-        return SERVER_LOADER_NO_MEMORY;
-    case GD_DEADLINE:
-    case GD_CANCELLED:
-        *load->problem = refusal;
-        return SERVER_LOADER_ENDED;
-    default:
-        *load->problem = refusal;
+    enum gd_status status = server_build_surface(&load->builder, load->record,
+                                                 load->parts[SERVER_PART_FILE], out, problem);
+    if (status == GD_BUDGET || status == GD_NO_MEMORY || status == GD_DEADLINE ||
+        status == GD_CANCELLED)
+        return SERVER_LOADER_FAILED;
+    if (status) {
+        const struct proto_problem refusal = *problem;
         return load_report_damage(load, refusal.detail);
     }
+    if (!*attachment) return SERVER_LOADER_LOADED;
+    server_surface_attach(*out, *attachment);
+    *attachment = NULL;
+    load->held -= (size_t)load->record->attachment_size;
+    return SERVER_LOADER_LOADED;
 }
-
-/* --- loads under way -------------------------------------------------------------------------- */
 
 /* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is
  * not. */
@@ -156,7 +148,8 @@ static void load_end(struct load *load, enum server_loader_outcome outcome)
     pthread_mutex_lock(&loader->lock);
     LIST_REMOVE(load, next);
     pthread_mutex_unlock(&loader->lock);
-    if (outcome == SERVER_LOADER_NO_MEMORY) {
+    if (outcome == SERVER_LOADER_FAILED &&
+        load->problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY) {
         server_jobs_refuse(load->parked, SERVER_REFUSAL_MEMORY);
         return;
     }
@@ -213,8 +206,6 @@ void server_loader_expire(struct server_loader *loader, uint64_t now_ns)
     server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
 }
 
-/* --- the thread ------------------------------------------------------------------------------- */
-
 /* Loads the most used first, until the next one would need memory that is in use. */
 static void loader_preload_all(struct server_loader *loader)
 {
@@ -252,7 +243,6 @@ bool server_loader_preload(struct server_loader *loader)
 
 void server_loader_stop(struct server_loader *loader)
 {
-    if (!loader) return;
     server_thread_stop(loader->thread);
     loader->thread = NULL;
 }

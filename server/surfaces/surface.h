@@ -14,7 +14,7 @@
 #include "gd/mesh.h"
 #include "server/fields/cache.h"
 #include "server/store/record.h"
-#include "server/surfaces/landmark_slot.h"
+#include "server/surfaces/landmarks.h"
 
 struct server_surface {
     atomic_uint references;
