@@ -10,6 +10,7 @@
 
 #include "gd/cpu.h"
 #include "server/access/access.h"
+#include "server/base/disk.h"
 #include "server/base/thread.h"
 #include "server/jobs/batch_runner.h"
 #include "server/exchange/answer_stream.h"
@@ -31,8 +32,22 @@
 #define SPARE_MOST ((size_t)256 << 20)
 /* for the answers to leave, once there is nothing left to compute */
 #define LAST_ANSWERS_NS UINT64_C(2000000000)
-#define TICK_NS         UINT64_C(10000000)   /* the longest delay of a deadline */
-#define WATCH_NS        UINT64_C(1000000000) /* between two ticks without deferred requests */
+#define PERSIST_NS      UINT64_C(10000000000) /* for writing fields */
+#define TICK_NS         UINT64_C(10000000)    /* the longest delay of a deadline */
+#define WATCH_NS        UINT64_C(1000000000)  /* between two ticks without deferred requests */
+
+void server_surfaces_destroy(struct server_surfaces *surfaces)
+{
+    server_scrub_destroy(surfaces->scrub);
+    server_loader_destroy(surfaces->loader);
+    server_workers_destroy(surfaces->writer);
+    server_workers_destroy(surfaces->lister);
+    server_registry_destroy(surfaces->registry);
+    server_discretizations_destroy(surfaces->discretizations);
+    server_landmarks_destroy(surfaces->landmarks);
+    server_field_store_close(surfaces->field_store);
+    server_cache_destroy(surfaces->cache);
+}
 
 /* Frees what there is of a server whose HTTP side does not run. */
 static void server_destroy(struct server *server)
@@ -163,6 +178,68 @@ void server_connect(struct server *server)
     };
 }
 
+static struct server_store *open_store(const struct server_config *config, char *error,
+                                       size_t error_size)
+{
+    if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        return server_store_postgres_open(config->store_url, error, error_size);
+    return server_store_local_open(config->data_dir, error, error_size);
+}
+
+/* Beside a database the folder, if one is given, is for what can be computed again. */
+static bool open_field_store(struct server *server, char *error, size_t error_size)
+{
+    const struct server_config *config = &server->config;
+    if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        (void)server_disk_make_folder(config->data_dir);
+    struct server_field_store *store = server_field_store_open(config->data_dir, &server->budget);
+    if (store)
+        server_field_store_follow(store, server->surfaces.registry);
+    else
+        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s",
+                 config->data_dir);
+    server->surfaces.field_store = store;
+    return store != NULL;
+}
+
+static bool create_surfaces(struct server *server, char *error, size_t error_size)
+{
+    const struct server_config *config = &server->config;
+    struct server_surfaces *surfaces = &server->surfaces;
+    surfaces->cache = server_cache_create(&server->budget, server->workers);
+    surfaces->writer = server_workers_create(1, UINT32_MAX);
+    surfaces->lister = server_workers_create(1, UINT32_MAX);
+    surfaces->discretizations =
+        server_discretizations_create(server->workspaces, (uint32_t)config->max_faces);
+    if (!surfaces->cache || !surfaces->writer || !surfaces->lister || !surfaces->discretizations)
+        return false;
+    struct server_store *store = open_store(config, error, error_size);
+    if (store) surfaces->registry = server_registry_create(store, &server->budget);
+    if (!surfaces->registry || !open_field_store(server, error, error_size)) return false;
+    const struct server_landmarks_parts landmarks = {.workers = server->workers,
+                                                     .workspaces = server->workspaces,
+                                                     .metrics = server->metrics,
+                                                     .registry = surfaces->registry,
+                                                     .field_store = surfaces->field_store,
+                                                     .count = (uint32_t)config->landmarks};
+    if (config->landmarks && !(surfaces->landmarks = server_landmarks_create(&landmarks)))
+        return false;
+    surfaces->loader = server_loader_create(&(struct server_loader_parts){
+        .budget = &server->budget,
+        .workers = server->workers,
+        .cache = surfaces->cache,
+        .registry = surfaces->registry,
+        .field_store = config->persist_fields ? surfaces->field_store : NULL,
+        .max_faces = (uint32_t)config->max_faces});
+    if (!surfaces->loader || !server_loader_preload(surfaces->loader)) return false;
+    if (!config->scrub_s || !store->verify) return true;
+    surfaces->scrub = server_scrub_create(surfaces->registry, server->workers, config->scrub_s,
+                                          config->scrub_rate);
+    return surfaces->scrub != NULL;
+}
+
 static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
@@ -177,11 +254,7 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (server->workers && server->access) server_workers_share(server->workers);
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
     if (!server->workers || !server->workspaces || !server->metrics) return false;
-    const struct server_surfaces_parts parts = {.config = config,
-                                                .workers = server->workers,
-                                                .workspaces = server->workspaces,
-                                                .metrics = server->metrics};
-    if (!server_surfaces_create(&server->surfaces, &parts, error, error_size)) return false;
+    if (!create_surfaces(server, error, error_size)) return false;
     server->events = server_events_create();
     server->streams = server_answer_streams_create();
     server_connect(server);
@@ -224,8 +297,6 @@ struct server *server_start(const struct server_config *config, int listening, c
     return NULL;
 }
 
-/* --- anew ------------------------------------------------------------------------------------- */
-
 static void log_reload(const char *what, bool is_read, const char *error)
 {
     if (is_read)
@@ -261,12 +332,6 @@ static void wait_until_idle(struct server *server, uint64_t until_ns)
         pause_briefly();
 }
 
-/* After a cancel they end by themselves. */
-static void wait_for_streams(struct server *server)
-{
-    while (server_answer_streams_load(server->streams).count) pause_briefly();
-}
-
 /* Whoever asks /readyz turns elsewhere meanwhile; requests that come all the same are answered, and
  * their connections closed. */
 static void stand_aside(struct server *server)
@@ -280,10 +345,17 @@ static void stand_aside(struct server *server)
     while (nanosleep(&rest, &rest) != 0) continue;
 }
 
-static void remove_socket(const struct server_address *address)
+/* Ends the threads of loader and scrub, and stores what can be computed again. */
+static void persist(struct server *server)
 {
-    if (address->socket.ss_family == AF_UNIX)
-        unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
+    struct server_surfaces *surfaces = &server->surfaces;
+    server_scrub_destroy(surfaces->scrub);
+    surfaces->scrub = NULL;
+    server_loader_stop(surfaces->loader);
+    server_registry_note_uses(surfaces->registry);
+    if (server->config.persist_fields)
+        server_field_store_save(surfaces->field_store, surfaces->registry,
+                                gd_now_ns() + PERSIST_NS);
 }
 
 void server_stop(struct server *server)
@@ -291,7 +363,8 @@ void server_stop(struct server *server)
     stand_aside(server);
     server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way",
                        server_connections_active(server->connections));
-    remove_socket(&server->config.listen);
+    const struct sockaddr_storage *socket = &server->config.listen.socket;
+    if (socket->ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)socket)->sun_path);
     server_http_quiesce(server->http);
     server_job_table_drain(server->jobs);
     server_batch_runner_drain(server->batches);
@@ -301,9 +374,10 @@ void server_stop(struct server *server)
     while (atomic_load(&server->host.deferred) || server_workers_load(server->workers).background)
         pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
-    wait_for_streams(server); /* the library does not stop with a connection that is suspended */
+    /* after a cancel streams end; the library does not stop with a connection that is suspended */
+    while (server_answer_streams_load(server->streams).count) pause_briefly();
     server_http_stop(server->http);
-    server_surfaces_persist(&server->surfaces, server->config.persist_fields);
+    persist(server);
     server_destroy(server);
     server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
 }

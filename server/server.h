@@ -1,12 +1,5 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget,
- * workspaces, workers, metrics, surfaces (surfaces.h: cache, registry and what is kept of
- * surfaces), events, jobs, deadlines, batches, connections, http. Most parts have a lock of their
- * own, the registry three. Locks that are held together, in this order: the registry's writer lock,
- * its follower's, its slots' and the cache's; the landmarks' and the workers'. Budget and metrics
- * are atomic.
- *
  * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections,
  * all else goes on) -> draining (no new connections) -> at the drain deadline workers are cancelled
  * -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are
@@ -21,7 +14,10 @@
 #include "server/config/config.h"
 #include "server/query/api.h"
 #include "server/exchange/metrics.h"
-#include "server/surfaces/surfaces.h"
+#include "server/surfaces/discretizations.h"
+#include "server/surfaces/landmarks.h"
+#include "server/surfaces/loader.h"
+#include "server/surfaces/scrub.h"
 #include "server/work/workers.h"
 #include "server/work/budgeted_call.h"
 
@@ -34,6 +30,18 @@ struct server_http;
 struct server_job_table;
 struct server_thread;
 struct server_tls;
+
+/* The registry and all that is kept of surfaces. */
+struct server_surfaces {
+    struct server_cache *cache;
+    struct server_registry *registry;
+    struct server_workers *writer, *lister; /* one thread each, with queues that are never full */
+    struct server_field_store *field_store; /* NULL: nothing is stored */
+    struct server_landmarks *landmarks;     /* NULL: there are none */
+    struct server_discretizations *discretizations;
+    struct server_loader *loader;
+    struct server_scrub *scrub; /* NULL: stored files are not verified */
+};
 
 struct server {
     struct server_host host; /* what requests use */
@@ -66,6 +74,9 @@ void server_connect(struct server *server);
 /* After server_connect: creates the table of jobs and starts the thread of deadlines. False without
  * memory or thread. */
 bool server_start_jobs(struct server *server);
+
+/* After the workers were cancelled. */
+void server_surfaces_destroy(struct server_surfaces *surfaces);
 
 /* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By
  * one thread at a time. */

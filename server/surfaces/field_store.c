@@ -80,42 +80,37 @@ static void image_free(struct server_field_store *store, const struct image *ima
     server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, image->size);
 }
 
-/* Writes the name of an image: its checksum and a suffix. */
-static void image_name(const struct image *image, const char *suffix, char file[FILE_NAME])
-{
-    char sha256[SERVER_SHA256_HEX];
-    server_sha256(image->bytes, image->size, sha256);
-    snprintf(file, FILE_NAME, "%s%s", sha256, suffix);
-}
-
 /* Reads and verifies a file if there is free memory. Deletes it if it does not match its name. */
-static bool image_read(struct server_field_store *store, const char *path, const char *file,
+static bool image_read(struct server_field_store *store, const struct server_listing *file,
                        struct image *out)
 {
-    struct image image = {0};
     char sha256[SERVER_SHA256_HEX];
-    size_t size;
-    if (server_disk_size(path, &size) != SERVER_STORE_DONE) return false;
+    size_t size, read_size;
+    if (server_disk_size(file->path, &size) != SERVER_STORE_DONE) return false;
     if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, size)) return false;
-    if (server_disk_read(path, &image.bytes, &image.size) == SERVER_STORE_DONE) {
-        server_sha256(image.bytes, image.size, sha256);
-        if (image.size == size && strncmp(file, sha256, strlen(sha256)) == 0) {
-            *out = image;
-            return true;
-        }
-        file_discard(path, "its checksum is not its name");
+    *out = (struct image){.size = size};
+    if (server_disk_read(file->path, &out->bytes, &read_size) == SERVER_STORE_DONE) {
+        server_sha256(out->bytes, read_size, sha256);
+        if (read_size == size && strncmp(file->name, sha256, strlen(sha256)) == 0) return true;
+        file_discard(file->path, "its checksum is not its name");
     }
-    image.size = size;
-    image_free(store, &image);
+    image_free(store, out);
     return false;
 }
 
-static bool image_write(const char *folder, const char *file, const struct image *image)
+/* Writes an image as `<folder>/<its checksum><suffix>`, whose name is `file`, unless it is there.
+ * False: no room, or the path is too long. */
+static bool image_write(const struct image *image, const char *folder, const char *suffix,
+                        char file[FILE_NAME])
 {
-    char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
-    if (snprintf(path, sizeof path, "%s/%s", folder, file) >= SERVER_DISK_PATH ||
+    char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH], sha256[SERVER_SHA256_HEX];
+    server_sha256(image->bytes, image->size, sha256);
+    snprintf(file, FILE_NAME, "%s%s", sha256, suffix);
+    if ((mkdir(folder, 0700) < 0 && !server_disk_exists(folder)) ||
+        snprintf(path, sizeof path, "%s/%s", folder, file) >= SERVER_DISK_PATH ||
         snprintf(temporary, sizeof temporary, "%s/" TEMPORARY, folder) >= SERVER_DISK_PATH)
         return false;
+    if (server_disk_exists(path)) return true;
     FILE *stream = fopen(temporary, "wbe");
     if (!stream) return false;
     bool is_written = fwrite(image->bytes, 1, image->size, stream) == image->size;
@@ -123,11 +118,6 @@ static bool image_write(const char *folder, const char *file, const struct image
     if (is_written && rename(temporary, path) == 0) return true;
     unlink(temporary);
     return false;
-}
-
-static bool folder_make(const char *folder)
-{
-    return mkdir(folder, 0700) == 0 || server_disk_exists(folder);
 }
 
 /* --- surfaces that are gone ------------------------------------------------------------------- */
@@ -173,7 +163,7 @@ static bool field_restore(struct server_field_store *store, struct server_surfac
 {
     struct gd_field *field;
     struct image image;
-    if (!image_read(store, file->path, file->name, &image)) return false;
+    if (!image_read(store, file, &image)) return false;
     enum gd_status status = gd_field_open_image(surface->mesh, image.bytes, image.size, free,
                                                 image.bytes, &field, NULL);
     if (status) {
@@ -213,25 +203,18 @@ struct saving {
     struct server_field_store *store;
     uint64_t until_ns;
     struct server_names kept; /* files */
-    uint32_t written;
-    bool is_over; /* no more time or room */
+    bool is_over;             /* no more time or room */
 };
 
 static void field_save(struct saving *saving, const char *folder, const struct gd_field *field)
 {
     struct image image = {.size = gd_field_image_size(field)};
-    char file[FILE_NAME], path[SERVER_DISK_PATH];
+    char file[FILE_NAME];
     saving->is_over |= gd_now_ns() >= saving->until_ns;
     if (saving->is_over || !(image.bytes = malloc(image.size))) return;
     gd_field_write_image(field, image.bytes);
-    image_name(&image, FIELD, file);
-    if (snprintf(path, sizeof path, "%s/%s", folder, file) < SERVER_DISK_PATH) {
-        if (!server_disk_exists(path)) {
-            saving->is_over |= !image_write(folder, file, &image);
-            saving->written += !saving->is_over;
-        }
-        server_names_add(&saving->kept, file);
-    }
+    saving->is_over = !image_write(&image, folder, FIELD, file);
+    if (!saving->is_over) server_names_add(&saving->kept, file);
     free(image.bytes);
 }
 
@@ -240,7 +223,6 @@ static void surface_save(struct saving *saving, const struct server_surface *sur
     const struct folder folder = folder_of(saving->store, surface->record);
     uint32_t count;
     const struct server_cached **pinned = server_mesh_cache_pin_points(surface->fields, &count);
-    if (count && !folder_make(folder.path)) saving->is_over = true;
     for (uint32_t i = 0; i < count; i++) {
         field_save(saving, folder.path, pinned[i]->field);
         server_cache_unpin(pinned[i]);
@@ -269,7 +251,7 @@ void server_field_store_save(struct server_field_store *store, struct server_reg
     while (!saving.kept.is_incomplete && !saving.is_over && server_registry_next(registry, &listed))
         if (listed.surface) surface_sweep(&saving, listed.surface);
     server_log_message(saving.is_over ? SERVER_LOG_WARN : SERVER_LOG_INFO, "fields_saved",
-                       "%u fields written, %zu in all%s", saving.written, saving.kept.count,
+                       "%zu fields are stored%s", saving.kept.count,
                        saving.is_over ? "; there was no more time or room" : "");
     server_names_free(&saving.kept);
 }
@@ -284,8 +266,7 @@ struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store
     struct gd_landmarks *found = NULL, *landmarks;
     struct image image;
     while (server_listing_next(&files)) {
-        if (found || !file_has_suffix(files.name, LANDMARKS) ||
-            !image_read(store, files.path, files.name, &image))
+        if (found || !file_has_suffix(files.name, LANDMARKS) || !image_read(store, &files, &image))
             continue;
         enum gd_status status =
             gd_landmarks_open_image(surface->mesh, image.bytes, image.size, &landmarks);
@@ -314,11 +295,10 @@ void server_field_store_write_landmarks(struct server_field_store *store,
     image.bytes = malloc(image.size);
     if (image.bytes) {
         gd_landmarks_write_image(landmarks, image.bytes);
-        image_name(&image, LANDMARKS, file);
         struct server_listing older = server_disk_list(folder.path);
         while (server_listing_next(&older))
             if (file_has_suffix(older.name, LANDMARKS)) unlink(older.path);
-        if (!folder_make(folder.path) || !image_write(folder.path, file, &image))
+        if (!image_write(&image, folder.path, LANDMARKS, file))
             server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written",
                                folder.path);
         if (!server_registry_holds(registry, surface->record->etag)) folder_remove(folder.path);
