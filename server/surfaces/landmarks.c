@@ -6,7 +6,6 @@
 
 #include "server/exchange/metrics.h"
 #include "server/surfaces/field_store.h"
-#include "server/surfaces/surface.h"
 
 #define LEAST_FACES    2000 /* smaller meshes are searched in less than a tenth of a millisecond */
 #define BYTES_AN_EDGE  256  /* of a build: 60 to 160, see doc/003 */

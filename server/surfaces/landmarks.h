@@ -21,16 +21,13 @@
 #ifndef SERVER_SURFACES_LANDMARKS_H
 #define SERVER_SURFACES_LANDMARKS_H
 
-#include <sys/queue.h>
-
 #include "gd/landmarks.h"
+#include "server/surfaces/surface.h"
 #include "server/work/budgeted_call.h"
 
 struct server_field_store;
-struct server_job;
 struct server_metrics;
 struct server_registry;
-struct server_surface;
 struct server_workers;
 
 struct server_landmark_set {
@@ -39,21 +36,6 @@ struct server_landmark_set {
     struct server_budget *budget;
     size_t bytes;
 };
-
-struct server_landmark_slot {                 /* of a surface; all zero is empty */
-    _Atomic(struct server_landmarks *) owner; /* NULL: no search has asked */
-    atomic_bool is_closed;
-    /* under the owner's lock: */
-    struct server_landmark_set *set;          /* NULL: empty */
-    TAILQ_ENTRY(server_landmark_slot) by_use; /* while there is a set */
-    struct server_job *waiting;               /* the job that builds the set, until it begins */
-    bool is_coming;                           /* a job builds or reads a set */
-    uint64_t cost_ns;                         /* of the last job */
-    uint64_t not_before_ns;                   /* the earliest begin of the next one */
-};
-
-/* Empties the slot for good. May be called again. */
-void server_landmark_slot_close(struct server_landmark_slot *slot);
 
 struct server_landmarks_parts { /* all borrowed */
     struct server_workers *workers;

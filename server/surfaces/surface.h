@@ -9,12 +9,31 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <sys/queue.h>
 
 #include "gd/control.h"
 #include "gd/mesh.h"
 #include "server/fields/cache.h"
 #include "server/store/record.h"
-#include "server/surfaces/landmarks.h"
+
+struct server_job;
+struct server_landmarks;
+struct server_landmark_set;
+
+struct server_landmark_slot {                 /* see landmarks.h; all zero is empty */
+    _Atomic(struct server_landmarks *) owner; /* NULL: no search has asked */
+    atomic_bool is_closed;
+    /* under the owner's lock: */
+    struct server_landmark_set *set;          /* NULL: empty */
+    TAILQ_ENTRY(server_landmark_slot) by_use; /* while there is a set */
+    struct server_job *waiting;               /* the job that builds the set, until it begins */
+    bool is_coming;                           /* a job builds or reads a set */
+    uint64_t cost_ns;                         /* of the last job */
+    uint64_t not_before_ns;                   /* the earliest begin of the next one */
+};
+
+/* Empties the slot for good. May be called again. */
+void server_landmark_slot_close(struct server_landmark_slot *slot);
 
 struct server_surface {
     atomic_uint references;
