@@ -30,8 +30,6 @@ struct server_registry *server_registry_create(struct server_store *store,
                                                struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
 
-/* --- writing ---------------------------------------------------------------------------------- */
-
 /* Has `gone` called, without any lock, when a record has left and no other has its ETag. Before the
  * first change. */
 void server_registry_watch(struct server_registry *registry,
@@ -51,8 +49,6 @@ enum server_store_outcome server_registry_put(struct server_registry *registry,
 enum server_store_outcome server_registry_remove(struct server_registry *registry,
                                                  const struct server_key *key,
                                                  const struct server_precondition *precondition);
-
-/* --- reading ---------------------------------------------------------------------------------- */
 
 struct server_listed {
     struct server_record *record;
@@ -86,8 +82,6 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
  * A loop that ends before releases `listed`. It may release listed.surface and set it to NULL. */
 bool server_registry_next(struct server_registry *registry, struct server_listed *listed);
 
-/* --- a shared store --------------------------------------------------------------------------- */
-
 /* True when other daemons write to the store, too. */
 bool server_registry_is_shared(const struct server_registry *registry);
 
@@ -104,8 +98,6 @@ enum server_store_outcome server_registry_follow(struct server_registry *registr
  * afterwards. */
 bool server_registry_is_current(struct server_registry *registry,
                                 const struct server_record *record);
-
-/* --- loading ---------------------------------------------------------------------------------- */
 
 /* The store that the registry owns, to fetch from and to verify (store.h). */
 struct server_store *server_registry_store(const struct server_registry *registry);

@@ -59,8 +59,6 @@ void server_surface_retire(struct server_surface *surface)
     server_landmark_slot_close(&surface->landmarks);
 }
 
-/* --- building --------------------------------------------------------------------------------- */
-
 #define NOUN 64
 
 /* Sets the problem that the budget has no room for the record's surface; GD_BUDGET. */

@@ -66,8 +66,6 @@ void server_surface_release(struct server_surface *surface); /* NULL is harmless
 /* Drops the surface's fields and landmarks for good, when it leaves the registry. */
 void server_surface_retire(struct server_surface *surface);
 
-/* --- building --------------------------------------------------------------------------------- */
-
 struct server_builder { /* all borrowed */
     struct server_budget *budget;
     struct server_cache *cache;

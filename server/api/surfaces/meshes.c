@@ -1,26 +1,26 @@
 /* Meshes: their file and their boundaries, besides what all surfaces have (surfaces.c). */
 #include "server/query/handlers.h"
 
-#include <stdlib.h>
-
 #include "gd/io.h"
 #include "proto/http/page.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
 
-/* --- content ---------------------------------------------------------------------------------- */
-
-struct content {
-    struct server_surface *surface;
-    enum gd_format format;
-};
-
-static void content_free(void *state)
+static void content_free(void *surface)
 {
-    struct content *content = state;
-    server_surface_release(content->surface);
-    free(content);
+    server_surface_release(surface);
+}
+
+/* Replies with a problem if the request asks for no format. */
+static bool content_read_format(struct server_exchange *exchange, enum gd_format *format)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    const char *accept = server_exchange_header(exchange, "Accept");
+    struct proto_problem problem;
+    if (proto_mesh_content_format(&parameters, accept, format, &problem)) return true;
+    server_reply_problem(exchange, &problem);
+    return false;
 }
 
 /* Upper bound of the bytes of polygons and text together: a double has at most 25 characters, an
@@ -32,31 +32,33 @@ static size_t content_cost(const struct gd_mesh *mesh)
            4096;
 }
 
-static enum gd_status content_write(const struct content *content, char **bytes, size_t *size)
+static enum gd_status content_write(const struct gd_mesh *mesh, enum gd_format format, char **bytes,
+                                    size_t *size)
 {
     struct gd_polygons polygons;
-    enum gd_status status = gd_mesh_polygons(content->surface->mesh, &polygons);
+    enum gd_status status = gd_mesh_polygons(mesh, &polygons);
     if (status) return status;
-    status = gd_write_polygons(&polygons, content->format, bytes, size);
+    status = gd_write_polygons(&polygons, format, bytes, size);
     gd_polygons_free(&polygons);
     return status;
 }
 
 static bool content_send(struct server_exchange *exchange)
 {
-    const struct content *content = exchange->state;
-    const struct server_record *record = content->surface->record;
+    const struct server_surface *surface = exchange->state;
     struct server_budget *budget = exchange->host->budget;
-    size_t cost = content_cost(content->surface->mesh), size;
+    size_t cost = content_cost(surface->mesh), size;
     struct proto_problem problem;
+    enum gd_format format;
     char *bytes;
+    if (!content_read_format(exchange, &format)) return true;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost)) {
         server_budget_refuse(budget, "the file", cost, &problem);
         server_reply_problem(exchange, &problem);
         return true;
     }
     exchange->held = cost;
-    enum gd_status status = content_write(content, &bytes, &size);
+    enum gd_status status = content_write(surface->mesh, format, &bytes, &size);
     if (status) {
         proto_problem_from_status(&problem, status, NULL);
         server_reply_problem(exchange, &problem);
@@ -64,11 +66,11 @@ static bool content_send(struct server_exchange *exchange)
     }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
-    server_reply_tag(exchange, record->etag, gd_format_name(content->format));
+    server_reply_tag(exchange, surface->record->etag, gd_format_name(format));
     server_reply_header(exchange, "Vary", "Accept");
     server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
-                        record->name, gd_format_name(content->format));
-    server_reply_bytes(exchange, 200, gd_format_media_type(content->format), bytes, size);
+                        surface->record->name, gd_format_name(format));
+    server_reply_bytes(exchange, 200, gd_format_media_type(format), bytes, size);
     return true;
 }
 
@@ -93,29 +95,13 @@ static bool content_is_known(struct server_exchange *exchange, enum gd_format fo
 
 void server_handle_get_mesh_content(struct server_exchange *exchange)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
     enum gd_format format;
-    if (!proto_mesh_content_format(&parameters, server_exchange_header(exchange, "Accept"), &format,
-                                   &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
-    if (content_is_known(exchange, format)) return;
+    if (!content_read_format(exchange, &format) || content_is_known(exchange, format)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
-    struct content *content = malloc(sizeof *content);
-    if (!content) {
-        server_surface_release(surface);
-        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        return;
-    }
-    *content = (struct content){surface, format};
-    server_exchange_keep(exchange, content, content_free);
+    server_exchange_keep(exchange, surface, content_free);
     server_exchange_defer(exchange, content_send, NULL);
 }
-
-/* --- boundaries ------------------------------------------------------------------------------- */
 
 void server_handle_list_boundaries(struct server_exchange *exchange)
 {

@@ -41,8 +41,6 @@ static void picture_release(struct server_query *query)
     proto_picture_free(&picture->wanted);
 }
 
-/* --- the question ----------------------------------------------------------------------------- */
-
 static bool picture_parse(struct server_query *query, const struct proto_parameters *parameters,
                           struct proto_problem *problem)
 {
@@ -55,8 +53,6 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
     return !wanted->has_source || (proto_set_of_point(&wanted->source, &set, problem) &&
                                    server_field_query_of_set(query, &set, 0, problem));
 }
-
-/* --- the answer ------------------------------------------------------------------------------- */
 
 /* The path through the stops. */
 static bool picture_find_route(struct picture *picture, const struct server_monitor *whole,
@@ -135,8 +131,6 @@ static void picture_reply(struct server_query *query)
     query->exchange->response.policy = format->policy;
     server_reply_bytes(query->exchange, 200, format->media_type, file, picture->size);
 }
-
-/* --- the two formats -------------------------------------------------------------------------- */
 
 #define PICTURE_STEPS                                                                              \
     .size = sizeof(struct picture), .parameters = proto_picture_parameters,                        \
