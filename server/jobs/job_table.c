@@ -36,7 +36,6 @@ struct server_job_table {
     uint64_t expired_ns;
     atomic_size_t held; /* bytes of answers */
     struct usage *usages;
-    uint64_t active; /* jobs that have not ended */
     bool is_draining;
     uint64_t ended[PROTO_JOB_STATE_COUNT];
 };
@@ -111,7 +110,6 @@ static void job_end(struct server_deferred_job *job, enum proto_job_state state)
     job->state = state;
     job->ended_ns = gd_now_ns();
     job->table->ended[state]++;
-    job->table->active--;
     job->usage->active--;
 }
 
@@ -216,16 +214,18 @@ static bool table_admit(struct server_job_table *table, const struct usage *usag
                         struct proto_problem *problem)
 {
     const struct server_job_limits *limits = &table->limits;
-    uint64_t own = 0;
-    for (const struct usage *at = table->usages; at; at = at->next)
+    uint64_t own = 0, active = 0;
+    for (const struct usage *at = table->usages; at; at = at->next) {
+        active += at->active;
         if (strcmp(at->tenant, usage->tenant) == 0) own += at->active;
-    bool has_share = !limits->are_tenanted || !own || own + table->active < limits->jobs;
+    }
+    bool has_share = !limits->are_tenanted || !own || own + active < limits->jobs;
     if (has_share && (table->list.count < limits->jobs || table_evict(table, UNIT_JOBS, usage, 0)))
         return true;
     (void)proto_problem_set(
         problem, PROTO_PROBLEM_OVERLOADED,
         "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
-        (unsigned long long)(limits->are_tenanted ? own : table->active),
+        (unsigned long long)(limits->are_tenanted ? own : active),
         limits->are_tenanted ? " of yours" : "");
     problem->retry_after = 1;
     return false;
@@ -245,7 +245,6 @@ static bool table_add(struct server_job_table *table, struct server_deferred_job
     job->created = server_job_id_create(job->id);
     job->usage = usage;
     usage->active++;
-    table->active++;
     server_sorted_insert(&table->list, table->list.count, server_deferred_job_retain(job));
     return true;
 }

@@ -5,12 +5,10 @@
  *     server_discretization_release(fine);
  *
  * DESIGN. A surface has a *slot* with a place for each level. The first request that finds a level
- * missing builds it. Other requests wait in their workers and look at their deadlines every few
- * milliseconds; if the builder fails, one of them becomes the builder.
- *
- * Memory: taken before a build; a kept mesh is SERVER_BUDGET_DISCRETIZATIONS until the last request
- * that uses it has ended. Under pressure the least recently used go first, before any mesh: a
- * rebuild takes less than a second.
+ * missing builds it. Others wait in their workers and look at their deadlines every few
+ * milliseconds; if the builder fails, one of them becomes the builder. A kept mesh is
+ * SERVER_BUDGET_DISCRETIZATIONS until the last request that uses it has ended. Under pressure the
+ * least recently used go first, before any mesh: a rebuild takes less than a second.
  *
  * One mutex guards slots and their order. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_DISCRETIZATIONS_H

@@ -2,14 +2,13 @@
  * when they are built, and cached fields, written when the daemon stops and read when their mesh is
  * loaded.
  *
- *     fields/<version>-<etag>/<sha256>.field        the image of a field (gd/field.h); the name is
- *                                                   its checksum
- *     fields/<version>-<etag>/<sha256>.landmarks    the same of landmarks (gd/landmarks.h); one
+ *     fields/<version>-<etag>/<sha256>.field        the image of a field (gd/field.h)
+ *     fields/<version>-<etag>/<sha256>.landmarks    the image of landmarks (gd/landmarks.h); one
  *
- * All files can be computed again: so nothing is synced, and a file that does not match its name,
- * or is of another version or of a mesh that is gone, is deleted; one that can't be read at the
- * moment stays. Files are read, not mapped: a page that the disk can't deliver would end the
- * process. Thread-safe but for server_field_store_save, which is called when nothing else runs, and
+ * Nothing is synced. A file that does not match its name, or is of another version or of a mesh
+ * that is gone, is deleted; one that can't be read at the moment stays. Files are read, not mapped:
+ * a page that the disk can't deliver would end the process. Thread-safe but for
+ * server_field_store_save, which is called when nothing else runs, and
  * server_field_store_write_landmarks, which one thread calls at a time. */
 #ifndef SERVER_SURFACES_FIELD_STORE_H
 #define SERVER_SURFACES_FIELD_STORE_H

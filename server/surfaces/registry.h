@@ -36,16 +36,15 @@ void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record),
                            void *user);
 
-/* Both wait for the disk. Puts a surface under its record's key, durably, with its attachment and `bytes`, the file that it
- * was made from (borrowed): CREATED or REPLACED. If the key has this record already, the surface is
- * kept in memory and its stored bytes are repaired if need be: REPLACED. Without a precondition
- * (NULL) only that is done, and ABSENT means that the key has another record or none. Else
- * PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY, UNAVAILABLE. */
+/* Both wait for the disk. put stores a surface under its record's key, durably, with its attachment
+ * and `bytes`, the file that it was made from (borrowed): CREATED or REPLACED. If the key has this
+ * record already, the surface is kept in memory and its stored bytes are repaired if need be:
+ * REPLACED. Without a precondition (NULL) only that is done, and ABSENT means that the key has
+ * another record or none. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY, UNAVAILABLE;
+ * remove: DONE, ABSENT or one of these. */
 enum server_store_outcome server_registry_put(struct server_registry *registry,
                                               struct server_surface *surface, const void *bytes,
                                               const struct server_precondition *precondition);
-
-/* DONE, ABSENT, PRECONDITION, FULL, REFUSED, READ_ONLY, UNAVAILABLE. */
 enum server_store_outcome server_registry_remove(struct server_registry *registry,
                                                  const struct server_key *key,
                                                  const struct server_precondition *precondition);
@@ -68,9 +67,8 @@ bool server_registry_find(struct server_registry *registry, const struct server_
 bool server_registry_use(struct server_registry *registry, const struct server_key *key,
                          struct server_surface **out);
 
-/* Up to `most` surfaces of the tenant and kind of `after`, with names after its name (NULL: from
- * the first) that begin with `prefix` (NULL: any), in byte order, each retained; returns how many.
- */
+/* Up to `most` surfaces of the tenant and kind of `after`, with names after its name (NULL: all)
+ * that begin with `prefix` (NULL: any), in byte order, each retained; returns how many. */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               const char *prefix, uint32_t most, struct server_listed *out);
 

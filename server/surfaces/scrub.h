@@ -1,8 +1,6 @@
-/* Scrub: a thread that reads all stored files, one after the other, to find damage while a backup
- * may still have the file.
- *
- * It reads at the configured rate at most, and hardly at all while requests are at work. A damaged
- * file is logged and goes into quarantine (store.h); an upload of the same bytes repairs it. */
+/* Scrub: a thread that reads all stored files, at the configured rate at most and hardly at all
+ * while requests are at work, to find damage while a backup may still have the file. A damaged file
+ * is logged and goes into quarantine (store.h); an upload of the same bytes repairs it. */
 #ifndef SERVER_SURFACES_SCRUB_H
 #define SERVER_SURFACES_SCRUB_H
 

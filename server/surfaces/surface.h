@@ -50,8 +50,7 @@ struct server_surface {
 };
 
 /* Takes over the object, which is of the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT, and
- * retains the record. Budget and cache are borrowed. The caller has one reference. NULL without
- * memory: object and bytes stay the caller's. */
+ * retains the record. NULL without memory: object and bytes stay the caller's. */
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
@@ -74,20 +73,18 @@ struct server_builder { /* all borrowed */
 };
 
 /* Builds the surface of a record, without its attachment, from the record->size bytes of its file.
- * The caller has one reference. On failure a status and a problem; GD_BUDGET: over the budget. */
+ * On failure a status and a problem; GD_BUDGET: over the budget. */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
                                                 struct server_record *record, const void *bytes,
                                                 struct server_surface **out,
                                                 struct proto_problem *problem);
 
-/* For kinds: takes bytes for the record's surface from SERVER_BUDGET_FLIGHT. GD_BUDGET with the
- * problem. */
+/* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. GD_BUDGET with the problem. */
 GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder,
                                              const struct server_record *record, size_t bytes,
                                              struct proto_problem *problem);
 
-/* For kinds: sets the problem of a status of the engine, with the limit that was passed; returns
- * the status. `detail` may be NULL. */
+/* For kinds: sets the problem of a status of the engine; `detail` may be NULL. The status. */
 enum gd_status server_build_refuse(const struct server_builder *builder,
                                    const struct server_record *record, enum gd_status status,
                                    const struct gd_detail *detail, struct proto_problem *problem);
