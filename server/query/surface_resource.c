@@ -36,9 +36,12 @@ struct server_surface *server_surface_resource_build(struct server_exchange *exc
     const struct server_builder builder = {.budget = host->budget,
                                            .cache = host->api->cache,
                                            .max_faces = (uint32_t)host->api->config->max_faces,
-                                           .control = server_exchange_control(&monitor)};
+                                           .control = server_exchange_control(&monitor),
+                                           .record = record,
+                                           .bytes = bytes,
+                                           .problem = problem};
     struct server_surface *surface;
-    if (server_build_surface(&builder, record, bytes, &surface, problem)) {
+    if (server_build_surface(&builder, &surface)) {
         if (attachment)
             server_budget_give(host->budget, SERVER_BUDGET_FLIGHT, (size_t)record->attachment_size);
         free(attachment);

@@ -43,12 +43,10 @@ struct server_kind {
     bool (*read_options)(const struct proto_parameters *parameters, const struct server_file *file,
                          char text[SERVER_OPTIONS], struct proto_problem *problem);
 
-    /* Builds the object from record->size bytes and record->options. Takes memory from the
+    /* Builds the object from the builder's bytes and record->options. Takes memory from the
      * builder's budget before use and leaves `out->size` bytes of it, which the object holds, in
      * SERVER_BUDGET_FLIGHT. On failure a status and a problem (surface.h). */
-    enum gd_status (*build)(const struct server_builder *builder,
-                            const struct server_record *record, const void *bytes,
-                            struct server_built *out, struct proto_problem *problem);
+    enum gd_status (*build)(const struct server_builder *builder, struct server_built *out);
     void (*release)(void *object);
 
     /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */

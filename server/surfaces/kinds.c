@@ -22,85 +22,104 @@ __attribute__((weak)) const struct server_kind *const server_kinds[] = {
 
 struct build {
     const struct server_builder *builder;
-    const struct server_record *record;
-    const void *bytes; /* the file */
-    struct proto_problem *problem;
     bool is_refused; /* the problem is set */
     struct gd_detail detail;
-    const struct step *step; /* under way */
-    size_t held;             /* bytes of SERVER_BUDGET_FLIGHT */
+    bool is_read;
+    double begun, share; /* the step under way is the part [begun, begun + share] of the work */
+    size_t held;         /* bytes of SERVER_BUDGET_FLIGHT */
+    struct proto_mesh_options mesh_options;
+    struct proto_subdivision_options subdivision_options;
+    struct gd_control_mesh file; /* as it was read; of a mesh, its polygons */
+    enum gd_scheme scheme;
+    void *object; /* NULL: there is none yet */
 };
 
-struct step {
-    /* Sets `*kept` to the bytes that the result holds. */
-    enum gd_status (*run)(struct build *build, const struct gd_control *control, size_t *kept);
-    double begun, share; /* it is the part [begun, begun + share] of the work */
-    bool is_bounded;     /* `run` may need more than its cost, and stops there */
-};
+/* Sets `*kept` to the bytes that the result holds. */
+typedef enum gd_status step(struct build *build, const struct gd_control *control, size_t *kept);
 
 static bool build_progress(void *user, double fraction)
 {
     const struct build *build = user;
     const struct gd_control *whole = &build->builder->control;
-    const struct step *step = build->step;
-    return !whole->progress || whole->progress(whole->user, step->begun + step->share * fraction);
+    return !whole->progress || whole->progress(whole->user, build->begun + build->share * fraction);
 }
 
-/* Runs a step in `cost` bytes. */
-static enum gd_status step_run(struct build *build, const struct step *step, size_t cost)
+/* Runs a step in `cost` bytes. One that does not read may need more, and stops there. */
+static enum gd_status step_run(struct build *build, step *run, size_t cost)
 {
     const struct server_builder *builder = build->builder;
-    const struct gd_control control = {.budget_bytes = step->is_bounded ? cost : 0,
+    const struct gd_control control = {.budget_bytes = build->is_read ? cost : 0,
                                        .deadline_ns = builder->control.deadline_ns,
                                        .progress = build_progress,
                                        .user = build};
     size_t kept = 0;
-    enum gd_status status = server_build_take(builder, build->record, cost, build->problem);
+    enum gd_status status = server_build_take(builder, cost);
     build->is_refused = status != GD_OK;
     if (status) return status;
-    build->step = step;
-    status = step->run(build, &control, &kept);
+    status = run(build, &control, &kept);
     server_budget_adjust(builder->budget, SERVER_BUDGET_FLIGHT, cost, kept);
     build->held += kept;
     return status;
 }
 
 /* Repeats a step with more memory while that was too little and more can be had. */
-static enum gd_status step_run_growing(struct build *build, const struct step *step, size_t cost)
+static enum gd_status step_run_growing(struct build *build, step *run, size_t cost)
 {
-    enum gd_status status = step_run(build, step, cost);
-    while (status == GD_BUDGET && !build->is_refused)
-        status = step_run(build, step, cost *= GROWTH);
+    enum gd_status status = step_run(build, run, cost);
+    while (status == GD_BUDGET && !build->is_refused) status = step_run(build, run, cost *= GROWTH);
     return status;
+}
+
+/* Runs the step that reads the file, which takes that share of the time. */
+static enum gd_status build_read(struct build *build, step *run, size_t cost, double share)
+{
+    build->share = share;
+    enum gd_status status = step_run(build, run, cost);
+    build->is_read = true;
+    build->begun = share;
+    build->share = 1 - share;
+    return status;
+}
+
+/* Allocates an object, all zero. */
+static enum gd_status object_create(struct build *build, size_t size)
+{
+    enum gd_status status = server_build_take(build->builder, size);
+    build->is_refused = status != GD_OK;
+    if (status) return status;
+    build->held = size;
+    build->object = calloc(1, size);
+    return build->object ? GD_OK : GD_NO_MEMORY;
+}
+
+static size_t file_size(const struct gd_control_mesh *file)
+{
+    const struct gd_polygons *polygons = &file->polygons;
+    size_t first = polygons->first ? polygons->polygon_count + (size_t)1 : 0;
+    return polygons->position_count * sizeof *polygons->positions +
+           (gd_polygons_corner_count(polygons) + first) * sizeof *polygons->corners +
+           file->crease_count * sizeof *file->creases + file->corner_count * sizeof *file->corners;
 }
 
 /* Leaves the bytes of the object in SERVER_BUDGET_FLIGHT, if there is one, and gives the rest
  * back. */
-static enum gd_status build_end(struct build *build, enum gd_status status, size_t object_size)
+static enum gd_status build_end(struct build *build, enum gd_status status,
+                                struct server_built *out)
 {
-    server_budget_give(build->builder->budget, SERVER_BUDGET_FLIGHT,
-                       build->held - (status ? 0 : object_size));
-    return status && !build->is_refused ? server_build_refuse(build->builder, build->record, status,
-                                                              &build->detail, build->problem)
+    const struct server_builder *builder = build->builder;
+    *out = (struct server_built){build->object, status ? 0 : build->held - file_size(&build->file)};
+    gd_control_mesh_free(&build->file);
+    if (status) builder->record->kind->release(build->object);
+    server_budget_give(builder->budget, SERVER_BUDGET_FLIGHT, build->held - out->size);
+    return status && !build->is_refused ? server_build_refuse(builder, status, &build->detail)
                                         : status;
-}
-
-/* Allocates an object of `size` bytes, all zero, and takes them from the budget; or NULL. */
-static void *object_create(struct build *build, size_t size, enum gd_status *status)
-{
-    void *object = calloc(1, size);
-    *status = object ? server_build_take(build->builder, build->record, size, build->problem)
-                     : GD_NO_MEMORY;
-    build->is_refused = *status == GD_BUDGET;
-    if (!*status) build->held = size;
-    return object;
 }
 
 /* The status of a problem that proto has set. */
 static enum gd_status read_status(struct build *build)
 {
     build->is_refused = true;
-    switch (build->problem->code) {
+    switch (build->builder->problem->code) {
     case PROTO_PROBLEM_INSUFFICIENT_MEMORY:
         return GD_NO_MEMORY;
     case PROTO_PROBLEM_DEADLINE_EXCEEDED:
@@ -120,23 +139,18 @@ static struct proto_parameters options_of_record(const struct server_record *rec
     return server_options_parameters(options);
 }
 
-static size_t polygons_size(const struct gd_polygons *polygons)
+static size_t read_cost(const struct server_builder *builder, enum gd_format format)
 {
-    size_t first = polygons->first ? polygons->polygon_count + (size_t)1 : 0;
-    return polygons->position_count * sizeof *polygons->positions +
-           (gd_polygons_corner_count(polygons) + first) * sizeof *polygons->corners;
+    const struct gd_read_limits limits = {.max_faces = builder->max_faces};
+    return gd_read_cost(builder->bytes, (size_t)builder->record->size, format, &limits);
+}
+
+static size_t json_cost(const struct server_builder *builder)
+{
+    return proto_decode_cost(builder->bytes, (size_t)builder->record->size, &builder->control);
 }
 
 /* --- meshes ----------------------------------------------------------------------------------- */
-
-#define MESH_READ_SHARE 0.2 /* of the time, for OBJ */
-
-struct mesh_build {
-    struct build base; /* first */
-    struct proto_mesh_options options;
-    struct gd_polygons polygons;
-    struct gd_mesh *mesh;
-};
 
 /* Unset options are left out, so that later options do not change the ETags of others. */
 static bool mesh_read_options(const struct proto_parameters *parameters,
@@ -157,43 +171,43 @@ static bool mesh_read_options(const struct proto_parameters *parameters,
     return true;
 }
 
-static enum gd_status mesh_read_polygons(struct build *base, const struct gd_control *control,
-                                         size_t *kept)
+static enum gd_status mesh_read(struct build *build, const struct gd_control *control, size_t *kept)
 {
-    struct mesh_build *build = (struct mesh_build *)base;
-    const struct gd_read_limits limits = {base->builder->max_faces, .control = control};
+    const struct server_builder *builder = build->builder;
+    const struct gd_read_limits limits = {builder->max_faces, .control = control};
     enum gd_status status =
-        gd_read_polygons(base->bytes, (size_t)base->record->size, build->options.format, &limits,
-                         &build->polygons, &base->detail);
-    if (!status) *kept = polygons_size(&build->polygons);
+        gd_read_polygons(builder->bytes, (size_t)builder->record->size, build->mesh_options.format,
+                         &limits, &build->file.polygons, &build->detail);
+    *kept = file_size(&build->file);
     return status;
 }
 
-static enum gd_status mesh_connect(struct build *base, const struct gd_control *control,
+static enum gd_status mesh_connect(struct build *build, const struct gd_control *control,
                                    size_t *kept)
 {
-    struct mesh_build *build = (struct mesh_build *)base;
-    enum gd_status status = gd_mesh_build(&build->polygons, &build->options.build, control,
-                                          &build->mesh, &base->detail);
-    if (!status) *kept = gd_mesh_memsize(build->mesh);
-    return status;
+    struct gd_mesh *mesh;
+    enum gd_status status = gd_mesh_build(&build->file.polygons, &build->mesh_options.build,
+                                          control, &mesh, &build->detail);
+    if (status) return status;
+    build->object = mesh;
+    *kept = gd_mesh_memsize(mesh);
+    return GD_OK;
 }
 
 /* A repair copies vertices: nearly always few, at most one a corner. So the mesh is built once more
  * with the memory of the latter, or all that can be had. */
-static enum gd_status mesh_connect_growing(struct mesh_build *build)
+static enum gd_status mesh_connect_growing(struct build *build)
 {
-    static const struct step step = {mesh_connect, MESH_READ_SHARE, 1 - MESH_READ_SHARE, true};
-    uint64_t positions = build->polygons.position_count;
-    uint64_t triangles =
-        gd_polygons_corner_count(&build->polygons) - UINT64_C(2) * build->polygons.polygon_count;
+    const struct gd_polygons *polygons = &build->file.polygons;
+    uint64_t positions = polygons->position_count;
+    uint64_t triangles = gd_polygons_corner_count(polygons) - UINT64_C(2) * polygons->polygon_count;
     size_t cost = gd_mesh_build_cost(triangles, positions);
-    enum gd_status status = step_run(&build->base, &step, cost);
-    if (status != GD_BUDGET || build->base.is_refused) return status;
+    enum gd_status status = step_run(build, mesh_connect, cost);
+    if (status != GD_BUDGET || build->is_refused) return status;
     size_t most = gd_mesh_build_cost(triangles, positions + 3 * triangles);
-    size_t available = server_budget_available(build->base.builder->budget);
+    size_t available = server_budget_available(build->builder->budget);
     if (available < most) most = available;
-    return most > cost ? step_run(&build->base, &step, most) : status;
+    return most > cost ? step_run(build, mesh_connect, most) : status;
 }
 
 /* Appends the remedy, unless the engine named it. */
@@ -205,27 +219,18 @@ static void mesh_suggest_split(struct proto_problem *problem)
                  "; upload with ?repair=split to separate them");
 }
 
-static enum gd_status mesh_build(const struct server_builder *builder,
-                                 const struct server_record *record, const void *bytes,
-                                 struct server_built *out, struct proto_problem *problem)
+static enum gd_status mesh_build(const struct server_builder *builder, struct server_built *out)
 {
-    static const struct step reading = {mesh_read_polygons, 0, MESH_READ_SHARE, false};
-    struct mesh_build build = {
-        .base = {.builder = builder, .record = record, .bytes = bytes, .problem = problem},
-        .options = {.format = GD_FORMAT_ANY}};
-    const struct gd_read_limits limits = {.max_faces = builder->max_faces};
+    struct build build = {.builder = builder, .mesh_options.format = GD_FORMAT_ANY};
     struct server_options text;
-    const struct proto_parameters options = options_of_record(record, &text);
-    (void)proto_mesh_options_parse(&options, &build.options, problem);
-    enum gd_status status =
-        step_run(&build.base, &reading,
-                 gd_read_cost(bytes, (size_t)record->size, build.options.format, &limits));
+    const struct proto_parameters options = options_of_record(builder->record, &text);
+    (void)proto_mesh_options_parse(&options, &build.mesh_options, builder->problem);
+    size_t cost = read_cost(builder, build.mesh_options.format);
+    enum gd_status status = build_read(&build, mesh_read, cost, 0.2);
     if (!status) status = mesh_connect_growing(&build);
-    gd_polygons_free(&build.polygons);
-    *out = (struct server_built){build.mesh, status ? 0 : gd_mesh_memsize(build.mesh)};
-    status = build_end(&build.base, status, out->size);
+    status = build_end(&build, status, out);
     if (status == GD_NON_MANIFOLD_EDGE || status == GD_NON_MANIFOLD_VERTEX)
-        mesh_suggest_split(problem);
+        mesh_suggest_split(builder->problem);
     return status;
 }
 
@@ -262,13 +267,7 @@ const struct server_kind server_kind_mesh = {
 
 /* --- NURBS ------------------------------------------------------------------------------------ */
 
-#define NURBS_READ_SHARE   0.2
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
-
-struct nurbs_build {
-    struct build base; /* first */
-    struct server_nurbs *nurbs;
-};
 
 static bool nurbs_read_options(const struct proto_parameters *parameters,
                                const struct server_file *file, char text[SERVER_OPTIONS],
@@ -282,25 +281,27 @@ static bool nurbs_read_options(const struct proto_parameters *parameters,
     return true;
 }
 
-static enum gd_status nurbs_read(struct build *base, const struct gd_control *control, size_t *kept)
+static enum gd_status nurbs_read(struct build *build, const struct gd_control *control,
+                                 size_t *kept)
 {
-    struct server_nurbs *nurbs = ((struct nurbs_build *)base)->nurbs;
+    const struct server_builder *builder = build->builder;
+    struct server_nurbs *nurbs = build->object;
     struct proto_nurbs_options options = {0};
     struct server_options text;
-    const struct proto_parameters parameters = options_of_record(base->record, &text);
-    (void)proto_nurbs_options_parse(&parameters, &options, base->problem);
+    const struct proto_parameters parameters = options_of_record(builder->record, &text);
+    (void)proto_nurbs_options_parse(&parameters, &options, builder->problem);
     options.control = control;
-    if (!proto_nurbs_read(base->bytes, (size_t)base->record->size, &options, &nurbs->surface,
-                          &nurbs->form, base->problem))
-        return read_status(base);
+    if (!proto_nurbs_read(builder->bytes, (size_t)builder->record->size, &options, &nurbs->surface,
+                          &nurbs->form, builder->problem))
+        return read_status(build);
     *kept = gd_parametric_memsize(nurbs->surface);
     return GD_OK;
 }
 
-static enum gd_status nurbs_tessellate(struct build *base, const struct gd_control *control,
+static enum gd_status nurbs_tessellate(struct build *build, const struct gd_control *control,
                                        size_t *kept)
 {
-    struct server_nurbs *nurbs = ((struct nurbs_build *)base)->nurbs;
+    struct server_nurbs *nurbs = build->object;
     enum gd_status status =
         gd_tessellation_build(nurbs->surface, NULL, control, &nurbs->tessellation, &nurbs->detail);
     if (!status) *kept = gd_tessellation_memsize(nurbs->tessellation);
@@ -318,33 +319,23 @@ static void nurbs_release(void *object)
 
 /* A surface without tessellation (flat somewhere, or too large) is kept: it can be evaluated, and
  * operations that need the tessellation say why there is none. */
-static enum gd_status nurbs_build(const struct server_builder *builder,
-                                  const struct server_record *record, const void *bytes,
-                                  struct server_built *out, struct proto_problem *problem)
+static enum gd_status nurbs_build(const struct server_builder *builder, struct server_built *out)
 {
-    static const struct step reading = {nurbs_read, 0, NURBS_READ_SHARE, false},
-                             tessellation = {nurbs_tessellate, NURBS_READ_SHARE,
-                                             1 - NURBS_READ_SHARE, true};
-    struct nurbs_build build = {
-        .base = {.builder = builder, .record = record, .bytes = bytes, .problem = problem}};
-    enum gd_status status;
-    build.nurbs = object_create(&build.base, sizeof *build.nurbs, &status);
-    if (!status)
-        status = step_run(&build.base, &reading,
-                          proto_decode_cost(bytes, (size_t)record->size, &builder->control));
+    struct build build = {.builder = builder};
+    enum gd_status status = object_create(&build, sizeof(struct server_nurbs));
+    if (!status) status = build_read(&build, nurbs_read, json_cost(builder), 0.2);
     if (!status) {
-        status = step_run_growing(&build.base, &tessellation, TESSELLATION_BYTES);
-        build.base.detail = build.nurbs->detail;
+        struct server_nurbs *nurbs = build.object;
+        status = step_run_growing(&build, nurbs_tessellate, TESSELLATION_BYTES);
+        build.detail = nurbs->detail;
         bool is_lasting = status != GD_NO_MEMORY && status != GD_BUDGET && status != GD_CANCELLED &&
                           status != GD_DEADLINE;
         if (is_lasting) {
-            build.nurbs->refusal = status;
+            nurbs->refusal = status;
             status = GD_OK;
         }
     }
-    if (status) nurbs_release(build.nurbs);
-    *out = (struct server_built){build.nurbs, build.base.held};
-    return build_end(&build.base, status, out->size);
+    return build_end(&build, status, out);
 }
 
 static void nurbs_describe(struct proto_writer *writer, const struct server_surface *surface)
@@ -379,18 +370,9 @@ const struct server_kind server_kind_nurbs = {
 
 /* --- subdivision surfaces --------------------------------------------------------------------- */
 
-#define SUBDIVISION_READ_SHARE 0.5
-#define READ_FACTOR            33  /* bytes that reading takes at most for each byte of no JSON */
-#define BYTES_A_CORNER         400 /* that most take while the surface is built */
-#define BYTES_A_SURFACE        ((size_t)1 << 20)
-
-struct subdivision_build {
-    struct build base; /* first */
-    struct proto_subdivision_options options;
-    struct gd_control_mesh control_mesh;
-    enum gd_scheme scheme;
-    struct server_subdivision *subdivision;
-};
+#define READ_FACTOR     33  /* bytes that reading takes at most for each byte of no JSON */
+#define BYTES_A_CORNER  400 /* that most take while the surface is built */
+#define BYTES_A_SURFACE ((size_t)1 << 20)
 
 static bool subdivision_read_options(const struct proto_parameters *parameters,
                                      const struct server_file *file, char text[SERVER_OPTIONS],
@@ -409,38 +391,33 @@ static bool subdivision_read_options(const struct proto_parameters *parameters,
 }
 
 /* glTF may place a mesh many times. */
-static size_t subdivision_read_cost(const struct subdivision_build *build)
+static size_t subdivision_read_cost(const struct server_builder *builder, enum gd_format format)
 {
-    const struct gd_read_limits limits = {.max_faces = build->base.builder->max_faces};
-    size_t size = (size_t)build->base.record->size;
-    size_t placed = gd_read_cost(build->base.bytes, size, build->options.format, &limits);
-    size_t cost = build->options.format == GD_FORMAT_JSON
-                      ? proto_decode_cost(build->base.bytes, size, &build->base.builder->control)
-                      : size * READ_FACTOR;
+    size_t placed = read_cost(builder, format);
+    size_t cost =
+        format == GD_FORMAT_JSON ? json_cost(builder) : (size_t)builder->record->size * READ_FACTOR;
     return placed > cost ? placed : cost;
 }
 
-static enum gd_status subdivision_read(struct build *base, const struct gd_control *control,
+static enum gd_status subdivision_read(struct build *build, const struct gd_control *control,
                                        size_t *kept)
 {
-    struct subdivision_build *build = (struct subdivision_build *)base;
-    const struct gd_read_limits limits = {base->builder->max_faces, .control = control};
-    struct gd_control_mesh *mesh = &build->control_mesh;
-    if (!proto_subdivision_read(base->bytes, (size_t)base->record->size, &build->options, &limits,
-                                mesh, &build->scheme, base->problem))
-        return read_status(base);
-    *kept = polygons_size(&mesh->polygons) + mesh->crease_count * sizeof *mesh->creases +
-            mesh->corner_count * sizeof *mesh->corners;
+    const struct server_builder *builder = build->builder;
+    const struct gd_read_limits limits = {builder->max_faces, .control = control};
+    if (!proto_subdivision_read(builder->bytes, (size_t)builder->record->size,
+                                &build->subdivision_options, &limits, &build->file, &build->scheme,
+                                builder->problem))
+        return read_status(build);
+    *kept = file_size(&build->file);
     return GD_OK;
 }
 
-static enum gd_status subdivision_create(struct build *base, const struct gd_control *control,
+static enum gd_status subdivision_create(struct build *build, const struct gd_control *control,
                                          size_t *kept)
 {
-    struct subdivision_build *build = (struct subdivision_build *)base;
-    struct gd_subdivision **out = &build->subdivision->surface;
+    struct gd_subdivision **out = &((struct server_subdivision *)build->object)->surface;
     enum gd_status status =
-        gd_subdivision_create(&build->control_mesh, build->scheme, control, out, &base->detail);
+        gd_subdivision_create(&build->file, build->scheme, control, out, &build->detail);
     if (!status) *kept = gd_subdivision_memsize(*out);
     return status;
 }
@@ -455,36 +432,25 @@ static void subdivision_release(void *object)
 }
 
 static enum gd_status subdivision_build(const struct server_builder *builder,
-                                        const struct server_record *record, const void *bytes,
-                                        struct server_built *out, struct proto_problem *problem)
+                                        struct server_built *out)
 {
-    static const struct step reading = {subdivision_read, 0, SUBDIVISION_READ_SHARE, false},
-                             creation = {subdivision_create, SUBDIVISION_READ_SHARE,
-                                         1 - SUBDIVISION_READ_SHARE, true};
-    struct subdivision_build build = {
-        .base = {.builder = builder, .record = record, .bytes = bytes, .problem = problem},
-        .options = {.format = GD_FORMAT_ANY}};
+    struct build build = {.builder = builder, .subdivision_options.format = GD_FORMAT_ANY};
     struct server_options text;
-    const struct proto_parameters options = options_of_record(record, &text);
-    enum gd_status status;
-    (void)proto_subdivision_options_parse(&options, &build.options, problem);
-    build.subdivision = object_create(&build.base, sizeof *build.subdivision, &status);
-    if (!status) status = step_run(&build.base, &reading, subdivision_read_cost(&build));
+    const struct proto_parameters options = options_of_record(builder->record, &text);
+    (void)proto_subdivision_options_parse(&options, &build.subdivision_options, builder->problem);
+    enum gd_status status = object_create(&build, sizeof(struct server_subdivision));
+    size_t cost = subdivision_read_cost(builder, build.subdivision_options.format);
+    if (!status) status = build_read(&build, subdivision_read, cost, 0.5);
     if (!status) {
-        size_t corners = gd_polygons_corner_count(&build.control_mesh.polygons);
-        status =
-            step_run_growing(&build.base, &creation, BYTES_A_SURFACE + corners * BYTES_A_CORNER);
-        if (status && !build.base.is_refused) {
-            proto_subdivision_refuse(status, &build.base.detail, problem);
-            build.base.is_refused = true;
+        size_t corners = gd_polygons_corner_count(&build.file.polygons);
+        cost = BYTES_A_SURFACE + corners * BYTES_A_CORNER;
+        status = step_run_growing(&build, subdivision_create, cost);
+        if (status && !build.is_refused) {
+            proto_subdivision_refuse(status, &build.detail, builder->problem);
+            build.is_refused = true;
         }
     }
-    gd_control_mesh_free(&build.control_mesh);
-    size_t size = sizeof *build.subdivision;
-    if (!status) size += gd_subdivision_memsize(build.subdivision->surface);
-    if (status) subdivision_release(build.subdivision);
-    *out = (struct server_built){build.subdivision, size};
-    return build_end(&build.base, status, size);
+    return build_end(&build, status, out);
 }
 
 static void subdivision_describe(struct proto_writer *writer, const struct server_surface *surface)

@@ -23,9 +23,7 @@ struct load {
     LIST_ENTRY(load) next;
     struct server_job *parked;
     struct server_loader *loader;
-    struct server_record *record;
-    struct server_builder builder;
-    struct proto_problem *problem;
+    struct server_builder builder; /* its `bytes` are unset until they are fetched */
     void *parts[SERVER_PARTS];
     size_t held; /* by the parts, of SERVER_BUDGET_FLIGHT */
 };
@@ -40,7 +38,7 @@ static bool load_progress(void *user, double fraction)
 /* Logs a fault of the stored data for the operator, and tells the client in general terms. */
 static enum server_loader_outcome load_report_damage(const struct load *load, const char *what)
 {
-    const struct server_record *record = load->record;
+    const struct server_record *record = load->builder.record;
     struct server_log_line line;
     if (server_log_begin(&line, SERVER_LOG_ERROR, "surface_unavailable")) {
         server_log_text(&line, "key", record->key);
@@ -49,7 +47,7 @@ static enum server_loader_outcome load_report_damage(const struct load *load, co
         server_log_end(&line);
     }
     proto_problem_set(
-        load->problem, PROTO_PROBLEM_INTERNAL,
+        load->builder.problem, PROTO_PROBLEM_INTERNAL,
         "the stored file of this %s is unavailable (%s); upload the %s again to replace it",
         record->kind->noun, what, record->kind->noun);
     return SERVER_LOADER_FAILED;
@@ -59,22 +57,22 @@ static enum server_loader_outcome load_fetch_part(struct load *load, enum server
 {
     struct server_registry *registry = load->loader->parts.registry;
     struct server_store *store = server_registry_store(registry);
-    switch (store->fetch(store, load->record, part, &load->parts[part])) {
+    switch (store->fetch(store, load->builder.record, part, &load->parts[part])) {
     case SERVER_STORE_DONE:
         return SERVER_LOADER_LOADED;
     case SERVER_STORE_ABSENT:
-        return server_registry_is_current(registry, load->record)
+        return server_registry_is_current(registry, load->builder.record)
                    ? load_report_damage(load, "it is missing")
                    : SERVER_LOADER_GONE;
     case SERVER_STORE_NO_MEMORY:
-        server_build_refuse(&load->builder, load->record, GD_BUDGET, NULL, load->problem);
+        server_build_refuse(&load->builder, GD_BUDGET, NULL);
         return SERVER_LOADER_FAILED;
     case SERVER_STORE_UNAVAILABLE:
-        (void)proto_problem_set(load->problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
+        (void)proto_problem_set(load->builder.problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
                                 "the %s is not in memory, and the database that has it does not "
                                 "answer; try again in a moment",
-                                load->record->kind->noun);
-        load->problem->retry_after = 1;
+                                load->builder.record->kind->noun);
+        load->builder.problem->retry_after = 1;
         return SERVER_LOADER_FAILED;
     case SERVER_STORE_DAMAGED:
         return load_report_damage(load, "it is damaged: its SHA-256 is another one");
@@ -85,12 +83,11 @@ static enum server_loader_outcome load_fetch_part(struct load *load, enum server
 
 static enum server_loader_outcome load_fetch(struct load *load)
 {
-    const struct server_record *record = load->record;
+    const struct server_record *record = load->builder.record;
     enum server_loader_outcome outcome = SERVER_LOADER_LOADED;
     struct server_object object;
     size_t bytes = (size_t)(record->size + record->attachment_size);
-    if (server_build_take(&load->builder, record, bytes, load->problem))
-        return SERVER_LOADER_FAILED;
+    if (server_build_take(&load->builder, bytes)) return SERVER_LOADER_FAILED;
     load->held = bytes;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
         if (server_record_object(record, part, &object)) outcome = load_fetch_part(load, part);
@@ -100,10 +97,10 @@ static enum server_loader_outcome load_fetch(struct load *load)
 /* Builds the surface, which takes over the attachment. */
 static enum server_loader_outcome load_build(struct load *load, struct server_surface **out)
 {
-    struct proto_problem *problem = load->problem;
+    struct proto_problem *problem = load->builder.problem;
     void **attachment = &load->parts[SERVER_PART_ATTACHMENT];
-    enum gd_status status = server_build_surface(&load->builder, load->record,
-                                                 load->parts[SERVER_PART_FILE], out, problem);
+    load->builder.bytes = load->parts[SERVER_PART_FILE];
+    enum gd_status status = server_build_surface(&load->builder, out);
     if (status == GD_BUDGET || status == GD_NO_MEMORY || status == GD_DEADLINE ||
         status == GD_CANCELLED)
         return SERVER_LOADER_FAILED;
@@ -114,7 +111,7 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
     if (!*attachment) return SERVER_LOADER_LOADED;
     server_surface_attach(*out, *attachment);
     *attachment = NULL;
-    load->held -= (size_t)load->record->attachment_size;
+    load->held -= (size_t)load->builder.record->attachment_size;
     return SERVER_LOADER_LOADED;
 }
 
@@ -124,7 +121,7 @@ static bool load_park(struct server_loader *loader, const struct server_record *
                       struct server_job *job)
 {
     struct load *load = LIST_FIRST(&loader->loads);
-    while (load && load->record != record) load = LIST_NEXT(load, next);
+    while (load && load->builder.record != record) load = LIST_NEXT(load, next);
     if (load && job) {
         job->next = load->parked;
         load->parked = job;
@@ -149,7 +146,7 @@ static void load_end(struct load *load, enum server_loader_outcome outcome)
     LIST_REMOVE(load, next);
     pthread_mutex_unlock(&loader->lock);
     if (outcome == SERVER_LOADER_FAILED &&
-        load->problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY) {
+        load->builder.problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY) {
         server_jobs_refuse(load->parked, SERVER_REFUSAL_MEMORY);
         return;
     }
@@ -166,9 +163,9 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
 {
     const struct server_loader_parts *parts = &loader->parts;
     struct load load = {.loader = loader,
-                        .record = record,
-                        .problem = problem,
-                        .builder = {.budget = parts->budget,
+                        .builder = {.record = record,
+                                    .problem = problem,
+                                    .budget = parts->budget,
                                     .cache = parts->cache,
                                     .max_faces = parts->max_faces,
                                     .control = {.deadline_ns = job ? job->deadline_ns : 0,

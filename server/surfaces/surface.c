@@ -59,47 +59,40 @@ void server_surface_retire(struct server_surface *surface)
     server_landmark_slot_close(&surface->landmarks);
 }
 
-#define NOUN 64
-
 /* Sets the problem that the budget has no room for the record's surface; GD_BUDGET. */
-static enum gd_status build_refuse_budget(const struct server_builder *builder,
-                                          const struct server_record *record, size_t bytes,
-                                          struct proto_problem *problem)
+static enum gd_status build_refuse_budget(const struct server_builder *builder, size_t bytes)
 {
-    char noun[NOUN];
-    snprintf(noun, NOUN, "the %s", record->kind->noun);
-    server_budget_refuse(builder->budget, noun, bytes, problem);
+    char noun[64];
+    snprintf(noun, sizeof noun, "the %s", builder->record->kind->noun);
+    server_budget_refuse(builder->budget, noun, bytes, builder->problem);
     return GD_BUDGET;
 }
 
-enum gd_status server_build_take(const struct server_builder *builder,
-                                 const struct server_record *record, size_t bytes,
-                                 struct proto_problem *problem)
+enum gd_status server_build_take(const struct server_builder *builder, size_t bytes)
 {
     bool is_taken = server_budget_take(builder->budget, SERVER_BUDGET_FLIGHT, bytes);
-    return is_taken ? GD_OK : build_refuse_budget(builder, record, bytes, problem);
+    return is_taken ? GD_OK : build_refuse_budget(builder, bytes);
 }
 
-enum gd_status server_build_refuse(const struct server_builder *builder,
-                                   const struct server_record *record, enum gd_status status,
-                                   const struct gd_detail *detail, struct proto_problem *problem)
+enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
+                                   const struct gd_detail *detail)
 {
-    if (status == GD_BUDGET) return build_refuse_budget(builder, record, 0, problem);
-    proto_problem_from_status(problem, status, detail);
-    if (status == GD_TOO_LARGE) proto_problem_limit(problem, builder->max_faces);
+    if (status == GD_BUDGET) return build_refuse_budget(builder, 0);
+    proto_problem_from_status(builder->problem, status, detail);
+    if (status == GD_TOO_LARGE) proto_problem_limit(builder->problem, builder->max_faces);
     return status;
 }
 
 enum gd_status server_build_surface(const struct server_builder *builder,
-                                    struct server_record *record, const void *bytes,
-                                    struct server_surface **out, struct proto_problem *problem)
+                                    struct server_surface **out)
 {
+    struct server_record *record = builder->record;
     struct server_built built = {0};
-    enum gd_status status = record->kind->build(builder, record, bytes, &built, problem);
+    enum gd_status status = record->kind->build(builder, &built);
     if (status) return status;
     *out = server_surface_create(record, built.object, built.size, builder->budget, builder->cache);
     if (*out) return GD_OK;
     record->kind->release(built.object);
     server_budget_give(builder->budget, SERVER_BUDGET_FLIGHT, built.size);
-    return server_build_refuse(builder, record, GD_NO_MEMORY, NULL, problem);
+    return server_build_refuse(builder, GD_NO_MEMORY, NULL);
 }

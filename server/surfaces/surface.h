@@ -70,23 +70,21 @@ struct server_builder { /* all borrowed */
     struct server_cache *cache;
     uint32_t max_faces;
     struct gd_control control; /* ends the build early and receives progress; without a budget */
+    struct server_record *record;
+    const void *bytes; /* the record->size bytes of its file */
+    struct proto_problem *problem;
 };
 
-/* Builds the surface of a record, without its attachment, from the record->size bytes of its file.
- * On failure a status and a problem; GD_BUDGET: over the budget. */
+/* Builds the surface of a record, without its attachment. On failure a status and a problem;
+ * GD_BUDGET: over the budget. */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
-                                                struct server_record *record, const void *bytes,
-                                                struct server_surface **out,
-                                                struct proto_problem *problem);
+                                                struct server_surface **out);
 
 /* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. GD_BUDGET with the problem. */
-GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder,
-                                             const struct server_record *record, size_t bytes,
-                                             struct proto_problem *problem);
+GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder, size_t bytes);
 
 /* For kinds: sets the problem of a status of the engine; `detail` may be NULL. The status. */
-enum gd_status server_build_refuse(const struct server_builder *builder,
-                                   const struct server_record *record, enum gd_status status,
-                                   const struct gd_detail *detail, struct proto_problem *problem);
+enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
+                                   const struct gd_detail *detail);
 
 #endif

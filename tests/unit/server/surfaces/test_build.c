@@ -30,11 +30,16 @@ static int tear_down(void **state)
 static struct server_surface *build_under(struct gd_control control, const char *file,
                                           const char *options)
 {
-    const struct server_builder builder = {
-        .budget = &budget, .cache = cache, .max_faces = 1000000, .control = control};
     struct server_record *record = new_record_of(mesh_key("it"), options, file, NULL);
+    const struct server_builder builder = {.budget = &budget,
+                                           .cache = cache,
+                                           .max_faces = 1000000,
+                                           .control = control,
+                                           .record = record,
+                                           .bytes = file,
+                                           .problem = &problem};
     struct server_surface *surface = NULL;
-    enum gd_status status = server_build_surface(&builder, record, file, &surface, &problem);
+    enum gd_status status = server_build_surface(&builder, &surface);
     assert_int_equal(status == GD_OK, surface != NULL);
     server_record_release(record);
     return surface;

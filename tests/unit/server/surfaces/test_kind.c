@@ -30,15 +30,13 @@ static bool read_toy_options(const struct proto_parameters *parameters,
     return true;
 }
 
-static enum gd_status build_toy(const struct server_builder *builder,
-                                const struct server_record *record, const void *bytes,
-                                struct server_built *out, struct proto_problem *problem)
+static enum gd_status build_toy(const struct server_builder *builder, struct server_built *out)
 {
     char text[32], *end;
-    snprintf(text, sizeof text, "%.*s", (int)record->size, (const char *)bytes);
+    snprintf(text, sizeof text, "%.*s", (int)builder->record->size, (const char *)builder->bytes);
     long number = strtol(text, &end, 10);
-    if (end == text || *end) return server_build_refuse(builder, record, GD_SYNTAX, NULL, problem);
-    enum gd_status status = server_build_take(builder, record, sizeof(struct toy), problem);
+    if (end == text || *end) return server_build_refuse(builder, GD_SYNTAX, NULL);
+    enum gd_status status = server_build_take(builder, sizeof(struct toy));
     if (status) return status;
     struct toy *toy = malloc(sizeof *toy);
     toy->number = number;
