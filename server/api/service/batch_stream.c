@@ -72,30 +72,32 @@ static const struct server_query_kind *kind_find(const char *name, struct proto_
     return NULL;
 }
 
-static bool line_create_query(struct batch *batch, const char *name, struct proto_problem *problem)
+static bool line_decode(struct batch *batch, const struct proto_batch_query *line,
+                        struct proto_problem *problem)
 {
-    const struct server_query_kind *kind = kind_find(name, problem);
+    const struct server_body *body = &batch->exchange->body;
+    struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
+    const struct server_query_kind *kind = kind_find(line->name, problem);
     if (!kind) return false;
-    batch->query = server_query_create(kind, batch->exchange, batch->surface);
-    if (!batch->query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    double size = (double)batch->exchange->body.size;
-    batch->query->begun = (double)(batch->line.text - batch->exchange->body.bytes) / size;
-    batch->query->share = (double)batch->line.size / size;
-    return true;
+    struct server_query *query = server_query_create(kind, batch->exchange, batch->surface);
+    batch->query = query;
+    if (!query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    query->begun = (double)(batch->line.text - body->bytes) / (double)body->size;
+    query->share = (double)batch->line.size / (double)body->size;
+    return proto_batch_options(line, &parameters, kind->fields, &query->options, problem) &&
+           kind->decode(query, line->document, problem);
 }
 
 static bool line_read(struct batch *batch, struct proto_problem *problem)
 {
-    struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
     struct proto_batch_query line;
     if (!server_request_begin_parsing(batch->exchange, batch->line.text, batch->line.size, problem))
         return false;
-    bool is_read = proto_batch_decode(&batch->line, &line, problem);
-    bool ok = is_read && line_create_query(batch, line.name, problem) &&
-              proto_batch_options(&line, &parameters, batch->query->kind->fields,
-                                  &batch->query->options, problem) &&
-              batch->query->kind->decode(batch->query, line.document, problem);
-    if (is_read) proto_batch_query_free(&line);
+    bool ok = proto_batch_decode(&batch->line, &line, problem);
+    if (ok) {
+        ok = line_decode(batch, &line, problem);
+        proto_batch_query_free(&line);
+    }
     server_request_end_parsing(batch->exchange);
     return ok;
 }
@@ -136,26 +138,17 @@ static void line_end(struct batch *batch, bool ok, struct proto_problem *problem
     batch->query = NULL;
 }
 
-/* False: the exchange is parked. */
-static bool line_turn(struct batch *batch, enum server_query_turn turn,
-                      struct proto_problem *problem)
-{
-    if (turn == SERVER_QUERY_DONE || turn == SERVER_QUERY_FAILED)
-        line_end(batch, turn == SERVER_QUERY_DONE, problem);
-    return turn != SERVER_QUERY_PARKED;
-}
-
 /* Starts the next line. False: there are no more. */
 static bool line_begin(struct batch *batch)
 {
     const struct server_body *body = &batch->exchange->body;
+    enum server_query_turn turn = SERVER_QUERY_FAILED;
     struct proto_problem problem;
     if (!proto_batch_next(body->bytes, body->size, &batch->line)) return false;
     batch->begin = proto_batch_begin(&batch->writer);
     if (line_admit(batch, &problem) && line_read(batch, &problem))
-        line_turn(batch, server_query_glance(batch->query, &problem), &problem);
-    else
-        line_end(batch, false, &problem);
+        turn = server_query_glance(batch->query, &problem);
+    if (turn != SERVER_QUERY_AGAIN) line_end(batch, turn == SERVER_QUERY_DONE, &problem);
     return true;
 }
 
@@ -285,12 +278,13 @@ static bool batch_work(struct server_exchange *exchange)
     if (batch->is_refused) line_end_late(batch);
     while (!batch->relay || !server_relay_is_over(batch->relay)) {
         if (stream_pass(batch, &is_done)) return is_done;
-        if (batch->query) {
-            if (!line_turn(batch, server_query_solve(batch->query, &problem), &problem))
-                return false;
-        } else if (!line_begin(batch)) {
-            break;
+        if (!batch->query) {
+            if (!line_begin(batch)) break;
+            continue;
         }
+        enum server_query_turn turn = server_query_solve(batch->query, &problem);
+        if (turn == SERVER_QUERY_PARKED) return false;
+        if (turn != SERVER_QUERY_AGAIN) line_end(batch, turn == SERVER_QUERY_DONE, &problem);
     }
     batch_reply(batch);
     return true;

@@ -124,9 +124,10 @@ static void reply_page(struct server_exchange *exchange, uint32_t limit,
     server_reply_json(exchange, 200, &writer);
 }
 
-/* Replies with a page of at most `most` jobs. False: the page has more. */
-static bool list_jobs(struct server_exchange *exchange, uint32_t most)
+/* Replies with a page of jobs. False: it is too long for an HTTP thread. */
+static bool list_jobs(struct server_exchange *exchange)
 {
+    uint32_t most = exchange->work ? PROTO_PAGE_MOST : SERVER_REQUEST_SHORT_LIST;
     struct proto_page page;
     struct server_deferred_job *jobs[PROTO_PAGE_MOST + 1];
     if (!server_request_page(exchange, &page)) return true;
@@ -139,15 +140,10 @@ static bool list_jobs(struct server_exchange *exchange, uint32_t most)
     return is_whole;
 }
 
-static bool list_all(struct server_exchange *exchange)
-{
-    return list_jobs(exchange, PROTO_PAGE_MOST);
-}
-
 void server_handle_list_jobs(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange) && !list_jobs(exchange, SERVER_REQUEST_SHORT_LIST))
-        server_request_list(exchange, list_all);
+    if (server_reply_accepts_json(exchange) && !list_jobs(exchange))
+        server_request_list(exchange, list_jobs);
 }
 
 /* --- start, remove ---------------------------------------------------------------------------- */

@@ -33,9 +33,10 @@ static void reply_page(struct server_exchange *exchange, uint32_t limit,
     server_reply_json(exchange, 200, &writer);
 }
 
-/* Replies with a page of at most `most` surfaces. False: the page has more. */
-static bool list_surfaces(struct server_exchange *exchange, uint32_t most)
+/* Replies with a page of surfaces. False: it is too long for an HTTP thread. */
+static bool list_surfaces(struct server_exchange *exchange)
 {
+    uint32_t most = exchange->work ? PROTO_PAGE_MOST : SERVER_REQUEST_SHORT_LIST;
     struct proto_page page;
     struct server_listed listed[PROTO_PAGE_MOST + 1];
     if (!server_request_page_of_names(exchange, &page)) return true;
@@ -49,15 +50,10 @@ static bool list_surfaces(struct server_exchange *exchange, uint32_t most)
     return is_whole;
 }
 
-static bool list_all(struct server_exchange *exchange)
-{
-    return list_surfaces(exchange, PROTO_PAGE_MOST);
-}
-
 void server_handle_list_surfaces(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange) && !list_surfaces(exchange, SERVER_REQUEST_SHORT_LIST))
-        server_request_list(exchange, list_all);
+    if (server_reply_accepts_json(exchange) && !list_surfaces(exchange))
+        server_request_list(exchange, list_surfaces);
 }
 
 /* --- describe, remove ------------------------------------------------------------------------- */
