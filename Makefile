@@ -182,7 +182,7 @@ clean:
 # --- libraries ---------------------------------------------------------------------------------------------------------
 
 $(LIB_ENGINE): $(call objects,$(ENGINE_C) $(ENGINE_CC))
-$(LIB_PROTO): $(call objects,$(PROTO_C))
+$(LIB_PROTO): $(call objects,$(PROTO_C)) $(BUILD)/obj/generated/fields.o $(BUILD)/obj/generated/requests.o
 $(LIB_SERVER): $(call objects,$(SERVER_C)) $(BUILD)/obj/generated/routes.o $(BUILD)/obj/generated/assets.o
 $(LIB_SAMPLES): $(call objects,$(SAMPLES_C))
 $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
@@ -199,7 +199,7 @@ $(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mpr
 $(BUILD)/obj/engine/base/%_avx512.c.o: CFLAGS += -mavx512bw
 endif
 
-$(BUILD)/obj/%.c.o: %.c | $(BUILD)/generated/handlers.h
+$(BUILD)/obj/%.c.o: %.c | $(BUILD)/generated/sources
 	@mkdir -p $(@D)
 	$(call tell,CC,$<)$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
@@ -280,15 +280,14 @@ $(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
 
 include docker/packages.mk
 
-# --- generated sources: the route table and the embedded pages ------------------------------------------------------------
+# --- generated sources: routes, members of requests, fields of answers, and the embedded pages ------------------------------------------------------------
 
-$(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py | $(BUILD)/generated/handlers.h
-	@mkdir -p $(@D)
-	$(call tell,GEN)python3 proto/generate.py routes proto/openapi.yaml > $@
+CONTRACT := proto/openapi.yaml $(wildcard proto/*.py)
 
-$(BUILD)/generated/handlers.h: proto/openapi.yaml proto/generate.py
+$(BUILD)/generated/sources: $(CONTRACT)
 	@mkdir -p $(@D)
-	$(call tell,GEN)python3 proto/generate.py handlers proto/openapi.yaml > $@
+	$(call tell,GEN)python3 proto/generate.py sources proto/openapi.yaml $(@D) && touch $@
+$(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c requests.h requests.c): $(BUILD)/generated/sources ;
 
 # The pages are built by npm's packages, once for all builds below $(BUILD) (clients/web/build.sh). VIEWER=no: a page that says that they are missing.
 VIEWER ?= yes
@@ -312,7 +311,7 @@ $(BUILD)/generated/pages-$(VIEWER):
 	@mkdir -p $(@D)
 	@rm -f $(@D)/pages-* && touch $@
 
-$(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(PAGES) $(BUILD)/generated/pages-$(VIEWER)
+$(BUILD)/generated/assets.c: $(CONTRACT) $(PAGES) $(BUILD)/generated/pages-$(VIEWER)
 	@mkdir -p $(@D)
 	$(call tell,GEN)python3 proto/generate.py assets proto/openapi.yaml $(dir $(PAGES)) > $@
 

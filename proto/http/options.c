@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "proto/json/number.h"
+#include "proto/json/writer.h"
 
 #define MOST_NAMES 32 /* fields of an answer, or parameters of an operation: one bit each */
 
@@ -133,6 +134,13 @@ static bool parse_fields(const struct proto_parameters *parameters, const char *
     return true;
 }
 
+bool proto_field(struct proto_writer *writer, const struct proto_options *options, uint32_t field)
+{
+    if (!(options->fields & field)) return false;
+    proto_write_key(writer, options->names[__builtin_ctz(field)]);
+    return true;
+}
+
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members)
 {
     uint32_t named = fields & members;
@@ -167,7 +175,7 @@ bool proto_options_parse(const struct proto_parameters *parameters, const char *
                          const char *const *names, struct proto_options *out,
                          struct proto_problem *problem)
 {
-    struct proto_options options = {.geometry = PROTO_GEOMETRY_FULL};
+    struct proto_options options = {.geometry = PROTO_GEOMETRY_FULL, .names = fields};
     for (unsigned i = 0; fields && fields[i]; i++) options.fields |= UINT32_C(1) << i;
     if (!check_names(parameters, fields != NULL, names, problem)) return false;
     if (fields && !parse_fields(parameters, fields, &options.fields, problem)) return false;

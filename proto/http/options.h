@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "generated/fields.h"
 #include "proto/json/problem.h"
 
 /* A view of a decoded query string; its owner lends it for a call. Names and values are
@@ -44,9 +45,15 @@ enum proto_geometry { PROTO_GEOMETRY_FULL, PROTO_GEOMETRY_XYZ, PROTO_GEOMETRY_NO
 
 struct proto_options {
     uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */
+    const char *const *names; /* of the fields */
     enum proto_geometry geometry;
     uint64_t timeout_ms; /* 0: not said; not yet capped */
 };
+
+struct proto_writer;
+
+/* True if the field, one bit, is wanted: then its key is written, and the value is to follow. */
+bool proto_field(struct proto_writer *writer, const struct proto_options *options, uint32_t field);
 
 /* Of the fields that are wanted, those of `members`, which are parts of the field `whole`: all of
  * them where it alone is named; 0: none is wanted. */

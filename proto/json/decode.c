@@ -121,6 +121,17 @@ bool proto_decode_object(const json_t *value, const char *place, const char *con
     return true;
 }
 
+/* Cut: a problem's pointer has no more room. */
+void proto_place_of_member(char out[PROTO_PLACE], const char *place, const char *member)
+{
+    snprintf(out, PROTO_PLACE, "%.*s/%.64s", PROTO_PLACE - 66, place, member);
+}
+
+void proto_place_of_element(char out[PROTO_PLACE], const char *place, size_t index)
+{
+    snprintf(out, PROTO_PLACE, "%.*s/%zu", PROTO_PLACE - 24, place, index);
+}
+
 const json_t *proto_decode_member(const json_t *object, const char *place, const char *member,
                                   struct proto_problem *problem)
 {

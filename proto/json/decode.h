@@ -33,6 +33,11 @@ json_t *proto_decode_document_within(const void *bytes, size_t size,
                                      const struct gd_control *control,
                                      struct proto_problem *problem);
 
+/* The place of a member, or of an element, of what is at `place`: cut at the size of its buffer. */
+#define PROTO_PLACE PROTO_PROBLEM_POINTER
+void proto_place_of_member(char out[PROTO_PLACE], const char *place, const char *member);
+void proto_place_of_element(char out[PROTO_PLACE], const char *place, size_t index);
+
 /* `value` is an object and has no members but `members` (NULL-terminated). */
 bool proto_decode_object(const json_t *value, const char *place, const char *const *members,
                          struct proto_problem *problem);

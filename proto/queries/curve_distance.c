@@ -1,36 +1,21 @@
 #include "proto/queries/curve_distance.h"
 
 #include <math.h>
-#include <string.h>
 
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/queries/evaluation.h"
 #include "proto/json/member.h"
 #include "proto/values/path.h"
 
-const char *const proto_curve_distance_fields[] = {"distance", "reason", "closest",  "path",
-                                                   "a_to_b",   "b_to_a", "farthest", NULL};
-
 /* --- the request ------------------------------------------------------------------------------ */
-
-static bool decode_measure(const json_t *document, bool *hausdorff, struct proto_problem *problem)
-{
-    const json_t *value = json_object_get(document, "measure");
-    const char *name = value ? json_string_value(value) : "min";
-    if (!name || (strcmp(name, "min") != 0 && strcmp(name, "hausdorff") != 0))
-        return proto_problem_refuse(problem, "/measure", "a measure is \"min\" or \"hausdorff\"");
-    *hausdorff = strcmp(name, "hausdorff") == 0;
-    return true;
-}
 
 bool proto_curve_distance_decode(const json_t *document, struct proto_curve_distance *out,
                                  struct proto_problem *problem)
 {
-    static const char *const members[] = {"a", "b", "measure", NULL};
     struct proto_curve_distance wanted = {0};
-    if (!proto_decode_object(document, "", members, problem) ||
-        !decode_measure(document, &wanted.hausdorff, problem))
-        return false;
+    struct proto_curve_distance_request request;
+    if (!proto_curve_distance_request_decode(document, &request, problem)) return false;
+    wanted.hausdorff = request.measure == PROTO_MEASURE_HAUSDORFF;
     if (!proto_set_decode_curve(document, "a", &wanted.a, problem)) return false;
     if (!proto_set_decode_curve(document, "b", &wanted.b, problem)) {
         proto_curve_distance_free(&wanted);

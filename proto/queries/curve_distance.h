@@ -19,19 +19,6 @@ bool proto_curve_distance_decode(const json_t *document, struct proto_curve_dist
                                  struct proto_problem *problem);
 void proto_curve_distance_free(struct proto_curve_distance *wanted); /* a second time is harmless */
 
-/* Fields of the answer, as bits of proto_options.fields. */
-enum proto_curve_distance_field {
-    PROTO_CURVE_DISTANCE_FIELD_DISTANCE = 1 << 0,
-    PROTO_CURVE_DISTANCE_FIELD_REASON = 1 << 1,
-    PROTO_CURVE_DISTANCE_FIELD_CLOSEST = 1 << 2,
-    PROTO_CURVE_DISTANCE_FIELD_PATH = 1 << 3,
-    PROTO_CURVE_DISTANCE_FIELD_A_TO_B = 1 << 4,
-    PROTO_CURVE_DISTANCE_FIELD_B_TO_A = 1 << 5,
-    PROTO_CURVE_DISTANCE_FIELD_FARTHEST = 1 << 6
-};
-/* NULL-terminated, for proto_options_parse */
-extern const char *const proto_curve_distance_fields[];
-
 /* {"distance", "reason"?, "closest": {"a": place, "b": place}, "path"}: of these the wanted
  * ones. */
 void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

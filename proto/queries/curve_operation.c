@@ -2,19 +2,9 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "proto/json/decode.h"
 #include "proto/json/member.h"
 #include "proto/values/path.h"
-
-const char *const proto_curve_operation_fields[] = {"path",     "points", "turn", "rounds",
-                                                    "geodesic", "paths",  NULL};
-
-void proto_curve_operation_free(struct proto_curve_operation *operation)
-{
-    proto_curve_free(&operation->curve);
-}
 
 void proto_curve_result_free(struct proto_curve_result *result)
 {
@@ -26,120 +16,45 @@ void proto_curve_result_free(struct proto_curve_result *result)
     *result = (struct proto_curve_result){0};
 }
 
-/* --- arguments -------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------ */
 
-static bool refuse_member(const char *member, struct proto_problem *problem, const char *sentence)
-{
-    proto_problem_refuse(problem, "", "%s", sentence);
-    return proto_problem_descend(problem, member);
-}
+/* The members of each operation's request. */
+static const char *const members[][5] = {
+    [PROTO_OPERATION_LENGTH] = {"curve", "operation", NULL},
+    [PROTO_OPERATION_RESAMPLE] = {"curve", "operation", "count", NULL},
+    [PROTO_OPERATION_SHORTEN] = {"curve", "operation", "rounds", "pieces", NULL},
+    [PROTO_OPERATION_CLOSED_GEODESIC] = {"curve", "operation", NULL},
+    [PROTO_OPERATION_OFFSET] = {"curve", "operation", "distance", "tolerance", NULL}};
 
-static bool decode_number_of(const json_t *document, const char *member, uint32_t least,
-                             uint32_t most, uint32_t *out, struct proto_problem *problem)
-{
-    if (!proto_decode_index(document, "", member, out, problem)) return false;
-    if (*out >= least && *out <= most) return true;
-    proto_problem_refuse(problem, "", "%s is a number from %u to %u", member, least, most);
-    return proto_problem_descend(problem, member);
-}
-
-static bool decode_length(const json_t *document, const char *member, double *out,
+/* What the operation takes, and what it needs. */
+static bool check_members(const json_t *document, struct proto_curve_operation_request *request,
                           struct proto_problem *problem)
 {
-    return proto_decode_number(document, "", member, out, problem) &&
-           (*out > 0 || refuse_member(member, problem, "this is a length, more than 0"));
-}
-
-static bool decode_nothing(const json_t *document, struct proto_curve_operation *out,
-                           struct proto_problem *problem)
-{
-    (void)document, (void)out, (void)problem;
+    if (!proto_decode_object(document, "", members[request->operation], problem)) return false;
+    if (request->operation == PROTO_OPERATION_RESAMPLE && !request->has_count)
+        return proto_decode_member(document, "", "count", problem);
+    if (request->operation == PROTO_OPERATION_OFFSET && !request->has_distance)
+        return proto_decode_member(document, "", "distance", problem);
+    if (json_object_get(document, "pieces") && !request->has_rounds)
+        return proto_problem_refuse(
+            problem, "/pieces",
+            "pieces go with rounds; without these the curve becomes a geodesic");
+    if (!request->has_tolerance)
+        request->tolerance = PROTO_CURVE_OPERATION_FLAT * request->distance;
     return true;
 }
 
-static bool decode_resample(const json_t *document, struct proto_curve_operation *out,
-                            struct proto_problem *problem)
-{
-    return decode_number_of(document, "count", 2, PROTO_CURVE_OPERATION_COUNT, &out->count,
-                            problem);
-}
-
-static bool decode_shorten(const json_t *document, struct proto_curve_operation *out,
-                           struct proto_problem *problem)
-{
-    bool has_rounds = json_object_get(document, "rounds"),
-         has_pieces = json_object_get(document, "pieces");
-    if (has_pieces && !has_rounds)
-        return refuse_member("pieces", problem,
-                             "pieces go with rounds; without these the curve becomes a geodesic");
-    return (!has_rounds || decode_number_of(document, "rounds", 1, PROTO_CURVE_OPERATION_ROUNDS,
-                                            &out->rounds, problem)) &&
-           (!has_pieces || decode_number_of(document, "pieces", 1, PROTO_CURVE_OPERATION_PIECES,
-                                            &out->pieces, problem));
-}
-
-static bool decode_offset(const json_t *document, struct proto_curve_operation *out,
-                          struct proto_problem *problem)
-{
-    if (!decode_length(document, "distance", &out->distance, problem)) return false;
-    out->tolerance = PROTO_CURVE_OPERATION_FLAT * out->distance;
-    return !json_object_get(document, "tolerance") ||
-           decode_length(document, "tolerance", &out->tolerance, problem);
-}
-
-/* An operation, its arguments (besides the curve and its name), and `decode` for them. */
-static const struct form {
-    const char *name;
-    const char *members[6];
-    bool (*decode)(const json_t *document, struct proto_curve_operation *out,
-                   struct proto_problem *problem);
-} forms[] = {[PROTO_OPERATION_LENGTH] = {"length", {"curve", "operation", NULL}, decode_nothing},
-             [PROTO_OPERATION_RESAMPLE] = {"resample",
-                                           {"curve", "operation", "count", NULL},
-                                           decode_resample},
-             [PROTO_OPERATION_SHORTEN] = {"shorten",
-                                          {"curve", "operation", "rounds", "pieces", NULL},
-                                          decode_shorten},
-             [PROTO_OPERATION_CLOSED_GEODESIC] = {"closed-geodesic",
-                                                  {"curve", "operation", NULL},
-                                                  decode_nothing},
-             [PROTO_OPERATION_OFFSET] = {
-                 "offset", {"curve", "operation", "distance", "tolerance", NULL}, decode_offset}};
-
-#define FORMS (sizeof forms / sizeof *forms)
-
-static bool find_form(const json_t *document, enum proto_operation *out,
-                      struct proto_problem *problem)
-{
-    const json_t *operation = proto_decode_member(document, "", "operation", problem);
-    if (!operation) return false;
-    for (size_t i = 0; i < FORMS && json_is_string(operation); i++) {
-        if (strcmp(json_string_value(operation), forms[i].name) != 0) continue;
-        *out = (enum proto_operation)i;
-        return true;
-    }
-    return proto_problem_refuse(
-        problem, "/operation",
-        "an operation is \"length\", \"resample\", \"shorten\", \"closed-geodesic\" or \"offset\"");
-}
-
-bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation *out,
+bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation_request *out,
                                   struct proto_problem *problem)
 {
-    static const char *const all[] = {"curve",  "operation", "count",     "rounds",
-                                      "pieces", "distance",  "tolerance", NULL};
-    struct proto_curve_operation operation = {0};
-    if (!proto_decode_object(document, "", all, problem) ||
-        !find_form(document, &operation.operation, problem))
-        return false;
-    const struct form *form = &forms[operation.operation];
-    const json_t *curve = proto_decode_member(document, "", "curve", problem);
-    if (!curve || !proto_decode_object(document, "", form->members, problem) ||
-        !form->decode(document, &operation, problem) ||
-        !proto_curve_decode(curve, "/curve", &operation.curve, problem))
-        return false;
-    *out = operation;
-    return true;
+    struct proto_curve_operation_request request;
+    if (!proto_curve_operation_request_decode(document, &request, problem)) return false;
+    bool ok = check_members(document, &request, problem);
+    if (ok)
+        *out = request;
+    else
+        proto_curve_operation_request_free(&request);
+    return ok;
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

@@ -1,84 +1,18 @@
 #include "proto/queries/cut.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "proto/json/decode.h"
 #include "proto/json/member.h"
 
-const char *const proto_cut_fields[] = {"separates",     "pieces", "name",       "vertices",
-                                        "faces",         "area",   "vertex_map", "face_map",
-                                        "largest_shift", NULL};
-
-void proto_cut_free(struct proto_cut *cut)
+bool proto_cut_decode(const json_t *document, struct proto_cut_request *out,
+                      struct proto_problem *problem)
 {
-    proto_curve_free(&cut->curve);
-    free(cut->names);
-    *cut = (struct proto_cut){0};
-}
-
-/* --- the request ------------------------------------------------------------------------------ */
-
-static bool decode_name(const json_t *value, char name[PROTO_MESH_NAME + 1],
-                        struct proto_problem *problem)
-{
-    if (!json_is_string(value)) return proto_problem_refuse(problem, "", "expected a name here");
-    size_t length = json_string_length(value);
-    if (!proto_mesh_name_check(json_string_value(value), length, problem)) return false;
-    memcpy(name, json_string_value(value), length);
-    name[length] = '\0';
-    return true;
-}
-
-static bool decode_names(const json_t *names, struct proto_cut *cut, struct proto_problem *problem)
-{
-    size_t count = json_array_size(names); /* 0 when it is no array */
-    if (cut->select_only)
-        return proto_problem_refuse(
-            problem, "/names",
-            "with \"select_only\" no meshes are made that could have names; leave one out");
-    if (count == 0 || count > PROTO_CUT_NAMES)
-        return proto_problem_refuse(problem, "/names", "expected an array of 1 to %d names",
-                                    PROTO_CUT_NAMES);
-    cut->names = calloc(count, sizeof *cut->names);
-    if (!cut->names) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    for (cut->name_count = 0; cut->name_count < count; cut->name_count++) {
-        char index[24];
-        if (decode_name(json_array_get(names, cut->name_count), cut->names[cut->name_count],
-                        problem))
-            continue;
-        snprintf(index, sizeof index, "%u", cut->name_count);
-        proto_problem_at(problem, "/names");
-        return proto_problem_descend(problem, index);
-    }
-    return true;
-}
-
-static bool decode_members(const json_t *document, struct proto_cut *cut,
-                           struct proto_problem *problem)
-{
-    const json_t *inside = json_object_get(document, "inside"),
-                 *names = json_object_get(document, "names"),
-                 *curve = proto_decode_member(document, "", "curve", problem);
-    if (!curve || !proto_curve_decode(curve, "/curve", &cut->curve, problem)) return false;
-    if (!proto_decode_flag(document, "", "select_only", &cut->select_only, problem)) return false;
-    cut->has_inside = inside != NULL;
-    if (inside && !proto_point_decode(inside, "/inside", &cut->inside, problem)) return false;
-    return !names || decode_names(names, cut, problem);
-}
-
-bool proto_cut_decode(const json_t *document, struct proto_cut *out, struct proto_problem *problem)
-{
-    static const char *const members[] = {"curve", "inside", "select_only", "names", NULL};
-    struct proto_cut cut = {0};
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    if (!decode_members(document, &cut, problem)) {
-        proto_cut_free(&cut);
-        return false;
-    }
+    struct proto_cut_request cut;
+    if (!proto_cut_request_decode(document, &cut, problem)) return false;
     *out = cut;
-    return true;
+    if (!cut.select_only || !cut.names.count) return true;
+    proto_cut_request_free(out);
+    return proto_problem_refuse(
+        problem, "/names",
+        "with \"select_only\" no meshes are made that could have names; leave one out");
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

@@ -1,26 +1,18 @@
 #include "proto/queries/discretization.h"
 
-#include "proto/json/decode.h"
 #include "proto/queries/limit_trace.h"
-#include "proto/values/made_mesh.h"
-
-const char *const proto_vertex_places_fields[] = {"subdivision", "places", NULL};
+#include "proto/values/mesh.h"
 
 bool proto_discretization_decode(const json_t *document, const struct gd_subdivision *surface,
                                  uint32_t max_faces, struct proto_discretization *out,
                                  struct proto_problem *problem)
 {
-    static const char *const members[] = {"mesh", "level", "tolerance", NULL};
-    struct proto_discretization wanted = {.options = {.max_faces = max_faces}};
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    bool has_level = json_object_get(document, "level") != NULL;
-    if (has_level == (json_object_get(document, "tolerance") != NULL))
-        return proto_problem_refuse(
-            problem, "",
-            "say either level, how often edges are halved, or tolerance, how near the mesh is");
-    if (!proto_made_mesh_decode(document, wanted.mesh, problem)) return false;
-    if (has_level ? !proto_limit_level_decode(document, surface, &wanted.options.level, problem)
-                  : !proto_made_tolerance_decode(document, &wanted.options.tolerance, problem))
+    struct proto_discretize_request request;
+    if (!proto_discretize_request_decode(document, &request, problem)) return false;
+    struct proto_discretization wanted = {request.mesh,
+                                          {.max_faces = max_faces, .tolerance = request.tolerance}};
+    if (!request.has_tolerance &&
+        !proto_limit_level_decode(document, surface, &wanted.options.level, problem))
         return false;
     *out = wanted;
     return true;

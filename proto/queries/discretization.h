@@ -3,15 +3,14 @@
 #ifndef PROTO_DISCRETIZATION_H
 #define PROTO_DISCRETIZATION_H
 
-#include <jansson.h>
-
 #include "gd/discretization.h"
+#include "generated/requests.h"
 #include "proto/values/mesh.h"
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
 struct proto_discretization {
-    char mesh[PROTO_MESH_NAME + 1];
+    struct proto_name mesh;
     struct gd_discretize_options options;
 };
 
@@ -26,13 +25,6 @@ struct proto_vertex_places {
     const struct gd_limit_point *items;
     uint32_t count;
 };
-
-enum proto_vertex_places_field {
-    PROTO_VERTEX_PLACES_FIELD_SUBDIVISION = 1 << 0,
-    PROTO_VERTEX_PLACES_FIELD_PLACES = 1 << 1
-};
-/* NULL-terminated, for proto_options_parse */
-extern const char *const proto_vertex_places_fields[];
 
 /* Writes {"subdivision": {"name", "etag"}, "places": [[face, corner, u, v]…]}, of these the wanted
  * ones. */

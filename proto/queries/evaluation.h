@@ -1,48 +1,16 @@
-/* Evaluation: distances of points to a set; the request is {"points", "path"?, "gradient"?} against
- * a field, and {"set", "points", "path"?} without one. The answer is a list of results, one a
- * point. */
+/* Evaluation: distances of points to a set. The answer is a list of results, one a point. */
 #ifndef PROTO_EVALUATION_H
 #define PROTO_EVALUATION_H
 
 #include "gd/direction.h"
 #include "gd/path.h"
 #include "proto/http/options.h"
-#include "proto/values/points.h"
 #include "proto/values/set.h"
-
-#define PROTO_EVALUATION_POINTS 100000 /* most points of a request */
-
-/* All zero is an empty one. */
-struct proto_evaluation {
-    struct proto_points points;
-    bool wants_path, wants_gradient;
-};
-
-/* invalid_request, too_large, insufficient_memory. Freed by proto_evaluation_free, and the set by
- * proto_set_free before the document is. */
-bool proto_evaluation_decode(const json_t *document, struct proto_evaluation *out,
-                             struct proto_problem *problem);
-bool proto_evaluation_decode_with_set(const json_t *document, struct proto_set *set,
-                                      struct proto_evaluation *out, struct proto_problem *problem);
-void proto_evaluation_free(struct proto_evaluation *evaluation); /* a second time is harmless */
-
-/* Fields of the answer, as bits of proto_options.fields: the answer's own one, which alone is all
- * of them, and those of each result. */
-enum proto_result_field {
-    PROTO_RESULT_FIELD_RESULTS = 1 << 0,
-    PROTO_RESULT_FIELD_DISTANCE = 1 << 1,
-    PROTO_RESULT_FIELD_REASON = 1 << 2,
-    PROTO_RESULT_FIELD_NEAREST = 1 << 3,
-    PROTO_RESULT_FIELD_PATH = 1 << 4,
-    PROTO_RESULT_FIELD_GRADIENT = 1 << 5
-};
-extern const char *const proto_evaluation_fields[]; /* NULL-terminated, for proto_options_parse */
-extern const char *const proto_distance_to_set_fields[];
 
 /* The fields of each result that are wanted: those that were asked for in the query string, without
  * a path or a gradient unless the body asks for it. */
-uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation,
-                                 const struct proto_options *options);
+uint32_t proto_evaluation_wanted(const struct proto_options *options, bool wants_path,
+                                 bool wants_gradient);
 
 struct proto_result {
     double distance;            /* INFINITY: no path; NAN: beyond the distance that was asked for */

@@ -7,25 +7,7 @@
 #include "proto/json/member.h"
 #include "proto/json/number.h"
 
-/* --- the request ------------------------------------------------------------------------------ */
-
-bool proto_field_decode(const json_t *document, struct proto_field_request *out,
-                        struct proto_problem *problem)
-{
-    static const char *const members[] = {"set", "max_distance", NULL};
-    struct proto_field_request request;
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    if (!proto_decode_max_distance(document, &request.max_distance, problem)) return false;
-    const json_t *set = proto_decode_member(document, "", "set", problem);
-    if (!set || !proto_set_decode(set, "/set", &request.set, problem)) return false;
-    *out = request;
-    return true;
-}
-
 /* --- descriptions ----------------------------------------------------------------------------- */
-
-const char *const proto_field_fields[] = {"id",       "wedges",  "bytes",        "build_ms", "max",
-                                          "farthest", "members", "max_distance", NULL};
 
 static void encode_field(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct proto_field_description *description,
@@ -79,8 +61,6 @@ void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
 
 /* --- values and wedges ------------------------------------------------------------------------ */
 
-const char *const proto_values_fields[] = {"values", NULL};
-
 void proto_values_encode(struct proto_writer *writer, const double *values, size_t count)
 {
     proto_write_object_begin(writer);
@@ -90,7 +70,6 @@ void proto_values_encode(struct proto_writer *writer, const double *values, size
 }
 
 const char *const proto_wedges_parameters[] = {"edge", NULL};
-const char *const proto_wedges_fields[] = {"edge", "wedges", NULL};
 
 /* An index at the start of `*text`, which moves past it. */
 static bool take_index(const char **text, uint32_t *out)

@@ -4,20 +4,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
 #include "proto/json/member.h"
 #include "proto/values/point.h"
 
-const struct proto_geodesic_form
-    proto_geodesic_between_points = {{"from", "to"}, {false, false}, {true, true}},
-    proto_geodesic_to_curve = {{"point", "curve"}, {false, true}, {false, true}},
-    proto_geodesic_between_curves = {{"a", "b"}, {true, true}, {true, true}};
-
-const char *const proto_geodesic_fields[] = {
-    "length",     "degree",    "knots",          "control_points",     "points",
-    "ends",       "residual",  "error_estimate", "geodesic_curvature", "speed_defect",
-    "iterations", "converged", "is_minimum",     "boundary_contact",   "warnings",
-    "minima",     NULL};
+const struct proto_geodesic_form proto_geodesic_between_points = {{"from", "to"},
+                                                                  proto_geodesic_request_members,
+                                                                  {false, false},
+                                                                  {true, true}},
+                                 proto_geodesic_to_curve = {{"point", "curve"},
+                                                            proto_point_curve_request_members,
+                                                            {false, true},
+                                                            {false, true}},
+                                 proto_geodesic_between_curves = {
+                                     {"a", "b"},
+                                     proto_nurbs_curve_distance_request_members,
+                                     {true, true},
+                                     {true, true}};
 
 /* --- the request ------------------------------------------------------------------------------ */
 
@@ -26,52 +28,34 @@ void proto_geodesic_free(struct proto_geodesic *geodesic)
     for (int k = 0; k < 2; k++) proto_domain_curve_free(&geodesic->ends[k]);
 }
 
-/* A whole number from `least` to `most` that may be left out. */
-static bool decode_count(const json_t *document, const char *member, uint32_t least, uint32_t most,
-                         uint32_t *out, struct proto_problem *problem)
+static bool decode_control_points(const json_t *document, uint32_t degree, uint32_t *out,
+                                  struct proto_problem *problem)
 {
-    uint32_t count;
-    if (!json_object_get(document, member)) return true;
-    if (!proto_decode_index(document, "", member, &count, problem)) return false;
-    *out = count;
-    if (count >= least && count <= most) return true;
-    proto_problem_refuse(problem, "", "%s is a whole number from %u to %u", member, least, most);
-    return proto_problem_descend(problem, member);
-}
-
-static bool decode_tolerance(const json_t *document, double *out, struct proto_problem *problem)
-{
-    if (!json_object_get(document, "tolerance")) return true;
-    if (!proto_decode_number(document, "", "tolerance", out, problem)) return false;
-    return (*out >= GD_GEODESIC_TOLERANCE_LEAST && *out <= 1) ||
-           proto_problem_refuse(problem, "/tolerance",
-                                "the tolerance is a part of the length, from %g to 1",
-                                GD_GEODESIC_TOLERANCE_LEAST);
+    if (!json_object_get(document, "control_points")) return true;
+    if (!proto_decode_index(document, "", "control_points", out, problem)) return false;
+    return (*out > degree && *out <= GD_GEODESIC_CONTROL_POINTS_MOST) ||
+           proto_problem_refuse(problem, "/control_points",
+                                "control_points is a whole number from %u to %u", degree + 1,
+                                GD_GEODESIC_CONTROL_POINTS_MOST);
 }
 
 static bool decode_options(const json_t *document, struct proto_geodesic *out,
                            struct proto_problem *problem)
 {
-    struct gd_geodesic_options *options = &out->options;
-    if (!decode_count(document, "degree", GD_GEODESIC_DEGREE_LEAST, GD_GEODESIC_DEGREE_MOST,
-                      &options->degree, problem))
-        return false;
-    uint32_t degree = options->degree ? options->degree : GD_GEODESIC_DEGREE;
-    return decode_count(document, "control_points", degree + 1, GD_GEODESIC_CONTROL_POINTS_MOST,
-                        &options->control_points, problem) &&
-           decode_count(document, "samples", 2, PROTO_GEODESIC_SAMPLES_MOST, &out->samples,
-                        problem) &&
-           decode_tolerance(document, &options->tolerance, problem) &&
-           proto_decode_flag(document, "", "all_minima", &options->all_minima, problem);
+    const struct proto_object object = {document, "", problem};
+    struct proto_geodesic_request request;
+    if (!proto_geodesic_request_read(&object, &request)) return false;
+    out->samples = request.samples;
+    out->options = (struct gd_geodesic_options){
+        .degree = request.degree, .tolerance = request.tolerance, .all_minima = request.all_minima};
+    return decode_control_points(document, request.degree, &out->options.control_points, problem);
 }
 
 bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
                            struct proto_geodesic *out, struct proto_problem *problem)
 {
-    const char *const members[] = {form->ends[0], form->ends[1], "degree",  "control_points",
-                                   "tolerance",   "all_minima",  "samples", NULL};
-    struct proto_geodesic read = {.form = form, .samples = PROTO_GEODESIC_SAMPLES};
-    bool ok = proto_decode_object(document, "", members, problem) &&
+    struct proto_geodesic read = {.form = form};
+    bool ok = proto_decode_object(document, "", form->members, problem) &&
               decode_options(document, &read, problem);
     for (int k = 0; k < 2 && ok; k++)
         ok = form->is_curve[k]
@@ -237,8 +221,8 @@ static void encode_numbers(struct proto_writer *writer, const struct gd_geodesic
         double value;
         uint32_t field;
     } numbers[] = {{"residual", path->residual, PROTO_GEODESIC_FIELD_RESIDUAL},
-                   {"error_estimate", path->error, PROTO_GEODESIC_FIELD_ERROR},
-                   {"geodesic_curvature", path->curvature, PROTO_GEODESIC_FIELD_CURVATURE},
+                   {"error_estimate", path->error, PROTO_GEODESIC_FIELD_ERROR_ESTIMATE},
+                   {"geodesic_curvature", path->curvature, PROTO_GEODESIC_FIELD_GEODESIC_CURVATURE},
                    {"speed_defect", path->speed_defect, PROTO_GEODESIC_FIELD_SPEED_DEFECT}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (!(fields & numbers[i].field)) continue;

@@ -5,15 +5,12 @@
 #include <string.h>
 
 #include "gd/direction.h"
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/json/member.h"
 #include "proto/json/number.h"
 #include "proto/values/point.h"
 
 #define TOLERANCE_OF_DIAGONAL (1.0 / 2000)
-
-const char *const proto_isolines_parameters[] = {"levels", "count", "tolerance", "arcs", NULL};
-const char *const proto_isolines_fields[] = {"isolines", NULL};
 
 void proto_isolines_free(struct proto_isolines *isolines)
 {
@@ -27,12 +24,6 @@ static bool refuse_memory(struct proto_problem *problem)
 {
     return proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                              "there is no memory for the levels; try again later");
-}
-
-static bool refuse_choice(const char *place, struct proto_problem *problem)
-{
-    return proto_problem_refuse(problem, place,
-                                "say which levels, or count, how many of them: one of both");
 }
 
 static bool check_count(const char *place, uint64_t count, struct proto_problem *problem)
@@ -77,34 +68,22 @@ static bool decode_levels(const json_t *document, struct proto_isolines *out,
            check_levels(out, problem);
 }
 
-static bool decode_count(const json_t *document, struct proto_isolines *out,
-                         struct proto_problem *problem)
-{
-    out->place = "/count";
-    return proto_decode_index(document, "", "count", &out->level_count, problem) &&
-           check_count(out->place, out->level_count, problem);
-}
-
 static bool decode(const json_t *document, struct proto_isolines *out,
                    struct proto_problem *problem)
 {
-    bool has_levels = json_object_get(document, "levels") != NULL,
-         has_count = json_object_get(document, "count");
-    if (has_levels == has_count) return refuse_choice("", problem);
-    if (!proto_decode_flag(document, "", "arcs", &out->wants_arcs, problem)) return false;
-    if (json_object_get(document, "tolerance") &&
-        (!proto_decode_number(document, "", "tolerance", &out->tolerance, problem) ||
-         !check_tolerance("/tolerance", out->tolerance, problem)))
-        return false;
-    return has_levels ? decode_levels(document, out, problem)
-                      : decode_count(document, out, problem);
+    struct proto_isolines_request request;
+    if (!proto_isolines_request_decode(document, &request, problem)) return false;
+    out->tolerance = request.tolerance;
+    out->wants_arcs = request.arcs;
+    out->level_count = request.count;
+    out->place = "/count";
+    return request.has_count || decode_levels(document, out, problem);
 }
 
 bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
                            struct proto_problem *problem)
 {
     struct proto_isolines isolines = {0};
-    if (!proto_decode_object(document, "", proto_isolines_parameters, problem)) return false;
     if (!decode(document, &isolines, problem)) {
         proto_isolines_free(&isolines);
         return false;
@@ -172,7 +151,9 @@ static bool parse(const struct proto_parameters *parameters, struct proto_isolin
 {
     const char *levels = parameters->get(parameters->user, "levels");
     bool has_count = parameters->get(parameters->user, "count") != NULL;
-    if ((levels != NULL) == has_count) return refuse_choice("levels", problem);
+    if ((levels != NULL) == has_count)
+        return proto_problem_refuse(problem, "levels",
+                                    "say which levels, or count, how many of them: one of both");
     if (!parse_tolerance(parameters, &out->tolerance, problem)) return false;
     if (!parse_arcs(parameters, &out->wants_arcs, problem)) return false;
     return levels ? parse_levels(levels, out, problem) : parse_count(parameters, out, problem);
@@ -219,12 +200,11 @@ bool proto_isolines_settle(struct proto_isolines *isolines,
     return true;
 }
 
-double proto_isolines_tolerance(const struct proto_isolines *isolines, const struct gd_mesh *mesh)
+double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
-    return isolines->tolerance > 0
-               ? isolines->tolerance
-               : TOLERANCE_OF_DIAGONAL * gd_vec3_distance(summary->min, summary->max);
+    return tolerance > 0 ? tolerance
+                         : TOLERANCE_OF_DIAGONAL * gd_vec3_distance(summary->min, summary->max);
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

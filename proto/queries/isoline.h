@@ -35,9 +35,6 @@ struct proto_isolines {
     const char *place; /* of levels or count in the request, static */
 };
 
-extern const char *const proto_isolines_parameters[]; /* NULL-terminated, for proto_options_parse */
-extern const char *const proto_isolines_fields[];
-
 /* From the body of POST, and from the query string of GET. invalid_request, too_large (with the
  * limit), insufficient_memory. Freed by proto_isolines_free. */
 bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
@@ -53,9 +50,9 @@ bool proto_isolines_settle(struct proto_isolines *isolines,
                            const struct proto_field_description *field,
                            struct proto_problem *problem);
 
-/* The tolerance that was asked for, or 1/2000 of the diagonal of the mesh's bounding box: half a
+/* The tolerance that was asked for (0: none was), or 1/2000 of the diagonal of the mesh's bounding box: half a
  * pixel in a picture of 1,000. */
-double proto_isolines_tolerance(const struct proto_isolines *isolines, const struct gd_mesh *mesh);
+double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh);
 
 void proto_isolines_begin(struct proto_writer *writer);
 void proto_isolines_end(struct proto_writer *writer);

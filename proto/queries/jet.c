@@ -2,27 +2,20 @@
 
 #include <math.h>
 
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/json/member.h"
 #include "proto/values/point.h"
-
-const char *const proto_jet_fields[] = {
-    "points",         "xyz", "normal", "du", "dv", "duu", "duv", "dvv", "gaussian_curvature",
-    "mean_curvature", NULL};
-const char *const proto_foot_fields[] = {"uv", "xyz", "distance", NULL};
 
 /* --- the requests ----------------------------------------------------------------------------- */
 
 bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface,
                        struct proto_uvs *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"uv", NULL};
-    struct proto_uvs uvs;
-    if (!proto_decode_object(document, "", members, problem) ||
-        !proto_uvs_decode(document, "", "uv", PROTO_JETS, &uvs, problem))
-        return false;
+    struct proto_evaluate_request request;
+    if (!proto_evaluate_request_decode(document, &request, problem)) return false;
+    struct proto_uvs uvs = request.uv;
     for (uint32_t i = 0; i < uvs.count; i++) {
-        char place[PROTO_UV_PLACE];
+        char place[PROTO_PLACE];
         if (gd_parametric_contains(surface, uvs.items[i][0], uvs.items[i][1])) continue;
         proto_place_of_element(place, "/uv", i);
         proto_uv_check(surface, uvs.items[i], place, problem);
@@ -30,17 +23,6 @@ bool proto_jets_decode(const json_t *document, const struct gd_parametric *surfa
         return false;
     }
     *out = uvs;
-    return true;
-}
-
-bool proto_foot_decode(const json_t *document, struct gd_vec3 *out, struct proto_problem *problem)
-{
-    static const char *const members[] = {"xyz", NULL};
-    double xyz[3];
-    if (!proto_decode_object(document, "", members, problem) ||
-        !proto_decode_numbers(document, "", "xyz", 3, xyz, problem))
-        return false;
-    *out = (struct gd_vec3){xyz[0], xyz[1], xyz[2]};
     return true;
 }
 
@@ -67,10 +49,10 @@ void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uin
     if (wanted & PROTO_JET_FIELD_DUU) proto_member_xyz(writer, "duu", jet->uu);
     if (wanted & PROTO_JET_FIELD_DUV) proto_member_xyz(writer, "duv", jet->uv);
     if (wanted & PROTO_JET_FIELD_DVV) proto_member_xyz(writer, "dvv", jet->vv);
-    if (wanted & PROTO_JET_FIELD_GAUSSIAN)
+    if (wanted & PROTO_JET_FIELD_GAUSSIAN_CURVATURE)
         proto_member_number(writer, "gaussian_curvature",
                             curvature.regular ? curvature.gaussian : NAN);
-    if (wanted & PROTO_JET_FIELD_MEAN)
+    if (wanted & PROTO_JET_FIELD_MEAN_CURVATURE)
         proto_member_number(writer, "mean_curvature", curvature.regular ? curvature.mean : NAN);
     proto_write_object_end(writer);
 }

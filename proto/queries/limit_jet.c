@@ -2,20 +2,17 @@
 
 #include <math.h>
 
-#include "proto/json/decode.h"
 #include "proto/json/member.h"
 #include "proto/values/point.h"
-
-const char *const proto_limit_jet_fields[] = {
-    "points", "xyz", "normal", "du", "dv", "duu", "duv", "dvv", "curvatures", "singular", NULL};
-const char *const proto_limit_foot_fields[] = {"face", "corner", "uv", "xyz", "distance", NULL};
 
 bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_places *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"points", NULL};
-    return proto_decode_object(document, "", members, problem) &&
-           proto_limit_places_decode(document, surface, out, problem);
+    struct proto_limit_evaluate_request request;
+    if (!proto_limit_evaluate_request_decode(document, &request, problem)) return false;
+    bool ok = proto_limit_places_locate(surface, &request.points, out, problem);
+    proto_limit_evaluate_request_free(&request);
+    return ok;
 }
 
 static void encode_vector(struct proto_writer *writer, const char *key, struct gd_vec3 vector,

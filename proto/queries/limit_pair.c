@@ -2,24 +2,17 @@
 
 #include <math.h>
 
-#include "proto/json/decode.h"
 #include "proto/queries/limit_trace.h"
 #include "proto/json/member.h"
-
-#define DISTANCE_FIELDS                                                                            \
-    "distance", "reason", "error_estimate", "relaxed", "mesh_distance", "level", "from", "to"
-
-const char *const proto_limit_distance_fields[] = {DISTANCE_FIELDS, NULL};
-const char *const proto_limit_path_fields[] = {DISTANCE_FIELDS, "path", NULL};
 
 bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_pair *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"from", "to", "level", NULL};
+    struct proto_limit_pair_request request;
     struct proto_limit_pair pair;
-    if (!proto_decode_object(document, "", members, problem) ||
-        !proto_limit_place_decode(document, "from", surface, &pair.from, problem) ||
-        !proto_limit_place_decode(document, "to", surface, &pair.to, problem) ||
+    if (!proto_limit_pair_request_decode(document, &request, problem) ||
+        !proto_limit_place_locate(surface, &request.from, "/from", &pair.from, problem) ||
+        !proto_limit_place_locate(surface, &request.to, "/to", &pair.to, problem) ||
         !proto_limit_level_decode(document, surface, &pair.level, problem))
         return false;
     *out = pair;
@@ -37,16 +30,16 @@ static void encode_distance(struct proto_writer *writer, const struct gd_limit_s
                             uint32_t fields)
 {
     bool is_there = isfinite(found->distance);
-    encode_number(writer, "distance", found->distance, fields & PROTO_LIMIT_PAIR_FIELD_DISTANCE);
-    if (!is_there && fields & (PROTO_LIMIT_PAIR_FIELD_DISTANCE | PROTO_LIMIT_PAIR_FIELD_REASON))
+    encode_number(writer, "distance", found->distance, fields & PROTO_LIMIT_PATH_FIELD_DISTANCE);
+    if (!is_there && fields & (PROTO_LIMIT_PATH_FIELD_DISTANCE | PROTO_LIMIT_PATH_FIELD_REASON))
         proto_member_string(writer, "reason", "no_path");
     if (!is_there) return;
     encode_number(writer, "error_estimate", found->error_estimate,
-                  fields & PROTO_LIMIT_PAIR_FIELD_ERROR);
-    if (fields & PROTO_LIMIT_PAIR_FIELD_RELAXED)
+                  fields & PROTO_LIMIT_PATH_FIELD_ERROR_ESTIMATE);
+    if (fields & PROTO_LIMIT_PATH_FIELD_RELAXED)
         proto_member_bool(writer, "relaxed", found->relaxed);
     encode_number(writer, "mesh_distance", found->mesh_distance,
-                  fields & PROTO_LIMIT_PAIR_FIELD_MESH_DISTANCE);
+                  fields & PROTO_LIMIT_PATH_FIELD_MESH_DISTANCE);
 }
 
 static void encode_path(struct proto_writer *writer, const struct gd_limit_shortest *found,
@@ -73,15 +66,15 @@ void proto_limit_pair_encode(struct proto_writer *writer, const struct proto_lim
     uint32_t fields = options->fields;
     proto_write_object_begin(writer);
     encode_distance(writer, found, fields);
-    if (fields & PROTO_LIMIT_PAIR_FIELD_LEVEL) proto_member_uint(writer, "level", wanted->level);
-    if (fields & PROTO_LIMIT_PAIR_FIELD_FROM) {
+    if (fields & PROTO_LIMIT_PATH_FIELD_LEVEL) proto_member_uint(writer, "level", wanted->level);
+    if (fields & PROTO_LIMIT_PATH_FIELD_FROM) {
         proto_write_key(writer, "from");
         proto_limit_place_encode(writer, &wanted->from, ends[0]);
     }
-    if (fields & PROTO_LIMIT_PAIR_FIELD_TO) {
+    if (fields & PROTO_LIMIT_PATH_FIELD_TO) {
         proto_write_key(writer, "to");
         proto_limit_place_encode(writer, &wanted->to, ends[1]);
     }
-    if (fields & PROTO_LIMIT_PAIR_FIELD_PATH) encode_path(writer, found, options->geometry);
+    if (fields & PROTO_LIMIT_PATH_FIELD_PATH) encode_path(writer, found, options->geometry);
     proto_write_object_end(writer);
 }

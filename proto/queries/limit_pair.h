@@ -1,5 +1,5 @@
-/* Limit pair: distance and shortest path between two places of a subdivision surface. The request
- * is {"from", "to", "level"?}; the answer is {"distance", "reason"?, "error_estimate", "relaxed",
+/* Limit pair: distance and shortest path between two places of a subdivision surface. The answer
+ * is {"distance", "reason"?, "error_estimate", "relaxed",
  * "mesh_distance", "level", "from", "to", "path"}. */
 #ifndef PROTO_LIMIT_PAIR_H
 #define PROTO_LIMIT_PAIR_H
@@ -16,21 +16,6 @@ struct proto_limit_pair {
 /* invalid_request, point_not_on_surface. */
 bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_pair *out, struct proto_problem *problem);
-
-enum proto_limit_pair_field {
-    PROTO_LIMIT_PAIR_FIELD_DISTANCE = 1 << 0,
-    PROTO_LIMIT_PAIR_FIELD_REASON = 1 << 1,
-    PROTO_LIMIT_PAIR_FIELD_ERROR = 1 << 2,
-    PROTO_LIMIT_PAIR_FIELD_RELAXED = 1 << 3,
-    PROTO_LIMIT_PAIR_FIELD_MESH_DISTANCE = 1 << 4,
-    PROTO_LIMIT_PAIR_FIELD_LEVEL = 1 << 5,
-    PROTO_LIMIT_PAIR_FIELD_FROM = 1 << 6,
-    PROTO_LIMIT_PAIR_FIELD_TO = 1 << 7,
-    PROTO_LIMIT_PAIR_FIELD_PATH = 1 << 8
-};
-/* all but the path; NULL-terminated, for proto_options_parse */
-extern const char *const proto_limit_distance_fields[];
-extern const char *const proto_limit_path_fields[];
 
 /* `ends`: the surface's points at the two places. Without a path the distances are null, with the
  * reason no_path, and so is the path. */

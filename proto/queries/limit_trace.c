@@ -2,14 +2,11 @@
 
 #include <math.h>
 
-#include "proto/json/decode.h"
 #include "proto/json/member.h"
-
-const char *const proto_limit_trace_fields[] = {"start", "level", "paths", NULL};
 
 void proto_limit_trace_free(struct proto_limit_trace *trace)
 {
-    proto_trace_free(&trace->ways);
+    proto_limit_trace_request_free(&trace->request);
 }
 
 /* --- the request ------------------------------------------------------------------------------ */
@@ -28,30 +25,15 @@ bool proto_limit_level_decode(const json_t *document, const struct gd_subdivisio
     return true;
 }
 
-static bool decode_length(const json_t *document, double *out, struct proto_problem *problem)
-{
-    double length;
-    if (!proto_decode_number(document, "", "length", &length, problem)) return false;
-    if (!(length >= 0)) return proto_problem_refuse(problem, "/length", "a length is 0 or more");
-    *out = length;
-    return true;
-}
-
 bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivision *surface,
                               struct proto_limit_trace *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"start",       "directions", "fan",   "length",
-                                          "vertex_rule", "smooth",     "level", NULL};
     struct proto_limit_trace trace = {0};
-    if (proto_decode_object(document, "", members, problem) &&
-        proto_limit_place_decode(document, "start", surface, &trace.start, problem) &&
-        decode_length(document, &trace.length, problem) &&
-        proto_trace_vertex_rule_decode(document, GD_VERTEX_RULE_NORMAL,
-                                       &trace.ways.options.vertex_rule, problem) &&
-        proto_decode_flag(document, "", "smooth", &trace.smooth, problem) &&
-        proto_limit_level_decode(document, surface, &trace.level, problem) &&
-        proto_trace_ways_decode(document, &trace.ways, problem)) {
-        trace.ways.options.step_limit = PROTO_TRACE_STEPS;
+    struct proto_limit_trace_request *request = &trace.request;
+    if (!proto_limit_trace_request_decode(document, request, problem)) return false;
+    trace.count = request->has_fan ? request->fan : request->directions.count;
+    if (proto_limit_place_locate(surface, &request->start, "/start", &trace.start, problem) &&
+        proto_limit_level_decode(document, surface, &trace.level, problem)) {
         *out = trace;
         return true;
     }
@@ -63,8 +45,8 @@ struct gd_vec3 proto_limit_trace_direction(const struct proto_limit_trace *trace
                                            const struct gd_limit_jet *start, uint32_t i)
 {
     const struct proto_direction *direction =
-        trace->ways.directions ? &trace->ways.directions[i] : NULL;
-    if (!direction) return gd_limit_direction(start, 2 * M_PI * i / trace->ways.count);
+        trace->request.has_fan ? NULL : &trace->request.directions.items[i];
+    if (!direction) return gd_limit_direction(start, 2 * M_PI * i / trace->count);
     return direction->has_angle ? gd_limit_direction(start, direction->angle) : direction->xyz;
 }
 

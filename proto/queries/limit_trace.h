@@ -1,5 +1,4 @@
-/* Limit trace: geodesics of a subdivision surface from a place. The request is {"start",
- * "directions" | "fan", "length", "vertex_rule"?, "smooth"?, "level"?}; the answer is
+/* Limit trace: geodesics of a subdivision surface from a place. The answer is
  * {"start", "paths"}, and "level" unless it is smooth. */
 #ifndef PROTO_LIMIT_TRACE_H
 #define PROTO_LIMIT_TRACE_H
@@ -12,11 +11,9 @@
 #include "proto/queries/trace.h"
 
 struct proto_limit_trace { /* all zero is an empty one */
+    struct proto_limit_trace_request request;
     struct gd_limit_point start;
-    /* directions or fan, and options, which are without normals; not its start, not its length */
-    struct proto_trace ways;
-    double length;
-    bool smooth;
+    uint32_t count; /* directions, or those of the fan */
     uint32_t level; /* of the mesh, if it isn't smooth */
 };
 
@@ -35,13 +32,6 @@ void proto_limit_trace_free(struct proto_limit_trace *trace); /* a second time i
  * which are as they came. */
 struct gd_vec3 proto_limit_trace_direction(const struct proto_limit_trace *trace,
                                            const struct gd_limit_jet *start, uint32_t i);
-
-enum proto_limit_trace_field {
-    PROTO_LIMIT_TRACE_FIELD_START = 1 << 0,
-    PROTO_LIMIT_TRACE_FIELD_LEVEL = 1 << 1,
-    PROTO_LIMIT_TRACE_FIELD_PATHS = 1 << 2
-};
-extern const char *const proto_limit_trace_fields[]; /* NULL-terminated, for proto_options_parse */
 
 /* Writes {"length", "points", "end_direction", "end_reason"}: of a path on the mesh, whose points
  * are told in space as they lie on the mesh; of one on the surface itself. `end`: the surface's jet

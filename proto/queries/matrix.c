@@ -4,63 +4,19 @@
 #include <math.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
 #include "proto/queries/evaluation.h"
 
-const char *const proto_matrix_fields[] = {"distances", "reasons", NULL};
-
-/* --- the request ------------------------------------------------------------------------------ */
-
-void proto_matrix_free(struct proto_matrix *matrix)
+bool proto_matrix_check(const struct proto_matrix_request *request, struct proto_problem *problem)
 {
-    proto_points_free(&matrix->sources);
-    proto_points_free(&matrix->targets);
-}
-
-static bool decode_points(const json_t *document, const char *pointer, struct proto_points *out,
-                          struct proto_problem *problem)
-{
-    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
-    if (!value || !proto_points_decode(out, value, pointer, PROTO_MATRIX_ENTRIES, problem))
-        return false;
-    return out->count || proto_problem_refuse(problem, pointer, "name at least one point");
-}
-
-static bool check_size(const struct proto_matrix *matrix, struct proto_problem *problem)
-{
-    uint64_t entries = (uint64_t)matrix->sources.count * matrix->targets.count;
+    uint64_t entries = (uint64_t)request->sources.count * request->targets.count;
     if (entries <= PROTO_MATRIX_ENTRIES) return true;
     proto_problem_set(
         problem, PROTO_PROBLEM_TOO_LARGE,
         "%u sources and %u targets make %llu distances, more than %d; ask for the matrix in parts",
-        matrix->sources.count, matrix->targets.count, (unsigned long long)entries,
+        request->sources.count, request->targets.count, (unsigned long long)entries,
         PROTO_MATRIX_ENTRIES);
     proto_problem_at(problem, "");
     return proto_problem_limit(problem, PROTO_MATRIX_ENTRIES);
-}
-
-static bool decode(const json_t *document, struct proto_matrix *matrix,
-                   struct proto_problem *problem)
-{
-    if (!proto_decode_max_distance(document, &matrix->max_distance, problem)) return false;
-    if (!matrix->max_distance) matrix->max_distance = INFINITY;
-    return decode_points(document, "/sources", &matrix->sources, problem) &&
-           decode_points(document, "/targets", &matrix->targets, problem) &&
-           check_size(matrix, problem);
-}
-
-bool proto_matrix_decode(const json_t *document, struct proto_matrix *out,
-                         struct proto_problem *problem)
-{
-    static const char *const members[] = {"sources", "targets", "max_distance", NULL};
-    struct proto_matrix matrix = {0};
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    if (decode(document, &matrix, problem)) {
-        *out = matrix;
-        return true;
-    }
-    proto_matrix_free(&matrix);
-    return false;
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

@@ -2,14 +2,10 @@
 
 #include <math.h>
 
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/values/path.h"
 
 #define ENDS_BYTES 800 /* about: of an answer but for the path */
-
-const char *const proto_distance_fields[] = {"distance", "reason", "from", "to", "via", NULL};
-const char *const proto_path_fields[] = {"distance", "reason", "from", "to", "via", "path", NULL};
-const char *const proto_pair_parameters[] = {"from", "to", "via", NULL};
 
 /* --- the request ------------------------------------------------------------------------------ */
 
@@ -24,7 +20,7 @@ static bool decode_end(struct proto_points *stops, const json_t *document, const
 static bool decode_stops(const json_t *document, struct proto_points *stops,
                          struct proto_problem *problem)
 {
-    if (!proto_decode_object(document, "", proto_pair_parameters, problem)) return false;
+    if (!proto_decode_object(document, "", proto_pair_request_members, problem)) return false;
     if (!decode_end(stops, document, "/from", problem)) return false;
     const json_t *via = json_object_get(document, "via");
     if (via && !proto_points_decode(stops, via, "/via", PROTO_PAIR_VIA, problem)) return false;
@@ -86,11 +82,11 @@ static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
 
 static void encode_distance(struct proto_writer *writer, double distance, uint32_t fields)
 {
-    if (fields & PROTO_PAIR_FIELD_DISTANCE) {
+    if (fields & PROTO_PATH_FIELD_DISTANCE) {
         proto_write_key(writer, "distance");
         proto_write_number(writer, distance);
     }
-    if ((fields & (PROTO_PAIR_FIELD_DISTANCE | PROTO_PAIR_FIELD_REASON)) && !isfinite(distance)) {
+    if ((fields & (PROTO_PATH_FIELD_DISTANCE | PROTO_PATH_FIELD_REASON)) && !isfinite(distance)) {
         proto_write_key(writer, "reason");
         proto_write_string(writer, "no_path");
     }
@@ -108,17 +104,17 @@ void proto_pair_encode(struct proto_writer *writer, const struct proto_located_p
 {
     uint32_t fields = options->fields, last = stops->count - 1;
     size_t path_bytes =
-        fields & PROTO_PAIR_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
+        fields & PROTO_PATH_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
     /* at once: it is most of what an answer's memory costs */
     proto_writer_expect(writer, ENDS_BYTES + path_bytes);
     proto_write_object_begin(writer);
     encode_distance(writer, answer->distance, fields);
-    if (fields & PROTO_PAIR_FIELD_FROM) encode_end(writer, "from", stops, 0);
-    if (fields & PROTO_PAIR_FIELD_TO) encode_end(writer, "to", stops, last);
-    if (fields & PROTO_PAIR_FIELD_VIA && last > 1) {
+    if (fields & PROTO_PATH_FIELD_FROM) encode_end(writer, "from", stops, 0);
+    if (fields & PROTO_PATH_FIELD_TO) encode_end(writer, "to", stops, last);
+    if (fields & PROTO_PATH_FIELD_VIA && last > 1) {
         proto_write_key(writer, "via");
         proto_located_points_encode(writer, stops, 1, last - 1);
     }
-    if (fields & PROTO_PAIR_FIELD_PATH) encode_path(writer, stops->mesh, answer, options->geometry);
+    if (fields & PROTO_PATH_FIELD_PATH) encode_path(writer, stops->mesh, answer, options->geometry);
     proto_write_object_end(writer);
 }

@@ -12,23 +12,6 @@
 
 #define PROTO_PAIR_VIA 1000 /* most points of via */
 
-/* Fields of the answers, as bits of proto_options.fields. The reason comes with a distance that is
- * null, asked for or not. */
-enum proto_pair_field {
-    PROTO_PAIR_FIELD_DISTANCE = 1 << 0,
-    PROTO_PAIR_FIELD_REASON = 1 << 1,
-    PROTO_PAIR_FIELD_FROM = 1 << 2,
-    PROTO_PAIR_FIELD_TO = 1 << 3,
-    PROTO_PAIR_FIELD_VIA = 1 << 4,
-    PROTO_PAIR_FIELD_PATH = 1 << 5 /* set: a path is wanted, so it has to be computed */
-};
-extern const char *const proto_distance_fields[]; /* NULL-terminated, for proto_options_parse */
-extern const char *const proto_path_fields[];
-
-/* Query-string parameters of the GET form: from, to, via ("v:3;v:4"). NULL-terminated, for
- * proto_options_parse; the POST form has none of its own. */
-extern const char *const proto_pair_parameters[];
-
 /* The stops, from the body of POST and from the query string of GET: at least two. `out` is the
  * caller's to free. invalid_request, too_large, insufficient_memory. */
 bool proto_pair_decode(const json_t *document, struct proto_points *out,

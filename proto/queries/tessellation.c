@@ -1,51 +1,33 @@
 #include "proto/queries/tessellation.h"
 
-#include "proto/json/decode.h"
-#include "proto/values/made_mesh.h"
-
-const char *const proto_vertex_parameters_fields[] = {"nurbs", "periods", "uv", NULL};
+#include "proto/values/mesh.h"
 
 /* --- the request ------------------------------------------------------------------------------ */
 
-static bool decode_resolution(const json_t *document, uint32_t max_faces,
-                              struct gd_tessellation_options *out, struct proto_problem *problem)
-{
-    uint32_t most = max_faces < GD_TESSELLATION_FACES_MAX ? max_faces : GD_TESSELLATION_FACES_MAX;
-    if (!proto_decode_indices(document, "", "resolution", 2, out->steps, problem)) return false;
-    if (out->steps[0] < GD_TESSELLATION_STEPS_LEAST || out->steps[1] < GD_TESSELLATION_STEPS_LEAST)
-        return proto_problem_refuse(problem, "/resolution",
-                                    "each direction is cut into %d parts at least",
-                                    GD_TESSELLATION_STEPS_LEAST);
-    if (2.0 * out->steps[0] * out->steps[1] <= most) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "%u x %u cells are %.0f triangles, and at most %u can be made", out->steps[0],
-                      out->steps[1], 2.0 * out->steps[0] * out->steps[1], most);
-    proto_problem_at(problem, "/resolution");
-    return proto_problem_limit(problem, most);
-}
-
-static bool decode_tolerance(const json_t *document, struct gd_tessellation_options *out,
+static bool check_resolution(const uint32_t steps[2], uint32_t max_faces,
                              struct proto_problem *problem)
 {
-    out->faces = 1; /* as few as the tolerance allows */
-    return proto_made_tolerance_decode(document, &out->deviation, problem);
+    uint32_t most = max_faces < GD_TESSELLATION_FACES_MAX ? max_faces : GD_TESSELLATION_FACES_MAX;
+    if (2.0 * steps[0] * steps[1] <= most) return true;
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "%u x %u cells are %.0f triangles, and at most %u can be made", steps[0],
+                      steps[1], 2.0 * steps[0] * steps[1], most);
+    proto_problem_at(problem, "/resolution");
+    return proto_problem_limit(problem, most);
 }
 
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
                                struct proto_tessellation *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"mesh", "tolerance", "resolution", NULL};
-    struct proto_tessellation wanted = {0};
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    bool has_tolerance = json_object_get(document, "tolerance") != NULL;
-    if (has_tolerance == (json_object_get(document, "resolution") != NULL))
-        return proto_problem_refuse(problem, "",
-                                    "say either tolerance or resolution, the cells in u and in v");
-    if (!proto_made_mesh_decode(document, wanted.mesh, problem)) return false;
-    if (has_tolerance ? !decode_tolerance(document, &wanted.options, problem)
-                      : !decode_resolution(document, max_faces, &wanted.options, problem))
+    struct proto_tessellate_request request;
+    if (!proto_tessellate_request_decode(document, &request, problem)) return false;
+    if (request.has_resolution && !check_resolution(request.resolution, max_faces, problem))
         return false;
-    *out = wanted;
+    *out = (struct proto_tessellation){
+        request.mesh,
+        {.deviation = request.tolerance,
+         .faces = request.has_tolerance, /* as few as the tolerance allows */
+         .steps = {request.resolution[0], request.resolution[1]}}};
     return true;
 }
 

@@ -3,15 +3,14 @@
 #ifndef PROTO_TESSELLATION_H
 #define PROTO_TESSELLATION_H
 
-#include <jansson.h>
-
 #include "gd/tessellation.h"
+#include "generated/requests.h"
 #include "proto/values/mesh.h"
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
 struct proto_tessellation {
-    char mesh[PROTO_MESH_NAME + 1];
+    struct proto_name mesh;
     struct gd_tessellation_options options;
 };
 
@@ -26,14 +25,6 @@ struct proto_vertex_parameters {
     const double (*uv)[2];
     uint32_t count;
 };
-
-enum proto_vertex_parameters_field {
-    PROTO_VERTEX_PARAMETERS_FIELD_NURBS = 1 << 0,
-    PROTO_VERTEX_PARAMETERS_FIELD_PERIODS = 1 << 1,
-    PROTO_VERTEX_PARAMETERS_FIELD_UV = 1 << 2
-};
-/* NULL-terminated, for proto_options_parse */
-extern const char *const proto_vertex_parameters_fields[];
 
 /* Writes {"nurbs": {"name", "etag"}, "periods": [u, v], "uv": [[u, v]…]}, of these the wanted ones;
  * null for the period of a direction without one. */

@@ -1,39 +1,6 @@
 #include "proto/queries/voronoi.h"
 
-#include "proto/json/decode.h"
 #include "proto/json/member.h"
-
-const char *const proto_voronoi_fields[] = {"labels", "bisectors", NULL};
-
-/* --- the request ------------------------------------------------------------------------------ */
-
-static bool decode_tolerance(const json_t *document, double *out, struct proto_problem *problem)
-{
-    double tolerance = 0;
-    if (json_object_get(document, "tolerance")) {
-        if (!proto_decode_number(document, "", "tolerance", &tolerance, problem)) return false;
-        if (!(tolerance > 0))
-            return proto_problem_refuse(problem, "/tolerance",
-                                        "the tolerance is a length of more than 0");
-    }
-    *out = tolerance;
-    return true;
-}
-
-bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out,
-                          struct proto_problem *problem)
-{
-    static const char *const members[] = {"set", "tolerance", NULL};
-    struct proto_voronoi voronoi;
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    if (!decode_tolerance(document, &voronoi.tolerance, problem)) return false;
-    const json_t *set = proto_decode_member(document, "", "set", problem);
-    if (!set || !proto_set_decode(set, "/set", &voronoi.set, problem)) return false;
-    *out = voronoi;
-    return true;
-}
-
-/* --- the answer ------------------------------------------------------------------------------- */
 
 void proto_voronoi_begin(struct proto_writer *writer)
 {

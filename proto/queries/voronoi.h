@@ -1,6 +1,6 @@
-/* Voronoi: which member of a set each part of a surface is nearest to. The request is {"set",
- * "tolerance"?}; the answer {"labels": [member per vertex index], "bisectors": [{"members",
- * "closed", "length", "points"}]}, written as it is found:
+/* Voronoi: which member of a set each part of a surface is nearest to. The answer
+ * {"labels": [member per vertex index], "bisectors": [{"members", "closed", "length", "points"}]}
+ * is written as it is found:
  *
  *     proto_voronoi_begin(&writer);
  *     proto_voronoi_labels_begin(&writer);
@@ -15,27 +15,9 @@
 #define PROTO_VORONOI_H
 
 #include "gd/voronoi.h"
-#include "proto/values/set.h"
 #include "proto/json/writer.h"
 
 #define PROTO_VORONOI_POINTS 500000 /* most points of an answer's bisectors */
-
-struct proto_voronoi {
-    struct proto_set set;
-    double tolerance; /* 0: not said */
-};
-
-/* Fields of the answer, as bits of proto_options.fields. */
-enum proto_voronoi_field {
-    PROTO_VORONOI_FIELD_LABELS = 1 << 0,
-    PROTO_VORONOI_FIELD_BISECTORS = 1 << 1
-};
-extern const char *const proto_voronoi_fields[]; /* NULL-terminated, for proto_options_parse */
-
-/* invalid_request, too_large, insufficient_memory. The set is freed by proto_set_free before the
- * document is. */
-bool proto_voronoi_decode(const json_t *document, struct proto_voronoi *out,
-                          struct proto_problem *problem);
 
 void proto_voronoi_begin(struct proto_writer *writer);
 void proto_voronoi_end(struct proto_writer *writer);

@@ -43,7 +43,7 @@ static bool decode_bspline(const json_t *value, struct proto_domain_curve *curve
                                                                           "degree", "knots",
                                                                           "control_points", NULL};
     const json_t *spline = json_object_get(value, "bspline");
-    char place[PROTO_UV_PLACE];
+    char place[PROTO_PLACE];
     proto_place_of_member(place, curve->place, "bspline");
     return proto_decode_object(value, curve->place, members, problem) &&
            proto_decode_object(spline, place, inner, problem) &&
@@ -143,7 +143,7 @@ static bool check_points(const struct gd_parametric *surface,
     static const char *const lists[] = {[PROTO_DOMAIN_CURVE_POLYLINE] = "polyline",
                                         [PROTO_DOMAIN_CURVE_BSPLINE] = "bspline/control_points"};
     for (uint32_t i = 0; i < curve->points.count; i++) {
-        char list[PROTO_UV_PLACE], place[PROTO_UV_PLACE];
+        char list[PROTO_PLACE], place[PROTO_PLACE];
         if (gd_parametric_contains(surface, curve->points.items[i][0], curve->points.items[i][1]))
             continue;
         if (curve->kind == PROTO_DOMAIN_CURVE_POINT) {

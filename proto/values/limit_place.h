@@ -6,13 +6,10 @@
 #ifndef PROTO_LIMIT_PLACE_H
 #define PROTO_LIMIT_PLACE_H
 
-#include <jansson.h>
-
 #include "gd/limit_place.h"
+#include "generated/requests.h"
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
-
-#define PROTO_LIMIT_PLACES 40000 /* most of a request */
 
 struct proto_limit_places { /* all zero is an empty list */
     struct gd_limit_point *items;
@@ -21,15 +18,15 @@ struct proto_limit_places { /* all zero is an empty list */
 
 void proto_limit_places_free(struct proto_limit_places *places); /* leaves an empty list */
 
-/* The member, a place of the surface. invalid_request (its form, its face or its corner),
- * point_not_on_surface (u, v outside of the face). */
-bool proto_limit_place_decode(const json_t *document, const char *member,
-                              const struct gd_subdivision *surface, struct gd_limit_point *out,
-                              struct proto_problem *problem);
+/* The place on its surface; `pointer`: where it stood in the request. invalid_request (its face or
+ * its corner), point_not_on_surface (u, v outside of the face). */
+bool proto_limit_place_locate(const struct gd_subdivision *surface,
+                              const struct proto_limit_place *place, const char *pointer,
+                              struct gd_limit_point *out, struct proto_problem *problem);
 
-/* The member "points", 1 to PROTO_LIMIT_PLACES of them. The same problems, too_large,
- * insufficient_memory. */
-bool proto_limit_places_decode(const json_t *document, const struct gd_subdivision *surface,
+/* Those of the member "points". The same problems, and insufficient_memory. */
+bool proto_limit_places_locate(const struct gd_subdivision *surface,
+                               const struct proto_limit_place_list *list,
                                struct proto_limit_places *out, struct proto_problem *problem);
 
 /* Writes the members of a place into an object that is begun. */

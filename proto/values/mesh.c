@@ -29,6 +29,28 @@ bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem
                PROTO_MESH_NAME);
 }
 
+bool proto_name_decode(const json_t *value, const char *place, struct proto_name *out,
+                       struct proto_problem *problem)
+{
+    if (!json_is_string(value))
+        return proto_problem_refuse(problem, place, "expected the name of the mesh, a string");
+    size_t length = json_string_length(value);
+    if (!proto_mesh_name_check(json_string_value(value), length, problem))
+        return proto_problem_at(problem, place);
+    memcpy(out->text, json_string_value(value), length + 1);
+    return true;
+}
+
+void proto_made_of_encode(struct proto_writer *writer, const char *key, const char *name,
+                          const char *etag)
+{
+    proto_write_key(writer, key);
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "name", name);
+    proto_member_string(writer, "etag", etag);
+    proto_write_object_end(writer);
+}
+
 /* --- options of an upload --------------------------------------------------------------------- */
 
 static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out,

@@ -11,8 +11,21 @@
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
+struct json_t; /* of jansson */
+
 #define PROTO_MESH_BOUNDARIES 100 /* of them stand in a description */
 #define PROTO_MESH_NAME       128 /* most characters of a name, without the NUL */
+
+/* The name of a mesh in a request. */
+struct proto_name {
+    char text[PROTO_MESH_NAME + 1];
+};
+bool proto_name_decode(const struct json_t *value, const char *place, struct proto_name *out,
+                       struct proto_problem *problem);
+
+/* Writes the member that names a mesh's origin: `key`: {"name", "etag"}. */
+void proto_made_of_encode(struct proto_writer *writer, const char *key, const char *name,
+                          const char *etag);
 
 /* [A-Za-z0-9_-][A-Za-z0-9._-]{0,127}; else invalid_request. `name` has `length` bytes and need not
  * be NUL-terminated. */

@@ -186,7 +186,7 @@ bool proto_parametric_decode(const json_t *value, const char *place, struct gd_p
             "a surface is exactly one of \"torus\", \"helicoid\", \"graph\", \"revolution\"");
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         const json_t *body = json_object_get(value, shapes[i].name);
-        char inner[PROTO_UV_PLACE];
+        char inner[PROTO_PLACE];
         if (!body) continue;
         proto_place_of_member(inner, place, shapes[i].name);
         if (!shapes[i].decode(body, inner, out, problem)) return false;

@@ -255,9 +255,6 @@ bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *po
 
 /* --- back to the client ----------------------------------------------------------------------- */
 
-const char *const proto_point_fields[] = {"face", "barycentric", "xyz",           "vertex",
-                                          "edge", "t",           "snap_distance", NULL};
-
 void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz)
 {
     proto_write_numbers(writer, (const double[]){xyz.x, xyz.y, xyz.z}, 3);

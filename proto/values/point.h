@@ -9,6 +9,7 @@
 
 #include "gd/locate.h"
 #include "gd/point.h"
+#include "generated/fields.h"
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 
@@ -61,20 +62,6 @@ bool proto_point_parse(const char *text, const char *parameter, struct proto_poi
  * point_not_on_surface; both at the point's place. Cost as in gd/point.h and gd/locate.h. */
 bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
                         struct gd_point *out, double *snap_distance, struct proto_problem *problem);
-
-/* The fields of a point in an answer, as bits of proto_options.fields; in the order of
- * proto_point_fields. */
-enum proto_point_field {
-    PROTO_POINT_FIELD_FACE = 1 << 0,
-    PROTO_POINT_FIELD_BARYCENTRIC = 1 << 1,
-    PROTO_POINT_FIELD_XYZ = 1 << 2,
-    PROTO_POINT_FIELD_VERTEX = 1 << 3,
-    PROTO_POINT_FIELD_EDGE = 1 << 4,
-    PROTO_POINT_FIELD_T = 1 << 5,
-    PROTO_POINT_FIELD_SNAP_DISTANCE = 1 << 6,
-    PROTO_POINT_FIELD_ALL = (1 << 7) - 1
-};
-extern const char *const proto_point_fields[]; /* NULL-terminated */
 
 /* Writes all that is known of a point: face, barycentric, xyz, then vertex or edge and t where it
  * lies on one, then snap_distance unless it is NAN. */

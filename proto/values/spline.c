@@ -6,12 +6,9 @@
 #include <string.h>
 
 #include "gd/frame.h"
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/json/member.h"
 #include "proto/values/path.h"
-
-const char *const proto_spline_fields[] = {"path",   "segments", "parameters",
-                                           "joints", "frames",   NULL};
 
 enum { PLACE = 2 * PROTO_POINT_PLACE };
 
@@ -38,63 +35,6 @@ static bool refuse_member(const struct proto_spline *spline, const char *member,
 {
     proto_problem_refuse(problem, spline->place, "%s", sentence);
     return proto_problem_descend(problem, member);
-}
-
-static bool decode_points(const json_t *value, struct proto_spline *spline,
-                          struct proto_problem *problem)
-{
-    char place[PLACE];
-    const json_t *points = proto_decode_member(value, spline->place, "points", problem);
-    if (!points) return false;
-    snprintf(place, sizeof place, "%s/points", spline->place);
-    if (!proto_points_decode(&spline->points, points, place, PROTO_SPLINE_POINTS, problem))
-        return false;
-    return spline->points.count >= 2 ||
-           proto_problem_refuse(problem, place, "a spline goes through at least two points");
-}
-
-/* A number from 0 to 1 that may be left out. */
-static bool decode_part(const json_t *value, const struct proto_spline *spline, const char *member,
-                        double usual, double *out, struct proto_problem *problem)
-{
-    *out = usual;
-    if (!json_object_get(value, member)) return true;
-    if (!proto_decode_number(value, spline->place, member, out, problem)) return false;
-    return (*out >= 0 && *out <= 1) ||
-           refuse_member(spline, member, "this is a number from 0 to 1", problem);
-}
-
-/* One of two words: 0 for the first, which is the default. */
-static bool decode_word(const json_t *value, const struct proto_spline *spline, const char *member,
-                        const char *const words[2], int *out, struct proto_problem *problem)
-{
-    const json_t *word = json_object_get(value, member);
-    *out = 0;
-    if (!word) return true;
-    for (int i = 0; i < 2; i++) {
-        *out = i;
-        if (json_is_string(word) && strcmp(json_string_value(word), words[i]) == 0) return true;
-    }
-    proto_problem_refuse(problem, spline->place, "%s is \"%s\" or \"%s\"", member, words[0],
-                         words[1]);
-    return proto_problem_descend(problem, member);
-}
-
-static bool decode_shape(const json_t *value, struct proto_spline *spline,
-                         struct proto_problem *problem)
-{
-    static const char *const tangent_rules[2] = {"symmetric", "paper"}, *const end_rules[2] = {
-                                                                            "natural", "zero"};
-    int tangent_rule, end_rule;
-    if (!proto_decode_flag(value, spline->place, "closed", &spline->closed, problem) ||
-        !decode_part(value, spline, "alpha", 0.5, &spline->alpha, problem) ||
-        !decode_part(value, spline, "tension", 0, &spline->tension, problem) ||
-        !decode_word(value, spline, "tangent_rule", tangent_rules, &tangent_rule, problem) ||
-        !decode_word(value, spline, "end_rule", end_rules, &end_rule, problem))
-        return false;
-    spline->tangent_rule = tangent_rule ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC;
-    spline->end_rule = end_rule ? GD_END_ZERO : GD_END_NATURAL;
-    return true;
 }
 
 /* --- tangents --------------------------------------------------------------------------------- */
@@ -131,30 +71,17 @@ static bool decode_tangents(const json_t *value, struct proto_spline *spline,
 
 /* --- where it is looked at -------------------------------------------------------------------- */
 
-static bool decode_length(const json_t *value, const struct proto_spline *spline,
-                          const char *member, double *out, struct proto_problem *problem)
-{
-    return proto_decode_number(value, spline->place, member, out, problem) &&
-           (*out > 0 || refuse_member(spline, member, "this is a length, more than 0", problem));
-}
-
-static bool decode_samples(const json_t *value, struct proto_spline *spline,
+static bool decode_samples(const struct proto_spline_request *request, struct proto_spline *spline,
                            struct proto_problem *problem)
 {
-    uint32_t samples = PROTO_SPLINE_SAMPLES, segments = spline->points.count - !spline->closed;
-    static const char *const speeds[2] = {"parameter", "constant"};
-    int speed;
-    if (json_object_get(value, "samples") &&
-        !proto_decode_index(value, spline->place, "samples", &samples, problem))
-        return false;
-    if (!decode_word(value, spline, "speed", speeds, &speed, problem)) return false;
-    if (samples < 1 || (double)samples * segments > PROTO_SPLINE_PLACES) {
+    uint32_t samples = request->samples, segments = spline->points.count - !spline->closed;
+    if ((double)samples * segments > PROTO_SPLINE_PLACES) {
         proto_problem_refuse(problem, spline->place,
                              "samples is a number from 1 on, and at most %d for all segments",
                              PROTO_SPLINE_PLACES);
         return proto_problem_descend(problem, "samples");
     }
-    if (speed)
+    if (request->speed == PROTO_SPEED_CONSTANT)
         spline->sampling.even = samples * segments;
     else
         spline->sampling.per_segment = samples;
@@ -176,43 +103,43 @@ static bool decode_at(const json_t *value, struct proto_spline *spline,
     return proto_decode_numbers(value, spline->place, "at", count, spline->parameters, problem);
 }
 
-static bool decode_sampling(const json_t *value, struct proto_spline *spline,
-                            struct proto_problem *problem)
+static bool decode_sampling(const json_t *value, const struct proto_spline_request *request,
+                            struct proto_spline *spline, struct proto_problem *problem)
 {
-    static const char *const ways[] = {"samples", "tolerance", "spacing", "at"};
-    const char *way = "samples";
-    int count = 0;
-    for (int i = 0; i < 4; i++) {
-        if (!json_object_get(value, ways[i])) continue;
-        way = ways[i];
-        count++;
-    }
-    if (count > 1)
+    bool has_samples = json_object_get(value, "samples"), has_at = json_object_get(value, "at");
+    int ways = has_samples + has_at + request->has_tolerance + request->has_spacing;
+    if (ways > 1)
         return proto_problem_refuse(problem, spline->place,
                                     "say one of samples, tolerance, spacing and at");
-    if (strcmp(way, "samples") == 0) return decode_samples(value, spline, problem);
+    if (!ways || has_samples) return decode_samples(request, spline, problem);
     if (json_object_get(value, "speed"))
         return refuse_member(spline, "speed",
                              "speed goes with samples; spacing is of constant speed", problem);
-    if (strcmp(way, "at") == 0) return decode_at(value, spline, problem);
-    double *out =
-        strcmp(way, "spacing") == 0 ? &spline->sampling.spacing : &spline->sampling.tolerance;
-    return decode_length(value, spline, way, out, problem);
+    spline->sampling.tolerance = request->tolerance;
+    spline->sampling.spacing = request->spacing;
+    return !has_at || decode_at(value, spline, problem);
 }
 
 static bool decode(const json_t *value, bool as_curve, struct proto_spline *spline,
                    struct proto_problem *problem)
 {
-    static const char *const members[] = {
-        "points",  "closed",    "alpha",   "tension", "tangent_rule", "end_rule", "tangents",
-        "samples", "tolerance", "spacing", "speed",   "at",           "frames",   NULL};
-    static const char *const of_curve[] = {"points",       "closed",   "alpha",    "tension",
-                                           "tangent_rule", "end_rule", "tangents", "samples",
-                                           "tolerance",    "spacing",  "speed",    NULL};
-    return proto_decode_object(value, spline->place, as_curve ? of_curve : members, problem) &&
-           decode_points(value, spline, problem) && decode_shape(value, spline, problem) &&
-           decode_tangents(value, spline, problem) && decode_sampling(value, spline, problem) &&
-           proto_decode_flag(value, spline->place, "frames", &spline->frames, problem);
+    const struct proto_object object = {value, spline->place, problem};
+    struct proto_spline_request request;
+    if (!proto_decode_object(value, spline->place,
+                             as_curve ? proto_spline_curve_members : proto_spline_request_members,
+                             problem) ||
+        !proto_spline_request_read(&object, &request))
+        return false;
+    spline->points = request.points;
+    spline->closed = request.closed;
+    spline->frames = request.frames;
+    spline->alpha = request.alpha;
+    spline->tension = request.tension;
+    spline->tangent_rule =
+        request.tangent_rule == PROTO_TANGENT_RULE_PAPER ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC;
+    spline->end_rule = request.end_rule == PROTO_END_RULE_ZERO ? GD_END_ZERO : GD_END_NATURAL;
+    return decode_tangents(value, spline, problem) &&
+           decode_sampling(value, &request, spline, problem);
 }
 
 bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,

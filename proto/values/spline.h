@@ -1,10 +1,5 @@
 /* Spline: a geodesic Hermite spline in a request, by itself or as a curve, and in an answer.
  *
- *     {"points", "closed"?, "alpha"?, "tension"?, "tangent_rule"?, "end_rule"?, "tangents"?,
- *      "samples"? | "tolerance"? | "spacing"?, "speed"?}
- *                                           and in a request of its own also "at"? and "frames"?
- *     -> {"path", "segments", "parameters", "joints", "frames"}
- *
  * Decoding needs no mesh; locating puts points and tangents on one. */
 #ifndef PROTO_SPLINE_H
 #define PROTO_SPLINE_H
@@ -16,9 +11,7 @@
 #include "proto/values/points.h"
 #include "proto/values/vector.h"
 
-#define PROTO_SPLINE_POINTS  1000 /* each is a search */
-#define PROTO_SPLINE_SAMPLES 16   /* a segment, when nothing else is asked for */
-#define PROTO_SPLINE_PLACES  100000
+#define PROTO_SPLINE_PLACES 100000
 
 /* All zero is none. */
 struct proto_spline {
@@ -59,16 +52,6 @@ void proto_located_spline_free(struct proto_located_spline *located); /* leaves 
  * fault, or at `place`, the spline's. */
 bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
                        struct proto_problem *problem);
-
-/* Fields of the answer, as bits of proto_options.fields. */
-enum proto_spline_field {
-    PROTO_SPLINE_FIELD_PATH = 1 << 0,
-    PROTO_SPLINE_FIELD_SEGMENTS = 1 << 1,
-    PROTO_SPLINE_FIELD_PARAMETERS = 1 << 2,
-    PROTO_SPLINE_FIELD_JOINTS = 1 << 3,
-    PROTO_SPLINE_FIELD_FRAMES = 1 << 4
-};
-extern const char *const proto_spline_fields[]; /* NULL-terminated, for proto_options_parse */
 
 /* Writes {"path", "segments", "parameters", "joints"}, and with `frames` a frame for each place; of
  * these the wanted ones. */

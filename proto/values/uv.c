@@ -11,17 +11,6 @@ void proto_uvs_free(struct proto_uvs *uvs)
     *uvs = (struct proto_uvs){0};
 }
 
-/* Cut: a problem's pointer has no more room. */
-void proto_place_of_member(char out[PROTO_UV_PLACE], const char *place, const char *member)
-{
-    snprintf(out, PROTO_UV_PLACE, "%.*s/%.64s", PROTO_UV_PLACE - 66, place, member);
-}
-
-void proto_place_of_element(char out[PROTO_UV_PLACE], const char *place, size_t index)
-{
-    snprintf(out, PROTO_UV_PLACE, "%.*s/%zu", PROTO_UV_PLACE - 24, place, index);
-}
-
 bool proto_uv_decode(const json_t *object, const char *place, const char *member, double out[2],
                      struct proto_problem *problem)
 {
@@ -50,7 +39,7 @@ static const json_t *find_list(const json_t *object, const char *place, const ch
 static bool refuse_element(const char *place, const char *member, size_t index,
                            const char *expected, struct proto_problem *problem)
 {
-    char list[PROTO_UV_PLACE], element[PROTO_UV_PLACE];
+    char list[PROTO_PLACE], element[PROTO_PLACE];
     proto_place_of_member(list, place, member);
     proto_place_of_element(element, list, index);
     return proto_problem_refuse(problem, element, "expected %s", expected);

@@ -9,8 +9,6 @@
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 
-#define PROTO_UV_PLACE PROTO_PROBLEM_POINTER /* bytes of a place in the request */
-
 struct proto_uvs { /* all zero is an empty list */
     double (*items)[2];
     uint32_t count;
@@ -37,9 +35,5 @@ bool proto_numbers_decode(const json_t *object, const char *place, const char *m
 /* Is the place in the surface's domain? Else point_not_on_surface at `place`. */
 bool proto_uv_check(const struct gd_parametric *surface, const double uv[2], const char *place,
                     struct proto_problem *problem);
-
-/* The place of a member, or of an element, of what is at `place`: cut at the size of its buffer. */
-void proto_place_of_member(char out[PROTO_UV_PLACE], const char *place, const char *member);
-void proto_place_of_element(char out[PROTO_UV_PLACE], const char *place, size_t index);
 
 #endif

@@ -5,14 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/json/member.h"
 
 enum { PLACE = 2 * PROTO_DIRECTION_PLACE };
-
-const char *const proto_exp_fields[] = {"start", "vectors", "points", "paths", NULL};
-const char *const proto_log_fields[] = {"from", "vectors", NULL};
-const char *const proto_transport_fields[] = {"from", "to", "distance", "reason", "vectors", NULL};
 
 void proto_vectors_free(struct proto_vectors *vectors)
 {
@@ -220,11 +216,10 @@ static bool decode_vectors(const json_t *document, bool is_straight, struct prot
 
 bool proto_exp_decode(const json_t *document, struct proto_exp *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"start", "vectors", "combine", NULL};
+    struct proto_exp_request request;
     struct proto_exp wanted;
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    const json_t *start = proto_decode_member(document, "", "start", problem);
-    if (!start || !proto_point_decode(start, "/start", &wanted.start, problem)) return false;
+    if (!proto_exp_request_decode(document, &request, problem)) return false;
+    wanted.start = request.start;
     bool is_combined = json_object_get(document, "combine") != NULL;
     if (!decode_vectors(document, is_combined, &wanted.vectors, problem)) return false;
     *out = wanted;
@@ -247,14 +242,13 @@ static bool decode_targets(const json_t *document, struct proto_points *out,
 
 bool proto_log_decode(const json_t *document, struct proto_log *out, struct proto_problem *problem)
 {
-    static const char *const members[] = {"from", "to", "first_vector_only", NULL};
+    struct proto_log_request request;
     struct proto_log log = {0};
-    if (!proto_decode_object(document, "", members, problem)) return false;
-    const json_t *from = proto_decode_member(document, "", "from", problem);
-    if (!from || !proto_point_decode(from, "/from", &log.from, problem)) return false;
-    if (!proto_decode_flag(document, "", "first_vector_only", &log.first_vector_only, problem))
+    if (!proto_log_request_decode(document, &request, problem) ||
+        !decode_targets(document, &log.to, problem))
         return false;
-    if (!decode_targets(document, &log.to, problem)) return false;
+    log.from = request.from;
+    log.first_vector_only = request.first_vector_only;
     *out = log;
     return true;
 }
@@ -270,9 +264,8 @@ static bool decode_end(const json_t *document, const char *pointer, struct proto
 bool proto_transport_decode(const json_t *document, struct proto_transport *out,
                             struct proto_problem *problem)
 {
-    static const char *const members[] = {"from", "to", "vectors", "combine", NULL};
     struct proto_transport transport = {0};
-    if (!proto_decode_object(document, "", members, problem)) return false;
+    if (!proto_decode_object(document, "", proto_transport_request_members, problem)) return false;
     if (decode_end(document, "/from", &transport.ends, problem) &&
         decode_end(document, "/to", &transport.ends, problem) &&
         decode_vectors(document, true, &transport.vectors, problem)) {

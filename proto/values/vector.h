@@ -75,25 +75,6 @@ bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *poi
                           const struct proto_segment *segment, struct gd_vector *out,
                           struct proto_problem *problem);
 
-/* Fields of the answers, as bits of proto_options.fields, and their names, NULL-terminated, for
- * proto_options_parse. */
-enum proto_exp_field {
-    PROTO_EXP_FIELD_START = 1 << 0,
-    PROTO_EXP_FIELD_VECTORS = 1 << 1,
-    PROTO_EXP_FIELD_POINTS = 1 << 2,
-    PROTO_EXP_FIELD_PATHS = 1 << 3
-};
-enum proto_log_field { PROTO_LOG_FIELD_FROM = 1 << 0, PROTO_LOG_FIELD_VECTORS = 1 << 1 };
-enum proto_transport_field {
-    PROTO_TRANSPORT_FIELD_FROM = 1 << 0,
-    PROTO_TRANSPORT_FIELD_TO = 1 << 1,
-    PROTO_TRANSPORT_FIELD_DISTANCE = 1 << 2,
-    PROTO_TRANSPORT_FIELD_REASON = 1 << 3,
-    PROTO_TRANSPORT_FIELD_VECTORS = 1 << 4
-};
-extern const char *const proto_exp_fields[], *const proto_log_fields[],
-                                                 *const proto_transport_fields[];
-
 /* Writes {"direction", "length"}. A direction that does not exist (NULL: there is no path, or the
  * length is 0) is null; an infinite length is null with "reason": "no_path". */
 void proto_vector_encode(struct proto_writer *writer, const struct gd_direction *direction,

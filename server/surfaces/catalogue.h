@@ -12,6 +12,7 @@
 #include <stdatomic.h>
 
 #include "proto/queries/field.h"
+#include "proto/values/set.h"
 #include "server/access/credentials.h"
 #include "server/store/record.h"
 #include "server/work/budget.h"

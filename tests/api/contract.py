@@ -9,11 +9,15 @@ import gzip
 import json
 import pathlib
 import re
+import sys
 import urllib.parse
 
 import yaml
 
 DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "proto" / "openapi.yaml"
+sys.path.append(str(DOCUMENT.parent))
+import members  # noqa: E402
+
 METHODS = ("get", "head", "put", "post", "delete")
 JSON_TYPES = ("application/json", "application/problem+json")
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
@@ -245,4 +249,4 @@ class Contract:
 @functools.cache
 def load():
     with open(DOCUMENT, encoding="utf-8") as file:
-        return Contract(yaml.load(file, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+        return Contract(members.expand(yaml.load(file, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))))

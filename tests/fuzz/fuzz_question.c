@@ -7,14 +7,10 @@
 #include "proto/queries/curve_distance.h"
 #include "proto/queries/curve_operation.h"
 #include "proto/queries/cut.h"
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/queries/isoline.h"
-#include "proto/queries/mean.h"
-#include "proto/queries/nearest.h"
-#include "proto/queries/sampling.h"
 #include "proto/values/spline.h"
 #include "proto/queries/tessellation.h"
-#include "proto/queries/trace.h"
 #include "proto/values/vector.h"
 #include "proto/queries/voronoi.h"
 #include "proto/json/writer.h"
@@ -34,11 +30,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
         return is_taken;                                                                           \
     }
 DECODES(curve_distance, curve_distance)
-DECODES(curve_operation, curve_operation)
-DECODES(cut, cut)
+DECODES(curve_operation, curve_operation_request)
+DECODES(cut, cut_request)
 DECODES(isolines, isolines)
-DECODES(mean, mean)
-DECODES(trace, trace)
+DECODES(mean_request, mean_request)
+DECODES(trace_request, trace_request)
 
 static bool decode_spline(const json_t *document, struct proto_problem *problem)
 {
@@ -50,8 +46,8 @@ static bool decode_spline(const json_t *document, struct proto_problem *problem)
 
 static bool decode_voronoi(const json_t *document, struct proto_problem *problem)
 {
-    struct proto_voronoi voronoi;
-    bool is_taken = proto_voronoi_decode(document, &voronoi, problem);
+    struct proto_voronoi_request voronoi;
+    bool is_taken = proto_voronoi_request_decode(document, &voronoi, problem);
     if (is_taken) proto_set_free(&voronoi.set);
     return is_taken;
 }
@@ -85,14 +81,14 @@ static bool decode_transport(const json_t *document, struct proto_problem *probl
 
 static bool decode_nearest(const json_t *document, struct proto_problem *problem)
 {
-    struct proto_nearest wanted;
-    return proto_nearest_decode(document, &wanted, problem);
+    struct proto_nearest_request wanted;
+    return proto_nearest_request_decode(document, &wanted, problem);
 }
 
 static bool decode_sampling(const json_t *document, struct proto_problem *problem)
 {
-    struct proto_sampling wanted;
-    bool is_taken = proto_sampling_decode(document, &wanted, problem);
+    struct proto_sampling_request wanted;
+    bool is_taken = proto_sampling_request_decode(document, &wanted, problem);
     promise(!is_taken || wanted.count > 0);
     return is_taken;
 }
@@ -101,14 +97,25 @@ static bool decode_tessellation(const json_t *document, struct proto_problem *pr
 {
     struct proto_tessellation wanted;
     bool is_taken = proto_tessellation_decode(document, MOST_FACES, &wanted, problem);
-    promise(!is_taken || wanted.mesh[0] != '\0');
+    promise(!is_taken || wanted.mesh.text[0] != '\0');
     return is_taken;
 }
 
-static bool (*const decoders[])(const json_t *document, struct proto_problem *problem) = {
-    decode_curve_distance, decode_curve_operation, decode_cut,      decode_isolines,    decode_mean,
-    decode_trace,          decode_spline,          decode_voronoi,  decode_exp,         decode_log,
-    decode_transport,      decode_nearest,         decode_sampling, decode_tessellation};
+static bool (*const decoders[])(const json_t *document,
+                                struct proto_problem *problem) = {decode_curve_distance,
+                                                                  decode_curve_operation,
+                                                                  decode_cut,
+                                                                  decode_isolines,
+                                                                  decode_mean_request,
+                                                                  decode_trace_request,
+                                                                  decode_spline,
+                                                                  decode_voronoi,
+                                                                  decode_exp,
+                                                                  decode_log,
+                                                                  decode_transport,
+                                                                  decode_nearest,
+                                                                  decode_sampling,
+                                                                  decode_tessellation};
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -104,10 +104,10 @@ static void fuzz_batch(const char *text, size_t size)
 static void fuzz_matrix(const char *text, size_t size)
 {
     struct proto_problem problem;
-    struct proto_matrix matrix;
+    struct proto_matrix_request matrix;
     json_t *document = proto_decode_document(text, size, &problem);
-    if (document && proto_matrix_decode(document, &matrix, &problem))
-        proto_matrix_free(&matrix);
+    if (document && proto_matrix_request_decode(document, &matrix, &problem))
+        proto_matrix_request_free(&matrix);
     else
         promise_sentence(&problem);
     json_decref(document);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "gd/field.h"
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 #include "proto/queries/evaluation.h"
 #include "proto/queries/field.h"
 #include "tests/fuzz/promise.h"
@@ -95,17 +95,15 @@ static void answer(const struct proto_located_set *set, const struct proto_locat
 
 static bool fuzz_distance_to_set(const json_t *document, struct proto_problem *problem)
 {
-    struct proto_set set;
-    struct proto_evaluation wanted;
+    struct proto_set_distance_request wanted;
     struct proto_located_points points = {0};
-    if (!proto_evaluation_decode_with_set(document, &set, &wanted, problem)) return false;
+    if (!proto_set_distance_request_decode(document, &wanted, problem)) return false;
     struct proto_located_set *located = NULL;
-    bool ok = !proto_set_locate(house(), &set, NULL, NULL, &located, problem) &&
+    bool ok = !proto_set_locate(house(), &wanted.set, NULL, NULL, &located, problem) &&
               proto_points_locate(house(), &wanted.points, &points, problem);
     if (ok) answer(located, &points);
     proto_located_points_free(&points);
-    proto_evaluation_free(&wanted);
-    proto_set_free(&set);
+    proto_set_distance_request_free(&wanted);
     free(located);
     return ok;
 }
@@ -113,7 +111,7 @@ static bool fuzz_distance_to_set(const json_t *document, struct proto_problem *p
 static bool fuzz_field(const json_t *document, struct proto_problem *problem)
 {
     struct proto_field_request wanted;
-    if (!proto_field_decode(document, &wanted, problem)) return false;
+    if (!proto_field_request_decode(document, &wanted, problem)) return false;
     struct proto_located_set *located = NULL;
     bool ok = !proto_set_locate(house(), &wanted.set, NULL, NULL, &located, problem);
     struct gd_field *field = NULL;

@@ -68,7 +68,7 @@ static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
 
 struct operation_query {
     struct curve_query own; /* first */
-    struct proto_curve_operation wanted;
+    struct proto_curve_operation_request wanted;
     struct proto_curve_result result;
 };
 
@@ -99,7 +99,7 @@ static enum gd_status curve_resample(struct operation_query *operation,
 static enum gd_status curve_shorten(struct operation_query *operation, const struct gd_curve *curve,
                                     const struct gd_control *control)
 {
-    const struct proto_curve_operation *wanted = &operation->wanted;
+    const struct proto_curve_operation_request *wanted = &operation->wanted;
     struct proto_curve_result *result = &operation->result;
     struct gd_detail *detail = &operation->own.detail;
     struct gd_shortening shortening;
@@ -200,7 +200,7 @@ static void operation_release(struct server_query *query)
     struct operation_query *operation = (struct operation_query *)query;
     proto_curve_result_free(&operation->result);
     proto_located_curve_free(&operation->own.curve);
-    proto_curve_operation_free(&operation->wanted);
+    proto_curve_operation_request_free(&operation->wanted);
 }
 
 const struct server_query_kind server_query_curve = {.name = "curve",
@@ -222,11 +222,8 @@ const struct server_query_kind server_query_curve = {.name = "curve",
 
 struct cut_query {
     struct curve_query own; /* first */
-    bool has_inside, select_only;
+    struct proto_cut_request wanted;
     struct gd_point inside;
-    char (*names)[PROTO_MESH_NAME + 1]; /* NULL: none were given */
-    uint32_t name_count;
-
     struct gd_cut cut;
     struct server_derived_meshes meshes;
     bool is_stored;
@@ -238,19 +235,12 @@ static bool cut_decode(struct server_query *query, const json_t *document,
 {
     struct cut_query *cut = (struct cut_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
-    struct proto_cut wanted;
+    struct proto_cut_request *wanted = &cut->wanted;
     double snap;
-    if (!proto_cut_decode(document, &wanted, problem)) return false;
-    bool ok = proto_curve_locate(mesh, &wanted.curve, &cut->own.curve, problem) &&
-              (!wanted.has_inside ||
-               proto_point_locate(mesh, &wanted.inside, &cut->inside, &snap, problem));
-    cut->has_inside = wanted.has_inside;
-    cut->select_only = wanted.select_only;
-    cut->names = wanted.names;
-    cut->name_count = wanted.name_count;
-    wanted.names = NULL;
-    proto_cut_free(&wanted);
-    return ok;
+    return proto_cut_decode(document, wanted, problem) &&
+           proto_curve_locate(mesh, &wanted->curve, &cut->own.curve, problem) &&
+           (!wanted->has_inside ||
+            proto_point_locate(mesh, &wanted->inside, &cut->inside, &snap, problem));
 }
 
 static enum gd_status cut_use(struct curve_query *query, struct gd_curve *curve,
@@ -258,8 +248,8 @@ static enum gd_status cut_use(struct curve_query *query, struct gd_curve *curve,
 {
     struct cut_query *cut = (struct cut_query *)query;
     const struct gd_cut_request request = {.curve = curve,
-                                           .inside = cut->has_inside ? &cut->inside : NULL,
-                                           .select_only = cut->select_only};
+                                           .inside = cut->wanted.has_inside ? &cut->inside : NULL,
+                                           .select_only = cut->wanted.select_only};
     enum gd_status status =
         gd_cut_along(query->query.surface->mesh, &request, control, &cut->cut, &query->detail);
     if (!status) *kept = cut->cut.bytes;
@@ -269,10 +259,10 @@ static enum gd_status cut_use(struct curve_query *query, struct gd_curve *curve,
 static bool pieces_check(const struct cut_query *cut, struct proto_problem *problem)
 {
     uint32_t count = cut->cut.piece_count;
-    if (cut->names && count != cut->name_count)
+    if (cut->wanted.names.count && count != cut->wanted.names.count)
         return proto_problem_refuse(problem, "/names",
                                     "the cut gives %u pieces, and there are %u names", count,
-                                    cut->name_count);
+                                    cut->wanted.names.count);
     if (count <= SERVER_DERIVED_MESHES_MOST) return true;
     proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
                       "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
@@ -290,8 +280,9 @@ static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
     for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
         char name[PROTO_MESH_NAME + 1];
         int length =
-            cut->names ? snprintf(name, sizeof name, "%s", cut->names[i])
-                       : snprintf(name, sizeof name, "%s-%u", query->surface->record->name, i + 1);
+            cut->wanted.names.count
+                ? snprintf(name, sizeof name, "%s", cut->wanted.names.items[i].text)
+                : snprintf(name, sizeof name, "%s-%u", query->surface->record->name, i + 1);
         if (length > PROTO_MESH_NAME)
             return proto_problem_refuse(
                 problem, "/names", "the mesh's name is too long to be numbered; name the pieces");
@@ -306,7 +297,7 @@ static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
 static const char *pieces_find_taken(const struct cut_query *cut)
 {
     struct server_registry *registry = cut->own.query.exchange->host->api->registry;
-    for (uint32_t i = 0; i < cut->meshes.count && !cut->names; i++) {
+    for (uint32_t i = 0; i < cut->meshes.count && !cut->wanted.names.count; i++) {
         const struct server_record *record = cut->meshes.list[i].surface->record;
         const struct server_key key = server_record_key(record);
         struct server_listed listed;
@@ -349,7 +340,7 @@ static enum server_query_turn cut_solve(struct server_query *query, struct proto
     cut->own.use = cut_use;
     if (!curve_solve(&cut->own, CUT_BYTES + edges * CUT_BYTES_AN_EDGE, "the cut", problem))
         return SERVER_QUERY_FAILED;
-    if (cut->select_only) return SERVER_QUERY_DONE;
+    if (cut->wanted.select_only) return SERVER_QUERY_DONE;
     if (!pieces_build(cut, problem)) return SERVER_QUERY_FAILED;
     cut->work = query->exchange->work;
     (void)server_request_write(query->exchange, pieces_store);
@@ -362,7 +353,8 @@ static void cut_encode(const struct server_query *query, struct proto_writer *wr
     uint32_t fields = query->options.fields;
     proto_cut_begin(writer, &cut->cut, fields);
     for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
-        const char *name = cut->select_only ? NULL : cut->meshes.list[i].surface->record->name;
+        const char *name =
+            cut->wanted.select_only ? NULL : cut->meshes.list[i].surface->record->name;
         proto_cut_piece_encode(writer, &cut->cut.pieces[i], name, fields);
     }
     proto_cut_end(writer, &cut->cut, fields);
@@ -375,7 +367,7 @@ static void cut_release(struct server_query *query)
     server_derived_meshes_free(&cut->meshes);
     gd_cut_free(&cut->cut);
     proto_located_curve_free(&cut->own.curve);
-    free(cut->names);
+    proto_cut_request_free(&cut->wanted);
 }
 
 const struct server_query_kind server_query_cut = {.name = "cut",

@@ -41,8 +41,9 @@ static void vector_encode(struct proto_writer *writer, const struct proto_vector
 
 /* Straightest geodesics from a point: of trace in directions, of exp along vectors. */
 struct trace_query {
-    struct server_query query; /* first */
-    struct proto_trace wanted; /* of exp only the options */
+    struct server_query query;         /* first */
+    struct proto_trace_request wanted; /* of trace */
+    struct gd_trace_options options;
     struct proto_vectors vectors;
     struct gd_point start;
     double snap;                     /* how far it was moved; NAN: not at all */
@@ -57,8 +58,8 @@ struct trace_query {
 static bool directions_locate(struct trace_query *own, struct proto_problem *problem)
 {
     const struct gd_mesh *mesh = own->query.surface->mesh;
-    const struct proto_direction *wanted = own->wanted.directions;
-    own->count = own->wanted.count;
+    const struct proto_direction *wanted = own->wanted.directions.items;
+    own->count = wanted ? own->wanted.directions.count : own->wanted.fan;
     own->directions = server_query_allocate(&own->query, own->count, sizeof *own->directions);
     if (!own->directions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < own->count; i++) {
@@ -71,12 +72,28 @@ static bool directions_locate(struct trace_query *own, struct proto_problem *pro
     return true;
 }
 
+static bool options_decode(struct trace_query *own, const json_t *document,
+                           struct proto_problem *problem)
+{
+    struct proto_trace_request *wanted = &own->wanted;
+    if (!proto_trace_request_decode(document, wanted, problem)) return false;
+    own->options = (struct gd_trace_options){
+        .vertex_rule = wanted->vertex_rule == PROTO_VERTEX_RULE_LIMIT_NORMAL
+                           ? GD_VERTEX_RULE_NORMAL
+                           : GD_VERTEX_RULE_BISECT,
+        .boundary_rule = wanted->boundary_rule == PROTO_BOUNDARY_RULE_SLIDE ? GD_BOUNDARY_RULE_SLIDE
+                                                                            : GD_BOUNDARY_RULE_STOP,
+        .stop_at_self_intersection = wanted->stop_at_self_intersection,
+        .step_limit = wanted->step_limit};
+    return true;
+}
+
 static bool trace_decode(struct server_query *query, const json_t *document,
                          struct proto_problem *problem)
 {
     struct trace_query *own = (struct trace_query *)query;
     own->has_paths = query->options.fields & PROTO_TRACE_FIELD_PATHS;
-    return proto_trace_decode(document, &own->wanted, problem) &&
+    return options_decode(own, document, problem) &&
            proto_point_locate(query->surface->mesh, &own->wanted.start, &own->start, &own->snap,
                               problem) &&
            directions_locate(own, problem);
@@ -113,7 +130,7 @@ static bool exp_decode(struct server_query *query, const json_t *document,
         !proto_point_locate(query->surface->mesh, &wanted.start, &own->start, &own->snap, problem))
         return false;
     own->has_paths = query->options.fields & PROTO_EXP_FIELD_PATHS;
-    own->wanted.options.step_limit = PROTO_TRACE_STEPS;
+    own->options.step_limit = PROTO_TRACE_STEPS;
     own->segments = server_query_allocate(query, vectors->first[vectors->count] + (size_t)1,
                                           sizeof *own->segments);
     if (!own->segments) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
@@ -136,9 +153,9 @@ static enum gd_status trace_follow(struct trace_query *own, uint32_t i,
     if (first && vector_is_absent(&own->vectors, i)) return GD_OK;
     enum gd_status status =
         first ? gd_vector_exp(mesh, &own->start, &own->segments[first[0]], first[1] - first[0],
-                              &own->wanted.options, control, trace, detail)
+                              &own->options, control, trace, detail)
               : gd_trace_follow(mesh, &own->start, &own->directions[i], own->wanted.length,
-                                &own->wanted.options, control, trace, NULL);
+                                &own->options, control, trace, NULL);
     if (status) return status;
     own->trace_count = i + 1;
     if (!own->has_paths) {
@@ -166,7 +183,7 @@ static enum server_query_turn trace_fail(const struct server_query *query, enum 
 static enum server_query_turn trace_solve(struct server_query *query, struct proto_problem *problem)
 {
     struct trace_query *own = (struct trace_query *)query;
-    size_t growing = 2 * (size_t)own->wanted.options.step_limit * sizeof(struct gd_point);
+    size_t growing = 2 * (size_t)own->options.step_limit * sizeof(struct gd_point);
     struct gd_detail detail = {0};
     if (own->directions && !own->has_paths) return SERVER_QUERY_DONE;
     own->traces = server_query_allocate(query, own->count, sizeof *own->traces);
@@ -252,7 +269,7 @@ static void trace_release(struct server_query *query)
 {
     struct trace_query *own = (struct trace_query *)query;
     for (uint32_t i = 0; i < own->trace_count; i++) gd_trace_free(&own->traces[i]);
-    proto_trace_free(&own->wanted);
+    proto_trace_request_free(&own->wanted);
     proto_vectors_free(&own->vectors);
 }
 

@@ -26,42 +26,44 @@ static bool evaluation_is_quick(const struct evaluation *evaluation)
 {
     const struct proto_located_set *set = evaluation->query.field.set;
     uint32_t count = evaluation->query.points.count;
-    if (set && !set->has_segments && !(evaluation->wanted & PROTO_RESULT_FIELD_PATH))
+    if (set && !set->has_segments && !(evaluation->wanted & PROTO_EVALUATION_FIELD_PATH))
         return count <= QUICK_POINTS;
     return count <= QUICK_PATHS &&
            gd_mesh_summary(evaluation->query.surface->mesh)->faces <= QUICK_PATH_FACES;
 }
 
-/* Frees what was decoded. */
-static bool evaluation_locate(struct server_query *query, struct proto_evaluation *wanted,
-                              struct proto_problem *problem)
+/* Frees the points. */
+static bool evaluation_locate(struct server_query *query, struct proto_points *points,
+                              uint32_t wanted, struct proto_problem *problem)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
-    bool ok = server_query_locate(query, &wanted->points, problem);
-    evaluation->wanted = proto_evaluation_wanted(wanted, &query->options);
+    bool ok = server_query_locate(query, points, problem);
+    evaluation->wanted = wanted;
     query->field.is_quick = ok && evaluation_is_quick(evaluation);
-    proto_evaluation_free(wanted);
     return ok;
 }
 
 static bool field_evaluation_decode(struct server_query *query, const json_t *document,
                                     struct proto_problem *problem)
 {
-    struct proto_evaluation wanted;
+    struct proto_evaluation_request wanted;
     return server_field_query_of_resource(query, problem) &&
-           proto_evaluation_decode(document, &wanted, problem) &&
-           evaluation_locate(query, &wanted, problem);
+           proto_evaluation_request_decode(document, &wanted, problem) &&
+           evaluation_locate(query, &wanted.points,
+                             proto_evaluation_wanted(&query->options, wanted.path, wanted.gradient),
+                             problem);
 }
 
 static bool set_evaluation_decode(struct server_query *query, const json_t *document,
                                   struct proto_problem *problem)
 {
-    struct proto_set set;
-    struct proto_evaluation wanted;
-    if (!proto_evaluation_decode_with_set(document, &set, &wanted, problem)) return false;
-    if (server_field_query_of_set(query, &set, 0, problem))
-        return evaluation_locate(query, &wanted, problem);
-    proto_evaluation_free(&wanted);
+    struct proto_set_distance_request wanted;
+    if (!proto_set_distance_request_decode(document, &wanted, problem)) return false;
+    if (server_field_query_of_set(query, &wanted.set, 0, problem))
+        return evaluation_locate(query, &wanted.points,
+                                 proto_evaluation_wanted(&query->options, wanted.path, false),
+                                 problem);
+    proto_points_free(&wanted.points);
     return false;
 }
 
@@ -116,7 +118,7 @@ static enum gd_status result_find_nearest(const struct evaluation *evaluation,
     enum gd_status status = GD_OK;
     uint32_t seed = 0;
     double distance;
-    bool traces = evaluation->wanted & PROTO_RESULT_FIELD_PATH;
+    bool traces = evaluation->wanted & PROTO_EVALUATION_FIELD_PATH;
     if (!traces && set->seed_count > 1) status = gd_field_nearest(field, point, &distance, &seed);
     if (status) return status;
     traces |= set->seeds[seed].is_segment;
@@ -124,7 +126,7 @@ static enum gd_status result_find_nearest(const struct evaluation *evaluation,
     if (status) return status;
     result->member = set->members[seed];
     result->nearest = traces ? path->points[path->count - 1] : set->seeds[seed].point;
-    if (evaluation->wanted & PROTO_RESULT_FIELD_PATH) result->path = path;
+    if (evaluation->wanted & PROTO_EVALUATION_FIELD_PATH) result->path = path;
     return GD_OK;
 }
 
@@ -138,9 +140,9 @@ static enum gd_status result_write(struct evaluation *evaluation, const struct g
     struct proto_result result = {.distance = evaluation->distances[i]};
     enum gd_status status = GD_OK;
     uint32_t wanted = isfinite(result.distance) ? evaluation->wanted : 0;
-    if (wanted & (PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH))
+    if (wanted & (PROTO_EVALUATION_FIELD_NEAREST | PROTO_EVALUATION_FIELD_PATH))
         status = result_find_nearest(evaluation, field, point, &result, &path);
-    if (!status && wanted & PROTO_RESULT_FIELD_GRADIENT)
+    if (!status && wanted & PROTO_EVALUATION_FIELD_GRADIENT)
         status = result_find_gradient(mesh, field, point, &result);
     if (!status)
         proto_result_encode(&query->draft, mesh, query->field.set, &result, evaluation->wanted,
@@ -152,8 +154,8 @@ static enum gd_status result_write(struct evaluation *evaluation, const struct g
 static enum gd_status evaluation_write(struct evaluation *evaluation, const struct gd_field *field,
                                        struct server_monitor *part)
 {
-    const uint32_t each =
-        PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT;
+    const uint32_t each = PROTO_EVALUATION_FIELD_NEAREST | PROTO_EVALUATION_FIELD_PATH |
+                          PROTO_EVALUATION_FIELD_GRADIENT;
     struct server_query *query = &evaluation->query;
     uint32_t count = query->points.count;
     double share = evaluation->wanted & each ? DISTANCE_SHARE : 1 - DISTANCE_SHARE;
@@ -194,7 +196,6 @@ const struct server_query_kind server_query_evaluate_field = {.name = "evaluate"
 
 const struct server_query_kind server_query_distance_to_set = {.name = "distance-to-set",
                                                                .size = sizeof(struct evaluation),
-                                                               .fields =
-                                                                   proto_distance_to_set_fields,
+                                                               .fields = proto_result_fields,
                                                                .decode = set_evaluation_decode,
                                                                .answer = evaluation_answer};

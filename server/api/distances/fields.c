@@ -28,7 +28,7 @@ static bool creation_decode(struct server_query *query, const json_t *document,
                             struct proto_problem *problem)
 {
     struct proto_field_request wanted;
-    return proto_field_decode(document, &wanted, problem) &&
+    return proto_field_request_decode(document, &wanted, problem) &&
            server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem);
 }
 

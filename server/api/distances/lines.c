@@ -63,7 +63,7 @@ static bool isolines_settle(struct isolines_query *own, struct proto_problem *pr
         own->wanted.wants_arcs = false;
     }
     own->has_flat_points = !own->wanted.wants_arcs || own->wanted.tolerance > 0;
-    own->tolerance = proto_isolines_tolerance(&own->wanted, query->surface->mesh);
+    own->tolerance = proto_isolines_tolerance(own->wanted.tolerance, query->surface->mesh);
     return proto_isolines_settle(&own->wanted, &query->field.resource->description, problem);
 }
 
@@ -249,7 +249,8 @@ static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {N
 const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .size = sizeof(struct isolines_query),
                                                         .fields = proto_isolines_fields,
-                                                        .parameters = proto_isolines_parameters,
+                                                        .parameters =
+                                                            proto_isolines_request_members,
                                                         .forms = isolines_forms,
                                                         .decode = isolines_decode,
                                                         .parse = isolines_parse,
@@ -270,11 +271,10 @@ struct voronoi_query {
 static bool voronoi_decode(struct server_query *query, const json_t *document,
                            struct proto_problem *problem)
 {
-    struct proto_voronoi wanted;
-    if (!proto_voronoi_decode(document, &wanted, problem)) return false;
-    const struct proto_isolines lines = {.tolerance = wanted.tolerance};
+    struct proto_voronoi_request wanted;
+    if (!proto_voronoi_request_decode(document, &wanted, problem)) return false;
     ((struct voronoi_query *)query)->tolerance =
-        proto_isolines_tolerance(&lines, query->surface->mesh);
+        proto_isolines_tolerance(wanted.tolerance, query->surface->mesh);
     return server_field_query_of_set(query, &wanted.set, 0, problem);
 }
 

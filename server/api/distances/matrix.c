@@ -66,12 +66,13 @@ static bool matrix_decode(struct server_query *query, const json_t *document,
                           struct proto_problem *problem)
 {
     struct matrix_query *matrix = (struct matrix_query *)query;
-    struct proto_matrix wanted;
-    if (!proto_matrix_decode(document, &wanted, problem)) return false;
-    bool ok = server_query_locate(query, &wanted.sources, problem) &&
+    struct proto_matrix_request wanted;
+    if (!proto_matrix_request_decode(document, &wanted, problem)) return false;
+    bool ok = proto_matrix_check(&wanted, problem) &&
+              server_query_locate(query, &wanted.sources, problem) &&
               proto_points_locate(query->surface->mesh, &wanted.targets, &matrix->targets, problem);
-    matrix->max_distance = wanted.max_distance;
-    proto_matrix_free(&wanted);
+    matrix->max_distance = wanted.has_max_distance ? wanted.max_distance : INFINITY;
+    proto_matrix_request_free(&wanted);
     return ok;
 }
 

@@ -40,7 +40,7 @@ static bool pair_locate(struct server_query *query, struct proto_points *stops,
     struct pair_query *pair = (struct pair_query *)query;
     if (!server_query_locate(query, stops, problem)) return false;
     pair->leg_count = query->points.count - 1;
-    pair->wish = query->options.fields & PROTO_PAIR_FIELD_PATH || query->form >= SERVER_FORM_FIRST
+    pair->wish = query->options.fields & PROTO_PATH_FIELD_PATH || query->form >= SERVER_FORM_FIRST
                      ? GD_PAIR_PATH
                      : GD_PAIR_DISTANCE;
     return true;
@@ -227,9 +227,9 @@ static const struct server_form path_forms[] = {
     SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
 
 #define PAIR_STEPS                                                                                 \
-    .size = sizeof(struct pair_query), .parameters = proto_pair_parameters, .decode = pair_decode, \
-    .parse = pair_parse, .glance = pair_glance, .join = pair_join, .solve = pair_solve,            \
-    .encode = pair_encode, .release = pair_release
+    .size = sizeof(struct pair_query), .parameters = proto_pair_request_members,                   \
+    .decode = pair_decode, .parse = pair_parse, .glance = pair_glance, .join = pair_join,          \
+    .solve = pair_solve, .encode = pair_encode, .release = pair_release
 
 const struct server_query_kind server_query_distance = {
     .name = "distance", .fields = proto_distance_fields, PAIR_STEPS};

@@ -7,7 +7,6 @@
 
 #include "gd/sampling.h"
 #include "proto/queries/mean.h"
-#include "proto/queries/nearest.h"
 #include "proto/queries/sampling.h"
 #include "server/query/query.h"
 
@@ -21,41 +20,42 @@ struct nearest_query {
     double snap_distance;
 };
 
-static bool nearest_locate(struct server_query *query, const struct proto_nearest *wanted,
+static bool nearest_locate(struct server_query *query, const struct proto_point *point,
                            struct proto_problem *problem)
 {
     struct nearest_query *nearest = (struct nearest_query *)query;
-    return proto_point_locate(query->surface->mesh, &wanted->point, &nearest->point,
-                              &nearest->snap_distance, problem);
+    return proto_point_locate(query->surface->mesh, point, &nearest->point, &nearest->snap_distance,
+                              problem);
 }
 
 static bool nearest_decode(struct server_query *query, const json_t *document,
                            struct proto_problem *problem)
 {
-    struct proto_nearest wanted;
-    return proto_nearest_decode(document, &wanted, problem) &&
-           nearest_locate(query, &wanted, problem);
+    struct proto_nearest_request wanted;
+    return proto_nearest_request_decode(document, &wanted, problem) &&
+           nearest_locate(query, &wanted.point, problem);
 }
 
 static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters,
                           struct proto_problem *problem)
 {
-    struct proto_nearest wanted;
-    return proto_nearest_parse(parameters, &wanted, problem) &&
-           nearest_locate(query, &wanted, problem);
+    struct proto_point point;
+    const char *text = proto_parameters_require(parameters, "point", problem);
+    return text && proto_point_parse(text, "point", &point, problem) &&
+           nearest_locate(query, &point, problem);
 }
 
 static void nearest_encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct nearest_query *nearest = (const struct nearest_query *)query;
-    proto_nearest_encode(writer, query->surface->mesh, &nearest->point, nearest->snap_distance,
-                         &query->options);
+    proto_point_encode_fields(writer, query->surface->mesh, &nearest->point, nearest->snap_distance,
+                              query->options.fields);
 }
 
 const struct server_query_kind server_query_nearest = {.name = "nearest",
                                                        .size = sizeof(struct nearest_query),
                                                        .fields = proto_point_fields,
-                                                       .parameters = proto_nearest_parameters,
+                                                       .parameters = proto_nearest_request_members,
                                                        .decode = nearest_decode,
                                                        .parse = nearest_parse,
                                                        .encode = nearest_encode};
@@ -74,11 +74,12 @@ static bool mean_decode(struct server_query *query, const json_t *document,
 {
     struct mean_query *mean = (struct mean_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
-    struct proto_mean wanted;
-    if (!proto_mean_decode(document, &wanted, problem)) return false;
-    mean->weights = wanted.weights;
-    mean->one_step = wanted.one_step;
-    if (!server_query_locate(query, &wanted.points, problem)) return false;
+    struct proto_mean_request wanted;
+    if (!proto_mean_request_decode(document, &wanted, problem)) return false;
+    bool ok = proto_mean_weights_decode(document, wanted.points.count, &mean->weights, problem);
+    mean->one_step = wanted.method == PROTO_METHOD_ONE_STEP;
+    if (!ok) proto_mean_request_free(&wanted);
+    if (!ok || !server_query_locate(query, &wanted.points, problem)) return false;
     const struct gd_point *points = query->points.points;
     for (uint32_t i = 1; i < query->points.count; i++)
         if (gd_point_component(mesh, &points[i]) != gd_point_component(mesh, &points[0]))
@@ -144,8 +145,8 @@ static bool sampling_decode(struct server_query *query, const json_t *document,
                             struct proto_problem *problem)
 {
     struct sampling_query *sampling = (struct sampling_query *)query;
-    struct proto_sampling wanted;
-    if (!proto_sampling_decode(document, &wanted, problem)) return false;
+    struct proto_sampling_request wanted;
+    if (!proto_sampling_request_decode(document, &wanted, problem)) return false;
     sampling->count = wanted.count;
     sampling->has_start = wanted.has_start;
     sampling->snap = NAN;

@@ -206,7 +206,10 @@ struct nearest {
 static bool nearest_decode(struct server_query *query, const json_t *document,
                            struct proto_problem *problem)
 {
-    return proto_foot_decode(document, &((struct nearest *)query)->xyz, problem);
+    struct proto_foot_request wanted;
+    if (!proto_foot_request_decode(document, &wanted, problem)) return false;
+    ((struct nearest *)query)->xyz = (struct gd_vec3){wanted.xyz[0], wanted.xyz[1], wanted.xyz[2]};
+    return true;
 }
 
 static enum server_query_turn nearest_solve(struct server_query *query,

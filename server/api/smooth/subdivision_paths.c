@@ -120,6 +120,7 @@ void server_handle_subdivision_path(struct server_exchange *exchange)
 struct trace {
     struct server_query query; /* first */
     struct proto_limit_trace wanted;
+    struct gd_trace_options options;
     struct gd_limit_jet jet; /* at the start */
     struct gd_detail detail;
     /* On a mesh: */
@@ -141,15 +142,21 @@ static void trace_release(struct server_query *query)
 static bool trace_decode(struct server_query *query, const json_t *document,
                          struct proto_problem *problem)
 {
-    return proto_limit_trace_decode(document, subdivision_of(query),
-                                    &((struct trace *)query)->wanted, problem);
+    struct trace *trace = (struct trace *)query;
+    if (!proto_limit_trace_decode(document, subdivision_of(query), &trace->wanted, problem))
+        return false;
+    trace->options.step_limit = PROTO_TRACE_STEPS;
+    trace->options.vertex_rule = trace->wanted.request.vertex_rule == PROTO_VERTEX_RULE_LIMIT_NORMAL
+                                     ? GD_VERTEX_RULE_NORMAL
+                                     : GD_VERTEX_RULE_BISECT;
+    return true;
 }
 
 /* The monitor of some of the paths. */
 static struct server_monitor trace_monitor(const struct trace *trace, uint32_t first,
                                            uint32_t count)
 {
-    double share = (1 - BUILD_SHARE) / trace->wanted.ways.count;
+    double share = (1 - BUILD_SHARE) / trace->wanted.count;
     return server_query_monitor(&trace->query, BUILD_SHARE + first * share, count * share);
 }
 
@@ -164,7 +171,7 @@ static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_
 static enum gd_status mesh_reserve(struct trace *trace)
 {
     struct server_budget *budget = trace->query.exchange->host->budget;
-    size_t one = 2 * (size_t)trace->wanted.ways.options.step_limit * sizeof(struct gd_point);
+    size_t one = 2 * (size_t)trace->options.step_limit * sizeof(struct gd_point);
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
     bool has_room =
         server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, (GD_TRACE_LANES - 1) * one);
@@ -180,7 +187,7 @@ static enum gd_status mesh_prepare(struct trace *trace)
     if (status) return status;
     const struct gd_limit_mesh *mesh = trace->discretization->mesh;
     status = gd_limit_mesh_point(mesh, &trace->wanted.start, &trace->start, &trace->detail);
-    trace->wanted.ways.options.normals = gd_limit_mesh_normals(mesh);
+    trace->options.normals = gd_limit_mesh_normals(mesh);
     return status ? status : mesh_reserve(trace);
 }
 
@@ -192,8 +199,8 @@ static enum gd_status mesh_stay(struct trace *trace, struct gd_vec3 direction,
     struct gd_direction ahead;
     enum gd_status status = gd_direction_at_angle(mesh, &trace->start, 0, &ahead, &trace->detail);
     if (!status)
-        status = gd_trace_follow(mesh, &trace->start, &ahead, 0, &trace->wanted.ways.options,
-                                 control, out, &trace->detail);
+        status = gd_trace_follow(mesh, &trace->start, &ahead, 0, &trace->options, control, out,
+                                 &trace->detail);
     if (status) return status;
     out->end = GD_TRACE_END_BOUNDARY;
     out->direction.xyz = gd_limit_direction(&trace->jet, gd_limit_angle(&trace->jet, direction));
@@ -218,8 +225,8 @@ static enum gd_status mesh_follow(struct trace *trace, uint32_t first, uint32_t 
         if (status == GD_NOT_ON_SURFACE) status = mesh_stay(trace, direction, control, &out[i]);
     }
     if (!status)
-        status = gd_trace_follow_many(mesh, &trace->start, ahead, going, wanted->length,
-                                      &wanted->ways.options, control, followed, &trace->detail);
+        status = gd_trace_follow_many(mesh, &trace->start, ahead, going, wanted->request.length,
+                                      &trace->options, control, followed, &trace->detail);
     for (uint32_t k = 0; k < going && !status; k++) out[path_of[k]] = followed[k];
     return status;
 }
@@ -251,7 +258,7 @@ static enum gd_status smooth_call(void *user, const struct gd_control *control, 
     struct trace *trace = user;
     enum gd_status status =
         gd_limit_trace(subdivision_of(&trace->query), &trace->wanted.start, trace->direction,
-                       trace->wanted.length, control, &trace->path, &trace->detail);
+                       trace->wanted.request.length, control, &trace->path, &trace->detail);
     if (!status) *kept = 2 * (size_t)trace->path.step_count * sizeof *trace->path.steps;
     return status;
 }
@@ -278,8 +285,8 @@ static enum gd_status smooth_write(struct trace *trace, uint32_t i)
 static enum gd_status trace_write_paths(struct trace *trace)
 {
     struct proto_writer *writer = &trace->query.draft;
-    bool is_smooth = trace->wanted.smooth;
-    uint32_t total = trace->wanted.ways.count;
+    bool is_smooth = trace->wanted.request.smooth;
+    uint32_t total = trace->wanted.count;
     enum gd_status status = is_smooth ? GD_OK : mesh_prepare(trace);
     proto_write_key(writer, "paths");
     proto_write_array_begin(writer);
@@ -312,7 +319,7 @@ static enum server_query_turn trace_solve(struct server_query *query, struct pro
         proto_write_key(writer, "start");
         proto_limit_place_encode(writer, &wanted->start, trace->jet.position);
     }
-    if (!status && !wanted->smooth && fields & PROTO_LIMIT_TRACE_FIELD_LEVEL)
+    if (!status && !wanted->request.smooth && fields & PROTO_LIMIT_TRACE_FIELD_LEVEL)
         proto_member_uint(writer, "level", wanted->level);
     if (!status && fields & PROTO_LIMIT_TRACE_FIELD_PATHS) status = trace_write_paths(trace);
     proto_write_object_end(writer);

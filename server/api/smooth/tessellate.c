@@ -213,7 +213,7 @@ static enum server_query_turn tessellate_solve(struct server_query *query,
         if (status == GD_TOO_LARGE) proto_problem_limit(problem, GD_TESSELLATION_FACES_MAX);
         return SERVER_QUERY_FAILED;
     }
-    const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh,
+    const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh.text,
                                   gd_tessellation_polygons(meshing->tessellation),
                                   tessellate_write};
     return meshing_end(meshing, &mesher, problem);
@@ -269,7 +269,7 @@ static enum server_query_turn discretize_solve(struct server_query *query,
         server_query_call(query, &monitor, discretize_call, meshing, DISCRETIZE_BYTES);
     if (status)
         return server_smooth_fail(query, status, &meshing->detail, "the discretization", problem);
-    const struct mesher mesher = {&limit_format, meshing->discretize.mesh,
+    const struct mesher mesher = {&limit_format, meshing->discretize.mesh.text,
                                   &meshing->discretization.polygons, discretize_write};
     return meshing_end(meshing, &mesher, problem);
 }

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "gd/mesh.h"
+#include "generated/requests.h"
 #include "proto/json/decode.h"
 #include "proto/http/options.h"
 #include "proto/json/problem.h"

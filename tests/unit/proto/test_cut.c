@@ -2,7 +2,7 @@
 
 #include "proto/queries/cut.h"
 
-DECODER(decode, struct proto_cut, proto_cut_decode)
+DECODER(decode, struct proto_cut_request, proto_cut_decode)
 
 #define CURVE "\"curve\":{\"boundary\":0}"
 
@@ -10,18 +10,18 @@ static void takes_all_members(void **state)
 {
     (void)state;
     struct proto_problem problem;
-    struct proto_cut cut;
+    struct proto_cut_request cut;
     assert_true(
         decode("{" CURVE ",\"inside\":{\"vertex\":2},\"names\":[\"a\",\"b.c\"]}", &cut, &problem));
     assert_true(cut.has_inside && !cut.select_only);
     assert_int_equal(cut.inside.vertex.index, 2);
-    assert_int_equal(cut.name_count, 2);
-    assert_string_equal(cut.names[1], "b.c");
-    proto_cut_free(&cut);
-    proto_cut_free(&cut);
+    assert_int_equal(cut.names.count, 2);
+    assert_string_equal(cut.names.items[1].text, "b.c");
+    proto_cut_request_free(&cut);
+    proto_cut_request_free(&cut);
     assert_true(decode("{" CURVE ",\"select_only\":true}", &cut, &problem));
-    assert_true(cut.select_only && !cut.has_inside && !cut.names);
-    proto_cut_free(&cut);
+    assert_true(cut.select_only && !cut.has_inside && !cut.names.count);
+    proto_cut_request_free(&cut);
 }
 
 static void refuses_what_is_no_cut(void **state)
@@ -41,7 +41,7 @@ static void refuses_what_is_no_cut(void **state)
     };
     for (size_t i = 0; i < COUNT(wrong); i++) {
         struct proto_problem problem;
-        struct proto_cut cut;
+        struct proto_cut_request cut;
         assert_false(decode(wrong[i].text, &cut, &problem));
         assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
         assert_string_equal(problem.pointer, wrong[i].pointer);

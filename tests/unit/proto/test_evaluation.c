@@ -6,34 +6,26 @@
 
 /* --- the request ------------------------------------------------------------------------------ */
 
-static bool decode(const char *text, bool with_set, struct proto_evaluation *out,
-                   struct proto_problem *problem)
-{
-    struct proto_set set = {0};
-    json_t *document = parse(text);
-    bool ok = with_set ? proto_evaluation_decode_with_set(document, &set, out, problem)
-                       : proto_evaluation_decode(document, out, problem);
-    proto_set_free(&set);
-    json_decref(document);
-    return ok;
-}
+DECODER(decode, struct proto_evaluation_request, proto_evaluation_request_decode)
+DECODER(decode_with_set, struct proto_set_distance_request, proto_set_distance_request_decode)
 
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_evaluation evaluation;
+    struct proto_evaluation_request evaluation;
+    struct proto_set_distance_request with_set;
     struct proto_problem problem;
-    assert_true(decode("{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"gradient\":true}", false,
+    assert_true(decode("{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"gradient\":true}",
                        &evaluation, &problem));
     assert_int_equal(evaluation.points.count, 2);
-    assert_true(evaluation.wants_gradient && !evaluation.wants_path);
-    proto_evaluation_free(&evaluation);
-    proto_evaluation_free(&evaluation);
-    assert_true(
-        decode("{\"points\":[{\"vertex\":1}],\"path\":true,\"set\":{\"points\":[{\"vertex\":0}]}}",
-               true, &evaluation, &problem));
-    assert_true(evaluation.wants_path && !evaluation.wants_gradient);
-    proto_evaluation_free(&evaluation);
+    assert_true(evaluation.gradient && !evaluation.path);
+    proto_evaluation_request_free(&evaluation);
+    proto_evaluation_request_free(&evaluation);
+    assert_true(decode_with_set(
+        "{\"points\":[{\"vertex\":1}],\"path\":true,\"set\":{\"points\":[{\"vertex\":0}]}}",
+        &with_set, &problem));
+    assert_true(with_set.path && with_set.points.count == 1);
+    proto_set_distance_request_free(&with_set);
 }
 
 static void refuses_bad_bodies(void **state)
@@ -58,9 +50,11 @@ static void refuses_bad_bodies(void **state)
          "/points/0/vertx"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct proto_evaluation evaluation;
+        struct proto_evaluation_request evaluation;
+        struct proto_set_distance_request with_set;
         struct proto_problem problem;
-        assert_false(decode(cases[i].text, cases[i].with_set, &evaluation, &problem));
+        assert_false(cases[i].with_set ? decode_with_set(cases[i].text, &with_set, &problem)
+                                       : decode(cases[i].text, &evaluation, &problem));
         assert_pointer(&problem, cases[i].pointer);
     }
 }
@@ -70,25 +64,25 @@ static void refuses_bad_bodies(void **state)
 static void what_is_not_asked_for_is_not_wanted(void **state)
 {
     (void)state;
-    struct proto_evaluation plain = {0}, all = {.wants_path = true, .wants_gradient = true};
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = NO_QUERY;
     assert_true(
         proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
-    assert_false(proto_evaluation_wanted(&plain, &options) &
-                 (PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT));
-    assert_true(proto_evaluation_wanted(&all, &options) & PROTO_RESULT_FIELD_GRADIENT);
+    assert_false(proto_evaluation_wanted(&options, false, false) &
+                 (PROTO_EVALUATION_FIELD_PATH | PROTO_EVALUATION_FIELD_GRADIENT));
+    assert_true(proto_evaluation_wanted(&options, true, true) & PROTO_EVALUATION_FIELD_GRADIENT);
     parameters = QUERY("fields", "distance,path");
     assert_true(
         proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
-    assert_int_equal(proto_evaluation_wanted(&plain, &options), PROTO_RESULT_FIELD_DISTANCE);
-    assert_int_equal(proto_evaluation_wanted(&all, &options),
-                     PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_PATH);
+    assert_int_equal(proto_evaluation_wanted(&options, false, false),
+                     PROTO_EVALUATION_FIELD_DISTANCE);
+    assert_int_equal(proto_evaluation_wanted(&options, true, true),
+                     PROTO_EVALUATION_FIELD_DISTANCE | PROTO_EVALUATION_FIELD_PATH);
     parameters = QUERY("fields", "results");
     assert_true(
         proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
-    assert_true(proto_evaluation_wanted(&all, &options) & PROTO_RESULT_FIELD_NEAREST);
+    assert_true(proto_evaluation_wanted(&options, true, true) & PROTO_EVALUATION_FIELD_NEAREST);
 }
 
 #define CORNER "{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0}"
@@ -111,7 +105,7 @@ static void encodes_results(void **state)
                                           .labels = "a\"",
                                           .label_size = 3};
     const struct gd_path path = {.length = 1, .count = 2, .points = ends};
-    const uint32_t all = UINT32_MAX & ~(uint32_t)PROTO_RESULT_FIELD_GRADIENT;
+    const uint32_t all = UINT32_MAX & ~(uint32_t)PROTO_EVALUATION_FIELD_GRADIENT;
     const struct {
         struct proto_result result;
         uint32_t wanted;
@@ -121,15 +115,15 @@ static void encodes_results(void **state)
          all,
          "{\"distance\":1,\"nearest\":{\"index\":0,\"label\":\"a\\\"\",\"point\":" CORNER "},"
          "\"path\":{\"length\":1,\"points\":[[1,0,0],[0,0,0]]}}"},
-        {{.distance = 1}, PROTO_RESULT_FIELD_DISTANCE, "{\"distance\":1}"},
+        {{.distance = 1}, PROTO_EVALUATION_FIELD_DISTANCE, "{\"distance\":1}"},
         {{.distance = INFINITY},
          all,
          "{\"distance\":null,\"reason\":\"no_path\",\"nearest\":null,\"path\":null}"},
-        {{.distance = NAN}, PROTO_RESULT_FIELD_REASON, "{\"reason\":\"beyond_max_distance\"}"},
+        {{.distance = NAN}, PROTO_EVALUATION_FIELD_REASON, "{\"reason\":\"beyond_max_distance\"}"},
         {{.distance = 1, .has_gradient = true, .gradient = {.angle = 0.5, .xyz = {0, 0, 1}}},
-         PROTO_RESULT_FIELD_GRADIENT,
+         PROTO_EVALUATION_FIELD_GRADIENT,
          "{\"gradient\":{\"angle\":0.5,\"xyz\":[0,0,1]}}"},
-        {{.distance = 0}, PROTO_RESULT_FIELD_GRADIENT, "{\"gradient\":null}"},
+        {{.distance = 0}, PROTO_EVALUATION_FIELD_GRADIENT, "{\"gradient\":null}"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_writer writer = new_writer();
@@ -147,7 +141,7 @@ static void results_are_a_list(void **state)
     proto_results_begin(&writer);
     for (int i = 0; i < 2; i++) {
         const struct proto_result result = {.distance = i};
-        proto_result_encode(&writer, NULL, NULL, &result, PROTO_RESULT_FIELD_DISTANCE,
+        proto_result_encode(&writer, NULL, NULL, &result, PROTO_EVALUATION_FIELD_DISTANCE,
                             PROTO_GEOMETRY_NONE);
     }
     proto_results_end(&writer);

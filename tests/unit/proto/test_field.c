@@ -5,7 +5,7 @@
 #include "proto/queries/field.h"
 #include "proto/http/page.h"
 
-DECODER(decode_whole, struct proto_field_request, proto_field_decode)
+DECODER(decode_whole, struct proto_field_request, proto_field_request_decode)
 
 /* But for its set, which is let go again. */
 static bool decode(const char *text, struct proto_field_request *out, struct proto_problem *problem)

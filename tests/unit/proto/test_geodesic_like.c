@@ -20,8 +20,8 @@ static void requests_are_read(void **state)
     (void)state;
     assert_true(
         read("{\"from\":[0,0],\"to\":[1,0]}", &proto_geodesic_between_points, &wanted, &problem));
-    assert_int_equal(wanted.samples, PROTO_GEODESIC_SAMPLES);
-    assert_true(wanted.options.degree == 0 && wanted.options.tolerance == 0 &&
+    assert_int_equal(wanted.samples, 65);
+    assert_true(wanted.options.degree == 3 && wanted.options.tolerance == 1e-11 &&
                 !wanted.options.all_minima);
     proto_geodesic_free(&wanted);
     proto_geodesic_free(&wanted);

@@ -143,9 +143,8 @@ static void the_tolerance_is_a_part_of_the_mesh(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
-    const struct proto_isolines unsaid = {0}, said = {.tolerance = 7};
-    assert_true(fabs(proto_isolines_tolerance(&unsaid, mesh) - sqrt(3) / 2000) < 1e-18);
-    assert_true(proto_isolines_tolerance(&said, mesh) == 7);
+    assert_true(fabs(proto_isolines_tolerance(0, mesh) - sqrt(3) / 2000) < 1e-18);
+    assert_true(proto_isolines_tolerance(7, mesh) == 7);
     gd_mesh_release(mesh);
 }
 

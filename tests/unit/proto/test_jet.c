@@ -41,7 +41,8 @@ static void a_point_has_the_wanted_fields(void **state)
                             "\"dvv\":[0,0,0],\"gaussian_curvature\":0,\"mean_curvature\":0}");
     writer = new_writer();
     proto_jet_encode(&writer, &flat,
-                     PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN | PROTO_JET_FIELD_MEAN);
+                     PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN_CURVATURE |
+                         PROTO_JET_FIELD_MEAN_CURVATURE);
     assert_written(&writer,
                    "{\"normal\":null,\"gaussian_curvature\":null,\"mean_curvature\":null}");
     gd_parametric_release(sheet);
@@ -53,11 +54,11 @@ static void a_foot_is_read_and_told(void **state)
     const struct gd_parametric_foot foot = {0.5, 0.25, {1, 2, 3}, 4};
     struct proto_writer writer = new_writer();
     struct proto_problem problem;
-    struct gd_vec3 xyz;
+    struct proto_foot_request wanted;
     (void)state;
-    assert_true(proto_foot_decode(good, &xyz, &problem));
-    assert_true(xyz.x == 1 && xyz.y == 2 && xyz.z == 3);
-    assert_false(proto_foot_decode(bad, &xyz, &problem));
+    assert_true(proto_foot_request_decode(good, &wanted, &problem));
+    assert_true(wanted.xyz[0] == 1 && wanted.xyz[1] == 2 && wanted.xyz[2] == 3);
+    assert_false(proto_foot_request_decode(bad, &wanted, &problem));
     assert_pointer(&problem, "/xyz");
     proto_foot_encode(&writer, &foot, UINT32_MAX);
     assert_written(&writer, "{\"uv\":[0.5,0.25],\"xyz\":[1,2,3],\"distance\":4}");
@@ -72,9 +73,10 @@ static void a_foot_is_read_and_told(void **state)
 static void fields_have_their_bits(void **state)
 {
     (void)state;
-    assert_string_equal(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN)], "mean_curvature");
+    assert_string_equal(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN_CURVATURE)],
+                        "mean_curvature");
     assert_string_equal(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_DVV)], "dvv");
-    assert_null(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN) + 1]);
+    assert_null(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN_CURVATURE) + 1]);
     assert_string_equal(proto_foot_fields[__builtin_ctz(PROTO_FOOT_FIELD_DISTANCE)], "distance");
 }
 

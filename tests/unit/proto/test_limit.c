@@ -99,9 +99,8 @@ static void traces(void **state)
     json_t *document = parse("{\"start\":{\"face\":1,\"uv\":[0.5,0.5]},\"fan\":4,\"length\":2}");
     assert_true(proto_limit_trace_decode(document, surface, &trace, &problem));
     json_decref(document);
-    assert_true(trace.length == 2 && !trace.smooth && trace.ways.count == 4 &&
-                trace.ways.options.step_limit > 0);
-    assert_true(trace.ways.options.vertex_rule == GD_VERTEX_RULE_NORMAL);
+    assert_true(trace.request.length == 2 && !trace.request.smooth && trace.count == 4);
+    assert_int_equal(trace.request.vertex_rule, PROTO_VERTEX_RULE_LIMIT_NORMAL);
     assert_int_equal(trace.level, gd_limit_mesh_usual_level(surface));
     const struct gd_limit_jet jet = {.normal = {0, 0, 1}, .du = {2, 0, 0}, .dv = {0, 2, 0}};
     struct gd_vec3 up = proto_limit_trace_direction(&trace, &jet, 1);
@@ -112,8 +111,8 @@ static void traces(void **state)
                      "\"level\":1,\"vertex_rule\":\"bisect\"}");
     assert_true(proto_limit_trace_decode(document, surface, &trace, &problem));
     json_decref(document);
-    assert_true(trace.smooth && trace.level == 1 &&
-                trace.ways.options.vertex_rule == GD_VERTEX_RULE_BISECT);
+    assert_true(trace.request.smooth && trace.level == 1 &&
+                trace.request.vertex_rule == PROTO_VERTEX_RULE_BISECT);
     assert_true(proto_limit_trace_direction(&trace, &jet, 0).z == 3);
     proto_limit_trace_free(&trace);
     document =
@@ -160,8 +159,8 @@ static void paths(void **state)
         "{\"face\":0,\"corner\":1,\"uv\":[0.5,0.5],\"xyz\":[0,0,0]},"
         "{\"face\":1,\"uv\":[0.25,0.5],\"xyz\":[1,0,0]}]}}");
     found = (struct gd_limit_shortest){.distance = INFINITY, .mesh_distance = INFINITY};
-    options.fields = PROTO_LIMIT_PAIR_FIELD_DISTANCE | PROTO_LIMIT_PAIR_FIELD_ERROR |
-                     PROTO_LIMIT_PAIR_FIELD_PATH;
+    options.fields = PROTO_LIMIT_PATH_FIELD_DISTANCE | PROTO_LIMIT_PATH_FIELD_ERROR_ESTIMATE |
+                     PROTO_LIMIT_PATH_FIELD_PATH;
     writer = new_writer();
     proto_limit_pair_encode(&writer, &wanted, ends, &found, &options);
     assert_written(&writer, "{\"distance\":null,\"reason\":\"no_path\",\"path\":null}");
@@ -193,7 +192,7 @@ static void discretizations(void **state)
     json_t *document = parse("{\"mesh\":\"m\",\"level\":12}");
     assert_true(proto_discretization_decode(document, surface, 1000, &wanted, &problem));
     assert_true(wanted.options.level == 12 && wanted.options.max_faces == 1000 &&
-                strcmp(wanted.mesh, "m") == 0);
+                strcmp(wanted.mesh.text, "m") == 0);
     json_decref(document);
     gd_subdivision_release(surface);
     const struct gd_limit_point items[] = {{0, 2, 0.5, 1}};

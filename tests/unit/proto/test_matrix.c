@@ -6,26 +6,25 @@
 
 /* --- the request ------------------------------------------------------------------------------ */
 
-DECODER(decode, struct proto_matrix, proto_matrix_decode)
+DECODER(decode, struct proto_matrix_request, proto_matrix_request_decode)
 
 #define ONE "[{\"vertex\":1}]"
 
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_matrix matrix;
+    struct proto_matrix_request matrix;
     struct proto_problem problem;
     assert_true(decode("{\"targets\":[{\"vertex\":1},{\"vertex\":2}],\"sources\":" ONE "}", &matrix,
                        &problem));
-    assert_true(matrix.sources.count == 1 && matrix.targets.count == 2 &&
-                isinf(matrix.max_distance));
+    assert_true(matrix.sources.count == 1 && matrix.targets.count == 2 && !matrix.has_max_distance);
     assert_string_equal(matrix.targets.items[1].place, "/targets/1");
-    proto_matrix_free(&matrix);
-    proto_matrix_free(&matrix);
+    proto_matrix_request_free(&matrix);
+    proto_matrix_request_free(&matrix);
     assert_true(decode("{\"targets\":" ONE ",\"sources\":" ONE ",\"max_distance\":0.5}", &matrix,
                        &problem));
     assert_true(matrix.max_distance == 0.5);
-    proto_matrix_free(&matrix);
+    proto_matrix_request_free(&matrix);
 }
 
 static void refuses_bad_bodies(void **state)
@@ -43,7 +42,7 @@ static void refuses_bad_bodies(void **state)
         {"{\"sources\":" ONE ",\"targets\":" ONE ",\"max_distance\":\"1\"}", "/max_distance"},
         {"{\"sources\":" ONE ",\"targets\":" ONE ",\"via\":[]}", "/via"},
     };
-    CHECK_REFUSED(decode, struct proto_matrix, cases)
+    CHECK_REFUSED(decode, struct proto_matrix_request, cases)
 }
 
 /* A JSON array of that many vertices. */
@@ -62,12 +61,13 @@ static bool decode_size(uint32_t sources, uint32_t targets, struct proto_problem
     append_vertices(&writer, "sources", sources);
     append_vertices(&writer, "targets", targets);
     proto_write_object_end(&writer);
-    struct proto_matrix matrix = {0};
+    struct proto_matrix_request matrix = {0};
     json_t *document = proto_decode_document(writer.data, writer.size, problem);
-    bool decoded = proto_matrix_decode(document, &matrix, problem);
+    bool decoded = proto_matrix_request_decode(document, &matrix, problem) &&
+                   proto_matrix_check(&matrix, problem);
     json_decref(document);
     proto_writer_free(&writer);
-    proto_matrix_free(&matrix);
+    proto_matrix_request_free(&matrix);
     return decoded;
 }
 

@@ -2,25 +2,45 @@
 
 #include "proto/queries/mean.h"
 
-DECODER(decode, struct proto_mean, proto_mean_decode)
+struct mean {
+    struct proto_mean_request request;
+    double *weights;
+};
+
+static bool mean_decode(const json_t *document, struct mean *out, struct proto_problem *problem)
+{
+    if (!proto_mean_request_decode(document, &out->request, problem)) return false;
+    if (proto_mean_weights_decode(document, out->request.points.count, &out->weights, problem))
+        return true;
+    proto_mean_request_free(&out->request);
+    return false;
+}
+
+static void mean_free(struct mean *mean)
+{
+    proto_mean_request_free(&mean->request);
+    free(mean->weights);
+}
+
+DECODER(decode, struct mean, mean_decode)
 
 #define POINTS "\"points\":[{\"vertex\":3},{\"vertex\":1}]"
 
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_mean mean;
+    struct mean mean;
     struct proto_problem problem;
     assert_true(decode("{" POINTS "}", &mean, &problem));
-    assert_true(mean.points.count == 2 && !mean.weights && !mean.one_step);
-    proto_mean_free(&mean);
-    proto_mean_free(&mean);
+    assert_true(mean.request.points.count == 2 && !mean.weights &&
+                mean.request.method == PROTO_METHOD_KARCHER);
+    mean_free(&mean);
     assert_true(decode("{" POINTS ",\"weights\":[0,2],\"method\":\"one_step\"}", &mean, &problem));
-    assert_true(mean.weights[1] == 2 && mean.one_step);
-    proto_mean_free(&mean);
+    assert_true(mean.weights[1] == 2 && mean.request.method == PROTO_METHOD_ONE_STEP);
+    mean_free(&mean);
     assert_true(decode("{" POINTS ",\"method\":\"karcher\"}", &mean, &problem));
-    assert_false(mean.one_step);
-    proto_mean_free(&mean);
+    assert_int_equal(mean.request.method, PROTO_METHOD_KARCHER);
+    mean_free(&mean);
 }
 
 static void refuses_bad_bodies(void **state)
@@ -39,7 +59,7 @@ static void refuses_bad_bodies(void **state)
         {"{" POINTS ",\"method\":3}", "/method"},
         {"{" POINTS ",\"start\":3}", "/start"},
     };
-    CHECK_REFUSED(decode, struct proto_mean, cases)
+    CHECK_REFUSED(decode, struct mean, cases)
 }
 
 static void writes_answers(void **state)
@@ -48,7 +68,7 @@ static void writes_answers(void **state)
     struct gd_mesh *mesh = new_tetrahedron();
     struct gd_mean mean = {
         .residual = 0.25, .spread = 2, .iterations = 3, .converged = true, .is_cut = true};
-    struct proto_options options = {.fields = UINT32_MAX};
+    struct proto_options options = {.fields = UINT32_MAX, .names = proto_mean_fields};
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &mean.point, NULL), GD_OK);
     struct proto_writer writer = new_writer();
     proto_mean_encode(&writer, mesh, &mean, &options);

@@ -131,8 +131,8 @@ static void says_which_of_the_points_is_not_there(void **state)
     "\"path\":{\"length\":1,\"points\":[{\"xyz\":[0,0,0],\"vertex\":0},{\"xyz\":[1,0,0],"          \
     "\"vertex\":1}]}"
 #define ALL                                                                                        \
-    (PROTO_PAIR_FIELD_DISTANCE | PROTO_PAIR_FIELD_REASON | PROTO_PAIR_FIELD_FROM |                 \
-     PROTO_PAIR_FIELD_TO | PROTO_PAIR_FIELD_VIA | PROTO_PAIR_FIELD_PATH)
+    (PROTO_PATH_FIELD_DISTANCE | PROTO_PATH_FIELD_REASON | PROTO_PATH_FIELD_FROM |                 \
+     PROTO_PATH_FIELD_TO | PROTO_PATH_FIELD_VIA | PROTO_PATH_FIELD_PATH)
 
 static void encodes_answers(void **state)
 {
@@ -144,17 +144,17 @@ static void encodes_answers(void **state)
         const char *text;
     } cases[] = {
         {1, ALL, PROTO_GEOMETRY_FULL, "{\"distance\":1," FROM "," TO "," PATH "}"},
-        {1, ALL - PROTO_PAIR_FIELD_PATH, PROTO_GEOMETRY_FULL, "{\"distance\":1," FROM "," TO "}"},
-        {1, PROTO_PAIR_FIELD_PATH, PROTO_GEOMETRY_XYZ,
+        {1, ALL - PROTO_PATH_FIELD_PATH, PROTO_GEOMETRY_FULL, "{\"distance\":1," FROM "," TO "}"},
+        {1, PROTO_PATH_FIELD_PATH, PROTO_GEOMETRY_XYZ,
          "{\"path\":{\"length\":1,\"points\":[[0,0,0],[1,0,0]]}}"},
-        {1, PROTO_PAIR_FIELD_PATH | PROTO_PAIR_FIELD_DISTANCE, PROTO_GEOMETRY_NONE,
+        {1, PROTO_PATH_FIELD_PATH | PROTO_PATH_FIELD_DISTANCE, PROTO_GEOMETRY_NONE,
          "{\"distance\":1,\"path\":{\"length\":1}}"},
-        {1, PROTO_PAIR_FIELD_REASON, PROTO_GEOMETRY_FULL, "{}"},
+        {1, PROTO_PATH_FIELD_REASON, PROTO_GEOMETRY_FULL, "{}"},
         {INFINITY, ALL, PROTO_GEOMETRY_FULL,
          "{\"distance\":null,\"reason\":\"no_path\"," FROM "," TO ",\"path\":null}"},
-        {INFINITY, PROTO_PAIR_FIELD_DISTANCE, PROTO_GEOMETRY_FULL,
+        {INFINITY, PROTO_PATH_FIELD_DISTANCE, PROTO_GEOMETRY_FULL,
          "{\"distance\":null,\"reason\":\"no_path\"}"},
-        {INFINITY, PROTO_PAIR_FIELD_REASON, PROTO_GEOMETRY_FULL, "{\"reason\":\"no_path\"}"},
+        {INFINITY, PROTO_PATH_FIELD_REASON, PROTO_GEOMETRY_FULL, "{\"reason\":\"no_path\"}"},
     };
     struct gd_mesh *mesh = new_tetrahedron();
     struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 1)};
@@ -165,7 +165,8 @@ static void encodes_answers(void **state)
         struct gd_pair_answer answer = {.distance = cases[i].distance};
         if (isfinite(answer.distance))
             answer.path = (struct gd_path){.length = 1, .count = 2, .points = points};
-        struct proto_options options = {.fields = cases[i].fields, .geometry = cases[i].geometry};
+        struct proto_options options = {
+            .fields = cases[i].fields, .names = proto_path_fields, .geometry = cases[i].geometry};
         struct proto_writer writer = new_writer();
         proto_pair_encode(&writer, &stops, &answer, &options);
         assert_written(&writer, cases[i].text);
@@ -181,7 +182,7 @@ static void encodes_what_it_went_by_way_of(void **state)
     double snaps[] = {NAN, 1, NAN};
     struct proto_located_points stops = {
         .mesh = mesh, .points = points, .snaps = snaps, .count = 3};
-    struct proto_options options = {.fields = PROTO_PAIR_FIELD_VIA};
+    struct proto_options options = {.fields = PROTO_PATH_FIELD_VIA, .names = proto_path_fields};
     struct gd_pair_answer answer = {.distance = 2};
     struct proto_writer writer = new_writer();
     proto_pair_encode(&writer, &stops, &answer, &options);
@@ -197,17 +198,17 @@ static void names_its_fields_in_the_order_of_the_bits(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = QUERY("fields", "path,distance");
-    assert_true(proto_options_parse(&parameters, proto_path_fields, proto_pair_parameters, &options,
-                                    &problem));
-    assert_int_equal(options.fields, PROTO_PAIR_FIELD_PATH | PROTO_PAIR_FIELD_DISTANCE);
-    assert_false(proto_options_parse(&parameters, proto_distance_fields, proto_pair_parameters,
+    assert_true(proto_options_parse(&parameters, proto_path_fields, proto_pair_request_members,
+                                    &options, &problem));
+    assert_int_equal(options.fields, PROTO_PATH_FIELD_PATH | PROTO_PATH_FIELD_DISTANCE);
+    assert_false(proto_options_parse(&parameters, proto_distance_fields, proto_pair_request_members,
                                      &options, &problem));
     assert_parameter(&problem, "fields");
     parameters = QUERY("fields", "from,to,reason,via");
-    assert_true(proto_options_parse(&parameters, proto_distance_fields, proto_pair_parameters,
+    assert_true(proto_options_parse(&parameters, proto_distance_fields, proto_pair_request_members,
                                     &options, &problem));
-    assert_int_equal(options.fields, PROTO_PAIR_FIELD_FROM | PROTO_PAIR_FIELD_TO |
-                                         PROTO_PAIR_FIELD_REASON | PROTO_PAIR_FIELD_VIA);
+    assert_int_equal(options.fields, PROTO_PATH_FIELD_FROM | PROTO_PATH_FIELD_TO |
+                                         PROTO_PATH_FIELD_REASON | PROTO_PATH_FIELD_VIA);
 }
 
 int main(void)

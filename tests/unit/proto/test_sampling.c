@@ -4,12 +4,12 @@
 
 #include "proto/queries/sampling.h"
 
-DECODER(decode, struct proto_sampling, proto_sampling_decode)
+DECODER(decode, struct proto_sampling_request, proto_sampling_request_decode)
 
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_sampling sampling;
+    struct proto_sampling_request sampling;
     struct proto_problem problem;
     assert_true(decode("{\"count\":3}", &sampling, &problem));
     assert_true(sampling.count == 3 && !sampling.has_start);
@@ -31,9 +31,9 @@ static void refuses_bad_bodies(void **state)
         {"{\"count\":2,\"start\":null}", "/start"},
         {"{\"count\":2,\"from\":{\"vertex\":1}}", "/from"},
     };
-    struct proto_sampling sampling;
+    struct proto_sampling_request sampling;
     struct proto_problem problem;
-    CHECK_REFUSED(decode, struct proto_sampling, cases)
+    CHECK_REFUSED(decode, struct proto_sampling_request, cases)
     assert_false(decode("{\"count\":10001}", &sampling, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
 }
@@ -46,7 +46,8 @@ static void writes_answers(void **state)
     for (uint32_t i = 0; i < 2; i++)
         assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){i}, &points[i], NULL), GD_OK);
     const double radii[2] = {INFINITY, 0.5};
-    struct proto_options options = {.fields = UINT32_MAX, .geometry = PROTO_GEOMETRY_XYZ};
+    struct proto_options options = {
+        .fields = UINT32_MAX, .names = proto_sampling_fields, .geometry = PROTO_GEOMETRY_XYZ};
     struct proto_writer writer;
     proto_writer_init(&writer, 1 << 12);
     proto_sampling_encode(&writer, mesh, points, radii, 2, NAN, &options);
@@ -55,7 +56,8 @@ static void writes_answers(void **state)
     proto_writer_init(&writer, 1 << 12);
     proto_sampling_encode(&writer, mesh, points, radii, 2, NAN, &options);
     assert_written(&writer, "{\"radii\":[null,0.5]}");
-    options = (struct proto_options){.fields = PROTO_SAMPLING_FIELD_POINTS};
+    options = (struct proto_options){.fields = PROTO_SAMPLING_FIELD_POINTS,
+                                     .names = proto_sampling_fields};
     proto_writer_init(&writer, 1 << 12);
     proto_sampling_encode(&writer, mesh, points, radii, 1, 0.25, &options);
     assert_written(&writer,

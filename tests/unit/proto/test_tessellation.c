@@ -16,7 +16,7 @@ static void requests_are_read(void **state)
     struct proto_problem problem;
     (void)state;
     assert_true(read("{\"mesh\":\"m\",\"tolerance\":0.25}", &wanted, &problem));
-    assert_string_equal(wanted.mesh, "m");
+    assert_string_equal(wanted.mesh.text, "m");
     assert_true(wanted.options.deviation == 0.25 && wanted.options.faces == 1 &&
                 wanted.options.steps[0] == 0);
     assert_true(read("{\"mesh\":\"m\",\"resolution\":[20,25]}", &wanted, &problem));

@@ -4,35 +4,36 @@
 
 #include "proto/queries/trace.h"
 
-DECODER(decode, struct proto_trace, proto_trace_decode)
+DECODER(decode, struct proto_trace_request, proto_trace_request_decode)
 
 #define START "\"start\":{\"vertex\":3}"
 
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_trace trace;
+    struct proto_trace_request trace;
     struct proto_problem problem;
     assert_true(decode("{" START ",\"length\":2.5,\"directions\":[0,[1,0,0]]}", &trace, &problem));
-    assert_true(trace.length == 2.5 && trace.count == 2 && trace.start.vertex.index == 3);
-    assert_string_equal(trace.directions[1].place, "/directions/1");
-    assert_true(trace.options.vertex_rule == GD_VERTEX_RULE_BISECT &&
-                trace.options.boundary_rule == GD_BOUNDARY_RULE_STOP &&
-                !trace.options.stop_at_self_intersection);
-    assert_int_equal(trace.options.step_limit, PROTO_TRACE_STEPS);
-    proto_trace_free(&trace);
-    proto_trace_free(&trace);
+    assert_true(trace.length == 2.5 && trace.directions.count == 2 &&
+                trace.start.vertex.index == 3);
+    assert_string_equal(trace.directions.items[1].place, "/directions/1");
+    assert_true(trace.vertex_rule == PROTO_VERTEX_RULE_BISECT &&
+                trace.boundary_rule == PROTO_BOUNDARY_RULE_STOP &&
+                !trace.stop_at_self_intersection);
+    assert_int_equal(trace.step_limit, PROTO_TRACE_STEPS);
+    proto_trace_request_free(&trace);
+    proto_trace_request_free(&trace);
     assert_true(decode(
         "{" START
         ",\"length\":0,\"fan\":10000,\"vertex_rule\":\"limit_normal\",\"boundary_rule\":\"slide\","
         "\"stop_at_self_intersection\":true,\"step_limit\":7}",
         &trace, &problem));
-    assert_true(!trace.directions && trace.count == 10000);
-    assert_true(trace.options.vertex_rule == GD_VERTEX_RULE_NORMAL &&
-                trace.options.boundary_rule == GD_BOUNDARY_RULE_SLIDE &&
-                trace.options.stop_at_self_intersection);
-    assert_int_equal(trace.options.step_limit, 7);
-    proto_trace_free(&trace);
+    assert_true(!trace.directions.items && trace.fan == 10000);
+    assert_true(trace.vertex_rule == PROTO_VERTEX_RULE_LIMIT_NORMAL &&
+                trace.boundary_rule == PROTO_BOUNDARY_RULE_SLIDE &&
+                trace.stop_at_self_intersection);
+    assert_int_equal(trace.step_limit, 7);
+    proto_trace_request_free(&trace);
 }
 
 static void refuses_bad_bodies(void **state)
@@ -54,9 +55,9 @@ static void refuses_bad_bodies(void **state)
         {"{" START ",\"length\":1,\"fan\":2,\"step_limit\":0}", "/step_limit"},
         {"{" START ",\"length\":1,\"fan\":2,\"steps\":1}", "/steps"},
     };
-    struct proto_trace trace;
+    struct proto_trace_request trace;
     struct proto_problem problem;
-    CHECK_REFUSED(decode, struct proto_trace, cases)
+    CHECK_REFUSED(decode, struct proto_trace_request, cases)
     assert_false(decode("{" START ",\"length\":1,\"fan\":10001}", &trace, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
 }

@@ -82,7 +82,7 @@ static void places_are_in_the_domain(void **state)
 
 static void long_places_are_cut(void **state)
 {
-    char place[PROTO_UV_PLACE], longer[PROTO_UV_PLACE];
+    char place[PROTO_PLACE], longer[PROTO_PLACE];
     (void)state;
     memset(place, 'a', sizeof place);
     place[sizeof place - 1] = '\0';

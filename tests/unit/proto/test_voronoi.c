@@ -2,10 +2,11 @@
 
 #include "proto/queries/voronoi.h"
 
-DECODER(decode_whole, struct proto_voronoi, proto_voronoi_decode)
+DECODER(decode_whole, struct proto_voronoi_request, proto_voronoi_request_decode)
 
 /* But for its set, which is let go again. */
-static bool decode(const char *text, struct proto_voronoi *out, struct proto_problem *problem)
+static bool decode(const char *text, struct proto_voronoi_request *out,
+                   struct proto_problem *problem)
 {
     bool decoded = decode_whole(text, out, problem);
     if (decoded) proto_set_free(&out->set);
@@ -17,7 +18,7 @@ static bool decode(const char *text, struct proto_voronoi *out, struct proto_pro
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_voronoi voronoi;
+    struct proto_voronoi_request voronoi;
     struct proto_problem problem;
     assert_true(decode("{" SET "}", &voronoi, &problem));
     assert_true(voronoi.tolerance == 0);
@@ -37,7 +38,7 @@ static void refuses_bad_bodies(void **state)
         {"{" SET ",\"tolerance\":\"1\"}", "/tolerance"},
         {"{" SET ",\"levels\":[1]}", "/levels"},
     };
-    CHECK_REFUSED(decode, struct proto_voronoi, cases)
+    CHECK_REFUSED(decode, struct proto_voronoi_request, cases)
 }
 
 static void writes_answers(void **state)

@@ -1,0 +1,205 @@
+"""The contract, openapi.yaml: how it is loaded, and the rules that it keeps."""
+import pathlib
+import re
+
+import yaml
+
+METHODS = ("get", "put", "post", "delete")  # what the table knows; head is answered wherever get is
+MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
+MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
+IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
+CAPTURE = re.compile(r"\{([a-z_]+)\}")
+PREFER = {"$ref": "#/components/parameters/Prefer"}
+ROLES = ("read", "write")  # of keys, as the security requirements name them
+
+
+# --- the document ---------------------------------------------------------------------------------------------------
+
+
+class UniqueKeyLoader(yaml.SafeLoader):
+    """YAML lets a key stand twice and keeps the last one; here that is a mistake."""
+
+
+def construct_unique_mapping(loader, node):
+    keys = [loader.construct_object(key, deep=True) for key, _ in node.value]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise yaml.constructor.ConstructorError(None, None, f"the key {key!r} stands twice", node.start_mark)
+    return yaml.SafeLoader.construct_mapping(loader, node, deep=True)
+
+
+UniqueKeyLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, construct_unique_mapping)
+
+
+def load_document(path):
+    with open(path, encoding="utf-8") as file:
+        return yaml.load(file, Loader=UniqueKeyLoader)
+
+
+def operations(document):
+    """(path, path item, method, operation) of each operation in the order of the document, head included."""
+    for path, item in document["paths"].items():
+        for method in (*METHODS, "head"):
+            if method in item:
+                yield path, item, method, item[method]
+
+
+def segments(path):
+    return path[1:].split("/") if path != "/" else []
+
+
+def values(node, place="#"):
+    """(place, value) of every value in the document."""
+    yield place, node
+    pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in pairs:
+        yield from values(value, f"{place}/{str(key).replace('~', '~0').replace('/', '~1')}")
+
+
+def resolve(document, reference):
+    """The value that a reference within the document points at; LookupError if there is none."""
+    if not reference.startswith("#/"):
+        raise LookupError(reference)
+    node = document
+    for part in reference[2:].split("/"):
+        node = node[part.replace("~1", "/").replace("~0", "~")]
+    return node
+
+
+# --- its rules ------------------------------------------------------------------------------------------------------
+
+
+def check_references(document):
+    used = set()
+    for place, value in values(document):
+        if not isinstance(value, dict) or not isinstance(value.get("$ref"), str):
+            continue
+        used.add(value["$ref"])
+        try:
+            resolve(document, value["$ref"])
+        except LookupError:
+            yield f"{place}: {value['$ref']} does not exist"
+        if "/properties/" in value["$ref"]:
+            yield f"{place}: {value['$ref']} points into a schema, which code generators refuse; name the part"
+    for kind, components in document["components"].items():
+        for name in components:
+            if f"#/components/{kind}/{name}" not in used and kind != "securitySchemes":  # those are named, not referenced
+                yield f"#/components/{kind}/{name} is not used"
+
+
+def check_enumerations(document):
+    """YAML 1.1 reads the bare words off, on, yes and no as booleans."""
+    for place, value in values(document):
+        if isinstance(value, dict) and value.get("type") == "string":
+            for word in [*value.get("enum", []), *([value["const"]] if "const" in value else [])]:
+                if not isinstance(word, str):
+                    yield f"{place}: {word!r} is no string; quote it"
+
+
+def reachable(document, node, found):
+    """Adds the schemas that the node refers to, directly or not, to `found`: reference to schema."""
+    for _, value in values(node):
+        reference = value.get("$ref") if isinstance(value, dict) else None
+        if isinstance(reference, str) and reference not in found:
+            found[reference] = resolve(document, reference)
+            reachable(document, found[reference], found)
+    return found
+
+
+def object_schemas(nodes):
+    for place, node in nodes.items():
+        for inner, value in values(node, place):
+            if isinstance(value, dict) and "object" in value.get("type", "") and "properties" in value:
+                yield inner, value
+
+
+def check_objects(document):
+    """Requests are closed: an unknown member is refused. Answers are open: a new member breaks no client."""
+    requests, answers = {}, {}
+    for path, item, method, operation in operations(document):
+        place = f"{method} {path}"
+        requests[place] = [item.get("parameters", []), operation.get("parameters", []), operation.get("requestBody", {})]
+        answers[place] = operation.get("responses", {})
+    for nodes, is_closed in ((requests, True), (answers, False)):
+        for place, value in object_schemas({**nodes, **reachable(document, list(nodes.values()), {})}):
+            if is_closed and value.get("additionalProperties") is not False:
+                yield f"{place}: a request, and additionalProperties is not false"
+            if not is_closed and "additionalProperties" in value:
+                yield f"{place}: an answer, and it has additionalProperties"
+            for name in value.get("required", []):
+                if name not in value["properties"]:
+                    yield f"{place}: required {name} is no property"
+
+
+def check_path_parameters(document, path, item, operation):
+    parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
+    parameters = [resolve(document, p["$ref"]) if "$ref" in p else p for p in parameters]
+    declared = sorted(p["name"] for p in parameters if p["in"] == "path")
+    if declared != sorted(CAPTURE.findall(path)):
+        yield f"declares the path parameters {declared}"
+
+
+def takes_preference(item, operation):
+    """True when the operation may be answered by a job."""
+    return PREFER in [*item.get("parameters", []), *operation.get("parameters", [])]
+
+
+def access(method, operation):
+    """The role that a key needs, or None where none is needed. What changes things asks for `write`, what asks for `read`, unless
+    the operation says otherwise: [] or [{key: [role]}]."""
+    if "security" in operation:
+        return operation["security"][0]["key"][0] if operation["security"] else None
+    asks = method in ("get", "head") or (method == "post" and "queries" in operation["tags"])
+    return "read" if asks else "write"
+
+
+def check_security(operation):
+    allowed = [[], *([{"key": [role]}] for role in ROLES)]
+    if operation.get("security", []) not in allowed:
+        yield f"has a security requirement other than {allowed}"
+
+
+def check_operation(document, path, item, operation):
+    yield from check_security(operation)
+    yield from check_path_parameters(document, path, item, operation)
+    if takes_preference(item, operation) != ("202" in operation.get("responses", {})):
+        yield "has one of the parameter Prefer and the response 202 without the other"
+    for field in ("summary", "tags", "responses"):
+        if not operation.get(field):
+            yield f"has no {field}"
+    for name in (operation.get("operationId", ""), handler(operation)):
+        if not IDENTIFIER.fullmatch(name):
+            yield f"has the name {name!r}"
+    if len(segments(path)) > MAX_SEGMENTS or len(CAPTURE.findall(path)) > MAX_CAPTURES:
+        yield "has a path too long for the table"
+
+
+def check_operations(document):
+    seen = set()
+    for path, item, method, operation in operations(document):
+        for complaint in check_operation(document, path, item, operation):
+            yield f"{method} {path}: {complaint}"
+        if operation.get("operationId") in seen:
+            yield f"{method} {path}: the operationId stands twice"
+        seen.add(operation.get("operationId"))
+
+
+def check_document(document):
+    """Complaints about the document, one string each."""
+    yield from check_references(document)
+    yield from check_enumerations(document)
+    yield from check_objects(document)
+    yield from check_operations(document)
+
+
+def check_problems(document, header):
+    """The problems of the contract are those of the code."""
+    text = pathlib.Path(header).read_text(encoding="utf-8")
+    coded = re.findall(r'X\(\d{3}, \w+, (\w+), "', text)
+    documented = document["components"]["schemas"]["Problem"]["properties"]["code"]["enum"]
+    if coded != documented:
+        yield f"the problem codes differ from {header}: {sorted(set(coded) ^ set(documented)) or 'their order'}"
+
+
+def handler(operation):
+    return operation.get("x-handler", operation.get("operationId", ""))
