@@ -4,6 +4,7 @@
     generate.py sources openapi.yaml folder      C sources, of which those that differ are written to the folder: routes.c (proto/http/route.h),
                                                  handlers.h (server/query/handlers.h), fields and requests (members.py)
     generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/http/asset.h
+    generate.py document openapi.yaml            openapi.json
     generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
 
 Each of them refuses a document that breaks a rule of check_document.
@@ -182,10 +183,14 @@ def state_security(document):
         operation["security"] = [{"key": [role]}, {}] if role else []
 
 
-def print_assets(document, arguments):
+def document_text(document):
+    """The published document."""
     state_security(document)
-    text = json.dumps(published(document), ensure_ascii=False, separators=(",", ":"))
-    assets = [("/openapi.json", text.encode("utf-8")), *static_files(arguments)]
+    return json.dumps(published(document), ensure_ascii=False, separators=(",", ":"))
+
+
+def print_assets(document, arguments):
+    assets = [("/openapi.json", document_text(document).encode("utf-8")), *static_files(arguments)]
     rows = []
     print('/* Made by generate.py from openapi.yaml and the pages of the viewer. */\n#include "proto/http/asset.h"\n')
     for number, (path, data) in enumerate(assets):
@@ -203,7 +208,7 @@ def print_assets(document, arguments):
 
 
 def main(arguments):
-    if len(arguments) < 2 or arguments[0] not in ("sources", "assets", "check"):
+    if len(arguments) < 2 or arguments[0] not in ("sources", "assets", "document", "check"):
         sys.exit(__doc__.strip())
     mode, path, *rest = arguments
     document = load_document(path)
@@ -218,6 +223,8 @@ def main(arguments):
         write_sources(document, rest[0])
     elif mode == "assets":
         print_assets(document, rest)
+    elif mode == "document":
+        print(document_text(document))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Prints the types of the JavaScript client (types.d.ts), made from the contract.
 
-usage: clients/js/generate.py > clients/js/types.d.ts
+usage: clients/js/generate.py [openapi.yaml] > clients/js/types.d.ts
 """
 import json
 import pathlib
 import re
+import sys
 
 import yaml
 
@@ -102,7 +103,7 @@ def print_queries(document, kind, interface):
 
 
 def main():
-    document = yaml.safe_load(CONTRACT.read_text())
+    document = yaml.safe_load(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else CONTRACT).read_text())
     print("// Made from the contract by generate.py; changes belong there.\n")
     for name, schema in document["components"]["schemas"].items():
         print(f"{comment(schema, '')}export type {name} = {type_of(schema)};\n")

@@ -1,0 +1,110 @@
+"""What is made from the contract: a member that is added to an answer, or to a request, arrives everywhere by one change."""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import contract
+from harness import PROGRAM
+
+ROOT = contract.DOCUMENT.parents[1]
+LIBRARIES = [PROGRAM.parent / "libgd_proto.a", PROGRAM.parent / "libgd.a"]
+INCLUDE = ["-I", ROOT / "engine" / "include", "-I", ROOT / "engine", "-I", ROOT]
+# Decodes the body of a mean and prints what came of it; then a projection of the answer.
+READER = r"""
+#include <stdio.h>
+#include <string.h>
+#include "generated/requests.h"
+#include "proto/http/options.h"
+
+static const char *get(void *user, const char *name)
+{
+    return strcmp(name, "fields") ? NULL : user;
+}
+
+static void each(void *user, bool (*visit)(void *context, const char *name), void *context)
+{
+    (void)user;
+    visit(context, "fields");
+}
+
+int main(int count, char **texts)
+{
+    struct proto_problem problem = {0};
+    struct proto_mean_request request;
+    struct proto_options options;
+    const struct proto_parameters parameters = {get, each, texts[2]};
+    json_t *document = proto_decode_document(texts[1], strlen(texts[1]), &problem);
+    if (count != 3 || !document) return 2;
+    if (!proto_mean_request_decode(document, &request, &problem) ||
+        !proto_options_parse(&parameters, proto_mean_fields, NULL, &options, &problem)) {
+        printf("%s%s: %s", problem.pointer, problem.parameter, problem.detail);
+        return 1;
+    }
+    printf("depth %u, skew %d", request.depth, !!(options.fields & PROTO_MEAN_FIELD_SKEW));
+    return 0;
+}
+"""
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def changed(text, schema, line):
+    """The contract with one more property in a schema."""
+    return re.sub(rf"(\n    {schema}:\n(?:      .*\n)*?      properties:\n)", rf"\g<1>        {line}\n", text, count=1)
+
+
+class Generated(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.place.cleanup)
+        cls.folder = pathlib.Path(cls.place.name, "generated")
+        cls.folder.mkdir()
+        cls.document = pathlib.Path(cls.place.name, "openapi.yaml")
+        text = contract.DOCUMENT.read_text(encoding="utf-8")
+        text = changed(text, "MeanAnswer", "skew: {type: number, minimum: 0}")
+        cls.document.write_text(changed(text, "MeanRequest", "depth: {type: integer, minimum: 1, maximum: 9, default: 4}"), encoding="utf-8")
+        cls.generate("sources", cls.folder)
+
+    @classmethod
+    def generate(cls, mode, *arguments):
+        return run(sys.executable, ROOT / "proto" / "generate.py", mode, cls.document, *arguments)
+
+    def test_fields(self):
+        self.assertIn("    PROTO_MEAN_FIELD_SKEW = 1 << 0,\n", (self.folder / "fields.h").read_text())
+        self.assertIn('proto_mean_fields[] = {\n    "skew",\n', (self.folder / "fields.c").read_text())
+
+    def test_documents(self):
+        document = json.loads(self.generate("document"))
+        self.assertIn("skew", document["components"]["parameters"]["MeanFields"]["schema"]["items"]["enum"])
+        self.assertEqual(document["components"]["schemas"]["MeanRequest"]["properties"]["depth"]["default"], 4)
+        self.assertFalse(re.search(r'"x-', json.dumps(document["components"])))
+
+    def test_types(self):
+        types = run(sys.executable, ROOT / "clients" / "js" / "generate.py", self.document)
+        self.assertRegex(types, r"MeanAnswer = \{\n  skew\?: number;")
+        self.assertRegex(types, r"MeanRequest = \{\n  depth\?: number;")
+
+    @unittest.skipUnless(shutil.which("cc") and all(library.exists() for library in LIBRARIES), "needs cc and the libraries")
+    def test_checks(self):
+        source, program = pathlib.Path(self.place.name, "reader.c"), pathlib.Path(self.place.name, "reader")
+        source.write_text(READER)
+        run("cc", "-D_GNU_SOURCE", "-I", self.place.name, *INCLUDE, "-o", program, source, self.folder / "requests.c", self.folder / "fields.c", *LIBRARIES,
+            "-ljansson", "-lstdc++", "-lz", "-lm", "-pthread")
+        point = '"points": [{"vertex": 1}]'
+        for body, fields, expected in (("{%s}" % point, "spread", "depth 4, skew 0"), ('{%s, "depth": 9}' % point, "skew", "depth 9, skew 1"),
+                                       ('{%s, "depth": 10}' % point, "skew", "/depth: depth is a whole number from 1 to 9"),
+                                       ('{%s, "deep": 1}' % point, "skew", '/deep: the field "deep" is unknown here; check its spelling or leave it out')):
+            done = subprocess.run([program, body, fields], stdout=subprocess.PIPE, text=True)
+            self.assertEqual(done.stdout, expected)
+
+
+if __name__ == "__main__":
+    unittest.main()
