@@ -13,8 +13,7 @@ export type BatchRequest = ({
 
 export type Batch = {
   id: JobId;
-  /** `done`: every item has an answer. */
-  state: ("running" | "done" | "cancelled");
+  state: BatchState;
   items: Count;
   /** Items that have an answer. */
   done: number;
@@ -23,6 +22,9 @@ export type Batch = {
   progress: number;
   created: string;
 };
+
+/** `done`: every item has an answer. `cancelled`: no more answers come. */
+export type BatchState = ("running" | "done" | "cancelled");
 
 export type BatchList = {
   batches: Batch[];
@@ -39,6 +41,8 @@ export type BatchResults = {
     answer?: Record<string, unknown>;
     problem?: Problem;
   }>;
+  state: BatchState;
+  /** The `cursor` or `after` of the next page. */
   next: (string | null);
 };
 

@@ -5,6 +5,7 @@
 
 #include "proto/json/decode.h"
 #include "proto/json/member.h"
+#include "proto/http/page.h"
 
 static const char *const queries[] = {
     [PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
@@ -181,17 +182,65 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
     return many->query == PROTO_MANY_ALL_PAIRS ? "matrix" : "fields";
 }
 
+/* --- a page of answers ------------------------------------------------------------------------ */
+
+bool proto_many_parse_page(const struct proto_parameters *parameters, struct proto_many_page *out,
+                           struct proto_problem *problem)
+{
+    static const char *const names[] = {"limit", "after", "cursor", "wait", NULL};
+    const struct proto_page page = {.after = parameters->get(parameters->user, "after")};
+    bool has_cursor = parameters->get(parameters->user, "cursor") != NULL,
+         waits = parameters->get(parameters->user, "wait") != NULL;
+    uint64_t limit = PROTO_PAGE_DEFAULT, cursor = 0, wait_s = 0;
+    int64_t after;
+    if (!proto_parameters_check(parameters, names, problem) ||
+        !proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem) ||
+        !proto_page_number(&page, &after, problem) ||
+        !proto_parameters_integer(parameters, "cursor", 0, INT64_MAX, &cursor, problem) ||
+        !proto_parameters_integer(parameters, "wait", 0, PROTO_MANY_WAIT, &wait_s, problem))
+        return false;
+    if (page.after && has_cursor)
+        return proto_problem_refuse(problem, "after", "send `after` or `cursor`, not both");
+    if (waits && !has_cursor)
+        return proto_problem_refuse(problem, "wait",
+                                    "send `wait` together with `cursor`, at first cursor=0");
+    *out = (struct proto_many_page){.limit = (uint32_t)limit,
+                                    .is_by_number = has_cursor,
+                                    .after = has_cursor ? (int64_t)cursor : after,
+                                    .wait_s = wait_s};
+    return true;
+}
+
+bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *wait_s,
+                           struct proto_problem *problem)
+{
+    static const char *const names[] = {"wait", NULL};
+    *wait_s = 0;
+    return proto_parameters_check(parameters, names, problem) &&
+           proto_parameters_integer(parameters, "wait", 0, PROTO_MANY_WAIT, wait_s, problem);
+}
+
 /* --- telling ---------------------------------------------------------------------------------- */
 
-void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state)
+bool proto_many_has_ended(const struct proto_many_state *state)
+{
+    return state->is_cancelled || state->done == state->items;
+}
+
+static void write_state(struct proto_writer *writer, const struct proto_many_state *state)
 {
     bool is_done = state->done == state->items;
-    proto_write_object_begin(writer);
-    proto_member_string(writer, "id", state->id);
     proto_member_string(writer, "state",
                         is_done               ? "done"
                         : state->is_cancelled ? "cancelled"
                                               : "running");
+}
+
+void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state)
+{
+    proto_write_object_begin(writer);
+    proto_member_string(writer, "id", state->id);
+    write_state(writer, state);
     proto_member_int(writer, "items", state->items);
     proto_member_int(writer, "done", state->done);
     proto_member_int(writer, "failed", state->failed);
@@ -211,5 +260,15 @@ void proto_many_encode_answer(struct proto_writer *writer, const struct proto_ma
         proto_member_int(writer, "vertex", vertex_of(many, item));
     proto_write_key(writer, status < 400 ? "answer" : "problem");
     proto_write_raw(writer, answer, size);
+    proto_write_object_end(writer);
+}
+
+void proto_many_end_page(struct proto_writer *writer, const struct proto_many_state *state,
+                         int64_t next)
+{
+    char text[PROTO_PAGE_NUMBER];
+    proto_write_array_end(writer);
+    write_state(writer, state);
+    proto_member_string(writer, "next", next < 0 ? NULL : proto_page_write_number(next, text));
     proto_write_object_end(writer);
 }

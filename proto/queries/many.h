@@ -9,6 +9,7 @@
 #define PROTO_MANY_H
 
 #include "proto/values/mesh.h"
+#include "proto/http/options.h"
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 
@@ -45,6 +46,25 @@ const char *proto_many_query_name(enum proto_many_query query);
  * a writer that was initialized. */
 const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct proto_writer *body);
 
+/* --- a page of answers ------------------------------------------------------------------------ */
+
+#define PROTO_MANY_WAIT 60 /* seconds; the most that a request waits for news */
+
+struct proto_many_page {
+    uint32_t limit;
+    bool is_by_number; /* `cursor` was sent: in the order in which the items were answered */
+    int64_t after;     /* an item (-1: from the first), or the number of an answer */
+    uint64_t wait_s;
+};
+
+/* Reads limit, after or cursor, and wait, and refuses any other parameter. invalid_request. */
+bool proto_many_parse_page(const struct proto_parameters *parameters, struct proto_many_page *out,
+                           struct proto_problem *problem);
+
+/* Reads wait, and refuses any other parameter. invalid_request. */
+bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *wait_s,
+                           struct proto_problem *problem);
+
 /* --- told ------------------------------------------------------------------------------------- */
 
 struct proto_many_state {
@@ -53,6 +73,9 @@ struct proto_many_state {
     bool is_cancelled;
 };
 
+/* Done or cancelled. */
+bool proto_many_has_ended(const struct proto_many_state *state);
+
 /* Writes {"id", "state": "running"|"done"|"cancelled", "items", "done", "failed", "progress",
  * "created"}. */
 void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state);
@@ -60,5 +83,10 @@ void proto_many_encode(struct proto_writer *writer, const struct proto_many_stat
 /* Writes {"item", "status", "mesh", "vertex"?, "answer"|"problem"}; `answer` is JSON. */
 void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
                               uint32_t item, unsigned status, const char *answer, size_t size);
+
+/* Ends a page of answers, with the state of the batch. `next`: the `after` or `cursor` of the next
+ * page; -1: none. */
+void proto_many_end_page(struct proto_writer *writer, const struct proto_many_state *state,
+                         int64_t next);
 
 #endif

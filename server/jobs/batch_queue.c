@@ -22,7 +22,13 @@ const char *const server_batch_queue_tables[] = {
     "DEFAULT 0,"
     " answer BLOB, PRIMARY KEY (batch, item)) WITHOUT ROWID",
     "CREATE INDEX IF NOT EXISTS items_waiting ON items (batch, item) WHERE status = 0",
-    "CREATE INDEX IF NOT EXISTS batches_of_tenants ON batches (tenant, id)", NULL};
+    "CREATE INDEX IF NOT EXISTS batches_of_tenants ON batches (tenant, id)",
+    "ALTER TABLE items ADD COLUMN number INTEGER NOT NULL DEFAULT 0",
+    "UPDATE items SET number = counted.number FROM (SELECT batch, item, row_number()"
+    " OVER (PARTITION BY batch ORDER BY item) AS number FROM items WHERE status > 0) AS counted"
+    " WHERE items.batch = counted.batch AND items.item = counted.item",
+    "CREATE UNIQUE INDEX items_answered ON items (batch, number) WHERE number > 0",
+    NULL};
 
 static int64_t now_ms(void)
 {
@@ -91,7 +97,7 @@ static bool on_batch(void *user, const struct server_sql_value *row)
 
 #define SELECT_BATCH                                                                               \
     "SELECT id, items, created, cancelled,"                                                        \
-    " (SELECT count(*) FROM items WHERE batch = id AND status > 0),"                               \
+    " (SELECT count(*) FROM items WHERE batch = id AND number > 0),"                               \
     " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
 
 enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
@@ -146,15 +152,20 @@ enum server_store_outcome server_batch_queue_document(struct server_store_sql *s
     return SERVER_STORE_DONE;
 }
 
-enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id,
-                                                     int64_t after, server_sql_visit *visit,
-                                                     void *user)
+enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql,
+                                                     const struct server_batch_place *place,
+                                                     server_sql_visit *visit, void *user)
 {
-    return sql->run(sql, SERVER_SQL("SELECT item, status, answer FROM items WHERE batch = $1"
-                                    " AND item > $2 AND status > 0 ORDER BY item LIMIT $3",
-                                    VALUES(server_sql_text(id), server_sql_integer(after),
-                                           server_sql_integer(SERVER_BATCH_ANSWERS)),
-                                    visit, user));
+    const char *text = place->is_by_number
+                           ? "SELECT item, status, answer, number FROM items WHERE batch = $1"
+                             " AND number > $2 AND number > 0 ORDER BY number LIMIT $3"
+                           : "SELECT item, status, answer, item FROM items WHERE batch = $1"
+                             " AND item > $2 AND status > 0 ORDER BY item LIMIT $3";
+    return sql->run(sql,
+                    SERVER_SQL(text,
+                               VALUES(server_sql_text(place->id), server_sql_integer(place->after),
+                                      server_sql_integer(SERVER_BATCH_ANSWERS)),
+                               visit, user));
 }
 
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
@@ -267,14 +278,19 @@ enum server_store_outcome server_batch_queue_return_all(struct server_store_sql 
     return sql->run(sql, SERVER_SQL("UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0"));
 }
 
+/* The unique index refuses the number that another daemon has written meanwhile; then the statement
+ * runs again. So a number is there only after all smaller ones. */
 enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
                                                     const struct server_batch_claim *claim,
                                                     unsigned status, const void *answer,
                                                     size_t size)
 {
-    return sql->run(sql,
-                    SERVER_SQL("UPDATE items SET status = $3, answer = $4, lease = 0"
-                               " WHERE batch = $1 AND item = $2 AND status = 0",
-                               VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
-                                      server_sql_integer(status), server_sql_bytes(answer, size))));
+    return sql->run(
+        sql, SERVER_SQL("UPDATE items SET status = $3, answer = $4, lease = 0, number = 1 +"
+                        " coalesce((SELECT last.number FROM items last WHERE last.batch = $1"
+                        " AND last.number > 0 ORDER BY last.number DESC LIMIT 1), 0)"
+                        " WHERE batch = $1 AND item = $2 AND status = 0"
+                        " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0)",
+                        VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+                               server_sql_integer(status), server_sql_bytes(answer, size))));
 }

@@ -2,13 +2,16 @@
  * Whichever daemon has time claims the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled
- *     items    batch, item, lease, node, attempts, status, answer
+ *     items    batch, item, lease, node, attempts, status, answer, number
  *
  * DESIGN. Each item is worked on at least once. A daemon holds a claimed item for
  * SERVER_BATCH_LEASE and renews the lease while it works; when the lease of a dead daemon ends,
  * another one claims the item. The first answer stays. So every statement can be repeated, and a
  * slow or isolated daemon does no harm. Leases use the daemons' own clocks: if those differ by more
  * than a lease, an item is worked on twice. After SERVER_BATCH_TRIES attempts an item fails.
+ *
+ * The answers of a batch have the numbers 1, 2, … in the order in which they are written. Number n
+ * is visible only after all smaller ones, so a reader that continues after n skips none.
  *
  * Thread-safe. Outcomes as in sql.h. */
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
@@ -23,8 +26,8 @@
 #define SERVER_BATCH_TRIES   5
 #define SERVER_BATCH_ANSWERS 16 /* that are read at once; they may be large */
 
-/* The statements that make the tables in SQLite, NULL-terminated (PostgreSQL's:
- * store/postgres/schema.c). */
+/* The steps that make the tables in SQLite, NULL-terminated (PostgreSQL's:
+ * store/postgres/schema.c). Steps are added at the end and never changed. */
 extern const char *const server_batch_queue_tables[];
 
 struct server_batch {
@@ -69,10 +72,17 @@ enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, 
 enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
                                                       void **document, size_t *size);
 
-/* Visits the next SERVER_BATCH_ANSWERS answers after item `after`, sorted: item, status, answer. */
-enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id,
-                                                     int64_t after, server_sql_visit *visit,
-                                                     void *user);
+/* A place in the answers of a batch. */
+struct server_batch_place {
+    const char *id;
+    int64_t after;     /* an item, or an answer's number; -1: before the first */
+    bool is_by_number; /* in the order of numbers, not of items */
+};
+
+/* Visits the next SERVER_BATCH_ANSWERS answers, sorted: item, status, answer, item or number. */
+enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql,
+                                                     const struct server_batch_place *place,
+                                                     server_sql_visit *visit, void *user);
 
 /* No more items of the batch are claimed. */
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
@@ -104,7 +114,7 @@ enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql
 /* Returns all items without an answer: at the start of a daemon that shares the queue with none. */
 enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 
-/* Writes the item's answer, unless it has one. */
+/* Writes the item's answer, unless it has one or the batch is cancelled. */
 enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
                                                     const struct server_batch_claim *claim,
                                                     unsigned status, const void *answer,

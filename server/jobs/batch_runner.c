@@ -40,16 +40,18 @@ struct server_batch_runner {
     const struct server_config *config;
     struct server_thread *thread;
     pthread_mutex_t lock;
-    _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL: not opened yet */
-    char path[SERVER_DISK_PATH];            /* of the queue's file; unused with PostgreSQL */
-    struct item *items;                     /* under the lock; only the thread removes items */
-    atomic_bool cant_open;                  /* the last attempt failed */
+    _Atomic(struct server_store_sql *) sql;   /* set once, under the lock; NULL: not opened yet */
+    char path[SERVER_DISK_PATH];              /* of the queue's file; unused with PostgreSQL */
+    struct item *items;                       /* under the lock; only the thread removes items */
+    LIST_HEAD(, server_batch_waiter) waiters; /* under the lock */
+    uint64_t news;                            /* under the lock */
+    atomic_bool cant_open;                    /* the last attempt failed */
     atomic_bool is_draining;
     atomic_uint running;
     atomic_uint_least64_t answered, returned;
     /* Of the thread: */
     char node[SERVER_JOB_ID]; /* its name in leases */
-    uint64_t renewed_ns;
+    uint64_t renewed_ns, looked_ns;
     char last_tenant[SERVER_TENANT + 1]; /* of the item that was claimed last */
     char read_id[SERVER_BATCH_ID];       /* the batch that `many` is read from */
     struct proto_many many;
@@ -213,6 +215,67 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
+/* There is news of a batch; NULL: of all. */
+static void runner_note(struct server_batch_runner *runner, const char *id)
+{
+    struct server_batch_waiter *waiter;
+    pthread_mutex_lock(&runner->lock);
+    runner->news++;
+    for (waiter = LIST_FIRST(&runner->waiters); waiter; waiter = LIST_NEXT(waiter, list))
+        waiter->is_due |= !id || strcmp(waiter->id, id) == 0;
+    pthread_mutex_unlock(&runner->lock);
+}
+
+/* Wakes the waiters for which there is news, or may be: other daemons work on a shared queue, too.
+ * Comes after new items were started, which do not start while requests are queued. */
+static void runner_wake_waiters(struct server_batch_runner *runner)
+{
+    struct server_batch_waiter *waiter, *next;
+    uint64_t now_ns = gd_now_ns();
+    bool looks = now_ns - runner->looked_ns >= POLL_NS;
+    if (looks) runner->looked_ns = now_ns;
+    pthread_mutex_lock(&runner->lock);
+    for (waiter = LIST_FIRST(&runner->waiters); waiter; waiter = next) {
+        next = LIST_NEXT(waiter, list);
+        bool may_have_news = looks && (runner->sql->is_shared || !waiter->id[0]);
+        if (!waiter->is_due && !may_have_news && now_ns < waiter->until_ns) continue;
+        waiter->is_waiting = false;
+        LIST_REMOVE(waiter, list);
+        server_workers_unpark(runner->host->workers, waiter->job);
+    }
+    pthread_mutex_unlock(&runner->lock);
+}
+
+uint64_t server_batch_runner_news(struct server_batch_runner *runner)
+{
+    pthread_mutex_lock(&runner->lock);
+    uint64_t news = runner->news;
+    pthread_mutex_unlock(&runner->lock);
+    return news;
+}
+
+bool server_batch_runner_wait(struct server_batch_runner *runner,
+                              struct server_batch_waiter *waiter)
+{
+    pthread_mutex_lock(&runner->lock);
+    waiter->runner = runner;
+    waiter->is_due = false;
+    waiter->is_waiting = waiter->news == runner->news && !atomic_load(&runner->is_draining) &&
+                         server_workers_park(runner->host->workers, waiter->job);
+    bool is_waiting = waiter->is_waiting;
+    if (is_waiting) LIST_INSERT_HEAD(&runner->waiters, waiter, list);
+    pthread_mutex_unlock(&runner->lock);
+    return is_waiting;
+}
+
+void server_batch_waiter_end(struct server_batch_waiter *waiter)
+{
+    if (!waiter->runner) return;
+    pthread_mutex_lock(&waiter->runner->lock);
+    if (waiter->is_waiting) LIST_REMOVE(waiter, list);
+    pthread_mutex_unlock(&waiter->runner->lock);
+}
+
 /* Settles all answered items. */
 static void runner_settle(struct server_batch_runner *runner)
 {
@@ -225,6 +288,7 @@ static void runner_settle(struct server_batch_runner *runner)
         pthread_mutex_unlock(&runner->lock);
         if (!item) return;
         item_settle(runner, item);
+        runner_note(runner, item->claim.id);
         atomic_fetch_sub(&runner->running, 1);
         free(item->answer);
         server_budget_give(runner->host->budget, SERVER_BUDGET_ANSWERS, item->held);
@@ -279,6 +343,7 @@ static void runner_refuse(struct server_batch_runner *runner,
     proto_problem_encode(&writer, problem);
     item.answer = proto_writer_take(&writer, &item.size);
     item_settle(runner, &item);
+    runner_note(runner, claim->id);
     free(item.answer);
 }
 
@@ -326,6 +391,7 @@ static void runner_work(void *user, struct server_thread *thread)
             memcpy(runner->last_tenant, claim.tenant, sizeof runner->last_tenant);
             runner_start(runner, &claim);
         }
+        runner_wake_waiters(runner);
     }
 }
 
@@ -357,6 +423,8 @@ void server_batch_runner_cancel(struct server_batch_runner *runner, const char *
     for (struct item *item = runner->items; item; item = item->next)
         if (!id || strcmp(item->claim.id, id) == 0) item_cancel(item);
     pthread_mutex_unlock(&runner->lock);
+    runner_note(runner, id);
+    server_thread_wake(runner->thread);
 }
 
 void server_batch_runner_drain(struct server_batch_runner *runner)

@@ -91,8 +91,9 @@ struct server_store_sql {
 };
 
 /* Opens a SQLite file and creates it if need be; ":memory:": no file. `steps`: NULL-terminated
- * statements that make the tables, harmless to repeat; static. A damaged file is renamed, now or
- * later, and an empty one replaces it. NULL with a sentence in `error`. */
+ * statements that make the tables; static. The file's version is the number of steps that it has
+ * had. A damaged file is renamed, now or later, and an empty one replaces it. NULL with a sentence
+ * in `error`; a file of a later daemon is left alone. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char *error, size_t error_size);
 

@@ -2,6 +2,7 @@
 import json
 import pathlib
 import tempfile
+import threading
 import time
 import unittest
 
@@ -22,6 +23,18 @@ def results(node, id, limit=1000):
         if page.json["next"] is None:
             return found
         after = f"&after={page.json['next']}"
+
+
+def follow(node, id, cursor=0, limit=100, seconds=30):
+    """All answers in the order in which they came, page by page: (items, the cursors)."""
+    found, cursors = [], []
+    while cursor is not None:
+        page = node.get(f"/v1/batches/{id}/results?cursor={cursor}&limit={limit}&wait={seconds}").json
+        found += page["results"]
+        cursors.append(cursor)
+        cursor = page["next"]
+    assert page["state"] in ("done", "cancelled"), page
+    return found, cursors
 
 
 def wait(node, id, seconds=PATIENCE_SECONDS):
@@ -58,6 +71,51 @@ class Alone:
         self.assertIn(told["id"], [batch["id"] for batch in self.daemon.get("/v1/batches").json["batches"]])
         self.assertEqual(self.daemon.request("DELETE", f"/v1/batches/{told['id']}").status, 204)
         self.assertEqual(self.daemon.get(f"/v1/batches/{told['id']}").status, 404)
+
+    def test_answers_are_followed_as_they_come(self):
+        self.assertIn(self.daemon.put("sphere", sample("icosphere", level=4)).status, (200, 201))
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(150))})
+        found, cursors = follow(self.daemon, begun.json["id"], limit=7)
+        self.assertEqual(sorted(one["item"] for one in found), list(range(150)))
+        again, _ = follow(self.daemon, begun.json["id"], limit=1000)
+        self.assertEqual([one["item"] for one in again], [one["item"] for one in found])
+        rest, _ = follow(self.daemon, begun.json["id"], cursor=cursors[-1])
+        self.assertEqual(rest, found[int(cursors[-1]):])
+        page = self.daemon.get(f"/v1/batches/{begun.json['id']}/results?limit=2").json
+        self.assertEqual(([one["item"] for one in page["results"]], page["state"], page["next"]), ([0, 1], "done", "1"))
+
+    def test_waiting(self):
+        self.assertIn(self.daemon.put("large", sample("icosphere", level=6)).status, (200, 201))
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "large", "vertices": list(range(3000))})
+        path = f"/v1/batches/{begun.json['id']}"
+        page = self.daemon.get(f"{path}/results?cursor=0&wait=30").json
+        self.assertTrue(page["results"])
+        self.assertEqual((page["state"], page["next"]), ("running", str(len(page["results"]))))
+        since = time.monotonic()
+        page = self.daemon.get(f"{path}/results?cursor=3000&wait=1").json
+        self.assertEqual((page["results"], page["state"], page["next"]), ([], "running", "3000"))
+        self.assertEqual(self.daemon.get(f"{path}?wait=1").json["state"], "running")
+        self.assertGreater(time.monotonic() - since, 1.9)
+        told = []
+        waiting = [threading.Thread(target=lambda target=target: told.append(self.daemon.get(target).json["state"]))
+                   for target in (f"{path}?wait=60", f"{path}/results?cursor=3000&wait=60")]
+        for thread in waiting:
+            thread.start()
+        time.sleep(0.2)
+        self.assertEqual(self.daemon.request("DELETE", path).status, 204)
+        since = time.monotonic()
+        for thread in waiting:
+            thread.join()
+        self.assertEqual(told, ["cancelled", "cancelled"])
+        self.assertLess(time.monotonic() - since, 20)
+        self.assertIsNone(self.daemon.get(f"{path}/results?cursor=3000").json["next"])
+        self.assertEqual(self.daemon.request("DELETE", path).status, 204)
+
+    def test_parameters_of_waiting(self):
+        for target, parameter in (("/results?cursor=x", "cursor"), ("/results?cursor=-1", "cursor"), ("/results?wait=1", "wait"), ("/results?cursor=0&after=1", "after"),
+                                  ("/results?cursor=0&wait=61", "wait"), ("?wait=61", "wait"), ("?wait=", "wait"), ("?cursor=0", "cursor"), ("/results?after=x", "after")):
+            answer = self.daemon.get(f"/v1/batches/0123456789abcdef01234567{target}")
+            self.assertEqual((answer.status, answer.json["code"], answer.json["parameter"]), (400, "invalid_request", parameter), target)
 
     def test_fields_of_meshes(self):
         names = ["a", "b", "missing"]
@@ -140,8 +198,7 @@ class InAFolder(Alone, unittest.TestCase):
         self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))})
         path = f"/v1/batches/{begun.json['id']}"
-        while not self.daemon.get(path).json["done"]:
-            time.sleep(0.005)
+        page = self.daemon.get(f"{path}/results?cursor=0&wait=60").json
         done = self.daemon.get(path).json["done"]
         self.daemon.process.kill()
         self.daemon.process.wait()
@@ -149,6 +206,23 @@ class InAFolder(Alone, unittest.TestCase):
         self.assertGreaterEqual(self.daemon.get(path).json["done"], done)
         told = wait(self.daemon, begun.json["id"])
         self.assertEqual((told["done"], told["failed"]), (300, 0))
+        rest, _ = follow(self.daemon, begun.json["id"], page["next"])
+        self.assertEqual(sorted(one["item"] for one in page["results"] + rest), list(range(300)))
+
+    def test_a_daemon_that_ends_answers_who_waits(self):
+        self.assertEqual(self.daemon.put("large", sample("icosphere", level=6)).status, 201)
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "large", "vertices": list(range(3000))})
+        told = []
+        waiting = threading.Thread(target=lambda: told.append(self.daemon.get(f"/v1/batches/{begun.json['id']}?wait=50")))
+        waiting.start()
+        time.sleep(0.5)
+        since = time.monotonic()
+        self.assertEqual(self.daemon.stop(), 0)
+        waiting.join()
+        self.assertLess(time.monotonic() - since, 5)
+        self.assertEqual((told[0].status, told[0].json["state"]), (200, "running"))
+        self.daemon = self.start()
+        self.assertEqual(self.daemon.request("DELETE", f"/v1/batches/{begun.json['id']}").status, 204)
 
     def test_a_batch_goes_on_after_a_restart(self):
         self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)

@@ -2,7 +2,7 @@
 import time
 
 from harness import sample
-from test_batches import begin, results, wait
+from test_batches import begin, follow, results, wait
 from test_nodes import LONG, Shared, setUpModule  # noqa: F401  (skips without PostgreSQL)
 
 
@@ -15,6 +15,8 @@ class Spread(Shared):
         self.assertEqual(begun.status, 201, begun)
         nodes[0].wait_until(lambda node: node.get(f"/v1/batches/{begun.json['id']}").json["done"] > count // 10)
         nodes[2].kill()
+        followed, _ = follow(nodes[0], begun.json["id"], limit=50)  # while two daemons write answers: none is skipped
+        self.assertEqual(sorted(one["item"] for one in followed), list(range(count)))
         told = wait(nodes[0], begun.json["id"], 90)
         self.assertEqual((told["state"], told["done"], told["failed"]), ("done", count, 0))
         found = results(nodes[1], told["id"])

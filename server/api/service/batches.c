@@ -55,15 +55,26 @@ static struct server_store_sql *find_batch(struct server_exchange *exchange,
     return sql;
 }
 
+static struct proto_many_state batch_state(const struct server_batch *batch)
+{
+    return (struct proto_many_state){.id = batch->id,
+                                     .items = batch->items,
+                                     .done = batch->done,
+                                     .failed = batch->failed,
+                                     .created = batch->created,
+                                     .is_cancelled = batch->is_cancelled};
+}
+
 static void batch_encode(struct proto_writer *writer, const struct server_batch *batch)
 {
-    const struct proto_many_state state = {.id = batch->id,
-                                           .items = batch->items,
-                                           .done = batch->done,
-                                           .failed = batch->failed,
-                                           .created = batch->created,
-                                           .is_cancelled = batch->is_cancelled};
+    const struct proto_many_state state = batch_state(batch);
     proto_many_encode(writer, &state);
+}
+
+static bool batch_has_ended(const struct server_batch *batch)
+{
+    const struct proto_many_state state = batch_state(batch);
+    return proto_many_has_ended(&state);
 }
 
 static void reply_batch(struct server_exchange *exchange, unsigned status,
@@ -150,6 +161,45 @@ void server_handle_create_batch(struct server_exchange *exchange)
         server_exchange_defer(exchange, create_batch, NULL);
 }
 
+/* --- wait ------------------------------------------------------------------------------------- */
+
+#define WAIT_MARGIN_NS UINT64_C(1000000000) /* between the end of a wait and the deadline */
+
+static void free_waiter(void *waiter)
+{
+    server_batch_waiter_end(waiter);
+    free(waiter);
+}
+
+/* The exchange's waiter: made for its first look at the batch, and brought up to date for each.
+ * NULL: a problem is replied. */
+static struct server_batch_waiter *look(struct server_exchange *exchange, uint64_t wait_s)
+{
+    struct server_batch_waiter *waiter = exchange->state;
+    uint64_t deadline_ns = exchange->job.deadline_ns;
+    if (!waiter) {
+        waiter = calloc(1, sizeof *waiter);
+        if (!waiter) {
+            server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+            return NULL;
+        }
+        server_exchange_keep(exchange, waiter, free_waiter);
+        waiter->job = &exchange->job;
+        waiter->until_ns = gd_now_ns() + wait_s * 1000000000;
+        if (deadline_ns && waiter->until_ns + WAIT_MARGIN_NS > deadline_ns)
+            waiter->until_ns = deadline_ns - WAIT_MARGIN_NS;
+    }
+    waiter->news = server_batch_runner_news(exchange->host->api->batches);
+    return waiter;
+}
+
+/* Nothing is there to be told yet: the exchange looks again later. */
+static bool may_wait(const struct server_exchange *exchange)
+{
+    const struct server_batch_waiter *waiter = exchange->state;
+    return gd_now_ns() < waiter->until_ns && !atomic_load(&exchange->host->is_draining);
+}
+
 /* --- list, describe, remove ------------------------------------------------------------------- */
 
 static bool list_batches(struct server_exchange *exchange)
@@ -177,17 +227,28 @@ void server_handle_list_batches(struct server_exchange *exchange)
     if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_batches, NULL);
 }
 
+/* False: parked, until the batch has ended or the time is over. */
 static bool describe_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
-    if (find_batch(exchange, &batch)) reply_batch(exchange, 200, &batch);
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    uint64_t wait_s;
+    if (!proto_many_parse_wait(&parameters, &wait_s, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    struct server_batch_waiter *waiter = look(exchange, wait_s);
+    if (!waiter || !find_batch(exchange, &batch)) return true;
+    if (!batch_has_ended(&batch) && may_wait(exchange))
+        return !server_batch_runner_wait(exchange->host->api->batches, waiter);
+    reply_batch(exchange, 200, &batch);
     return true;
 }
 
 void server_handle_get_batch(struct server_exchange *exchange)
 {
-    if (server_reply_accepts_json(exchange) && server_request_is_plain(exchange))
-        server_exchange_defer(exchange, describe_batch, NULL);
+    if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, describe_batch, NULL);
 }
 
 /* Cancels a batch under way, removes one that has ended. */
@@ -196,9 +257,9 @@ static bool remove_batch(struct server_exchange *exchange)
     struct server_batch batch;
     struct server_store_sql *sql = find_batch(exchange, &batch);
     if (!sql) return true;
-    bool has_ended = batch.is_cancelled || batch.done == batch.items;
-    if (!check_outcome(exchange, has_ended ? server_batch_queue_remove(sql, batch.id)
-                                           : server_batch_queue_cancel(sql, batch.id)))
+    if (!check_outcome(exchange, batch_has_ended(&batch)
+                                     ? server_batch_queue_remove(sql, batch.id)
+                                     : server_batch_queue_cancel(sql, batch.id)))
         return true;
     server_batch_runner_cancel(exchange->host->api->batches, batch.id);
     server_reply_empty(exchange, 204);
@@ -214,9 +275,11 @@ void server_handle_delete_batch(struct server_exchange *exchange)
 
 struct answers {
     struct proto_many many;
+    struct proto_many_page page;
+    struct server_batch batch; /* as it was before the answers were read */
     struct proto_writer writer;
-    int64_t last; /* item shown */
-    uint32_t count, most;
+    struct server_batch_place place; /* of the last answer shown */
+    uint32_t count;
     bool is_cut;   /* there are more than fit on the page */
     uint32_t seen; /* rows of one read */
 };
@@ -225,32 +288,35 @@ static bool on_answer(void *user, const struct server_sql_value *row)
 {
     struct answers *answers = user;
     answers->seen++;
-    answers->is_cut = answers->count == answers->most || answers->writer.size > PROTO_PAGE_BYTES;
+    answers->is_cut =
+        answers->count == answers->page.limit || answers->writer.size > PROTO_PAGE_BYTES;
     if (answers->is_cut) return false;
     answers->count++;
-    answers->last = row[0].integer;
+    answers->place.after = row[3].integer;
     proto_many_encode_answer(&answers->writer, &answers->many, (uint32_t)row[0].integer,
                              (unsigned)row[1].integer, row[2].bytes, row[2].size);
     return true;
 }
 
+/* In the order of answers there is a next page as long as there may be more of them. */
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
-                          const char *id, struct answers *answers)
+                          struct answers *answers)
 {
-    char next[PROTO_PAGE_NUMBER];
     enum server_store_outcome outcome;
+    const struct proto_many_state state = batch_state(&answers->batch);
     server_reply_writer(exchange, &answers->writer);
     proto_page_begin(&answers->writer, "results");
     do {
         answers->seen = 0;
-        outcome = server_batch_queue_answers(sql, id, answers->last, on_answer, answers);
+        outcome = server_batch_queue_answers(sql, &answers->place, on_answer, answers);
     } while (!outcome && answers->seen == SERVER_BATCH_ANSWERS && !answers->is_cut);
     if (!check_outcome(exchange, outcome)) {
         proto_writer_free(&answers->writer);
         return;
     }
-    proto_page_end(&answers->writer,
-                   answers->is_cut ? proto_page_write_number(answers->last, next) : NULL);
+    bool has_next =
+        answers->is_cut || (answers->page.is_by_number && !proto_many_has_ended(&state));
+    proto_many_end_page(&answers->writer, &state, has_next ? answers->place.after : -1);
     server_reply_json(exchange, 200, &answers->writer);
 }
 
@@ -268,21 +334,28 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
     return is_read;
 }
 
+/* False: parked, until there are answers, the batch has ended, or the time is over. */
 static bool list_answers(struct server_exchange *exchange)
 {
-    struct answers answers = {.last = -1};
-    struct server_batch batch;
-    struct proto_page page;
+    struct answers answers = {.count = 0};
+    struct server_batch *batch = &answers.batch;
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    if (!server_request_page(exchange, &page)) return true;
-    if (!proto_page_number(&page, &answers.last, &problem)) {
+    if (!proto_many_parse_page(&parameters, &answers.page, &problem)) {
         server_reply_problem(exchange, &problem);
         return true;
     }
-    struct server_store_sql *sql = find_batch(exchange, &batch);
-    if (!sql || !read_batch(exchange, sql, batch.id, &answers.many)) return true;
-    answers.most = page.limit;
-    reply_answers(exchange, sql, batch.id, &answers);
+    struct server_batch_waiter *waiter = look(exchange, answers.page.wait_s);
+    struct server_store_sql *sql = waiter ? find_batch(exchange, batch) : NULL;
+    if (!sql) return true;
+    memcpy(waiter->id, batch->id, sizeof waiter->id);
+    if (answers.page.is_by_number && batch->done <= answers.page.after && !batch_has_ended(batch) &&
+        may_wait(exchange))
+        return !server_batch_runner_wait(exchange->host->api->batches, waiter);
+    if (!read_batch(exchange, sql, batch->id, &answers.many)) return true;
+    answers.place =
+        (struct server_batch_place){batch->id, answers.page.after, answers.page.is_by_number};
+    reply_answers(exchange, sql, &answers);
     proto_many_free(&answers.many);
     return true;
 }

@@ -432,9 +432,13 @@ static int batches_connect(struct batches *own)
 {
     int code =
         sqlite_connect(own->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &own->connection);
+    int64_t version = 0;
+    int count = 0;
+    while (own->steps[count]) count++;
     if (!code) code = sqlite_check(own->connection);
-    for (int i = 0; !code && own->steps[i]; i++)
-        code = sqlite_script(own->connection, own->steps[i]);
+    if (!code) code = read_version(own->connection, &version);
+    if (!code && version > count) code = SQLITE_CANTOPEN; /* of a later daemon */
+    if (!code && version < count) code = run_steps(own->connection, own->steps, version, count);
     if (code) sqlite3_close(own->connection);
     if (code) own->connection = NULL;
     return code;

@@ -79,11 +79,11 @@ static enum server_store_outcome error_outcome(struct server_pg *pg, const PGres
         enum server_store_outcome outcome;
     } outcomes[] = {
         {"08", SERVER_STORE_UNAVAILABLE}, /* these four: it stops, starts, or is a standby */
-        {"57P", SERVER_STORE_UNAVAILABLE},   {"25006", SERVER_STORE_UNAVAILABLE},
-        {"25P0", SERVER_STORE_UNAVAILABLE},  {"40", SERVER_STORE_STALE},
-        {"23503", SERVER_STORE_STALE},       {"55P03", SERVER_STORE_STALE},
-        {"53100", SERVER_STORE_FULL},        {"53", SERVER_STORE_UNAVAILABLE},
-        {"57014", SERVER_STORE_UNAVAILABLE},
+        {"57P", SERVER_STORE_UNAVAILABLE},  {"25006", SERVER_STORE_UNAVAILABLE},
+        {"25P0", SERVER_STORE_UNAVAILABLE}, {"40", SERVER_STORE_STALE},
+        {"23503", SERVER_STORE_STALE},      {"23505", SERVER_STORE_STALE},
+        {"55P03", SERVER_STORE_STALE},      {"53100", SERVER_STORE_FULL},
+        {"53", SERVER_STORE_UNAVAILABLE},   {"57014", SERVER_STORE_UNAVAILABLE},
     };
     const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
     enum server_store_outcome outcome = SERVER_STORE_REFUSED;

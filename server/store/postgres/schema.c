@@ -45,6 +45,11 @@ static const char *const steps[] = {
     " attempts bigint NOT NULL DEFAULT 0, status bigint NOT NULL DEFAULT 0, answer bytea,"
     " PRIMARY KEY (batch, item))",
     "CREATE INDEX items_waiting ON items (batch, item) WHERE status = 0",
+    "ALTER TABLE items ADD COLUMN number bigint NOT NULL DEFAULT 0",
+    "UPDATE items SET number = counted.number FROM (SELECT batch, item, row_number()"
+    " OVER (PARTITION BY batch ORDER BY item) AS number FROM items WHERE status > 0) AS counted"
+    " WHERE items.batch = counted.batch AND items.item = counted.item",
+    "CREATE UNIQUE INDEX items_answered ON items (batch, number) WHERE number > 0",
 };
 #define STEPS ((int64_t)(sizeof steps / sizeof *steps))
 

@@ -4,6 +4,7 @@
 #include "tests/unit/server/support.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdio.h>
 
 #include "server/jobs/batch_queue.h"
@@ -159,8 +160,8 @@ static void tenants_take_turns(void **state)
 static bool on_answer(void *user, const struct server_sql_value *row)
 {
     char *text = user;
-    sprintf(text + strlen(text), "%d:%d:%.*s ", (int)row[0].integer, (int)row[1].integer,
-            (int)row[2].size, row[2].bytes);
+    sprintf(text + strlen(text), "%d:%d:%.*s:%d ", (int)row[0].integer, (int)row[1].integer,
+            (int)row[2].size, row[2].bytes, (int)row[3].integer);
     return true;
 }
 
@@ -172,12 +173,105 @@ static void the_first_answer_stays(void **state)
     answer(sql, ID_A, 2, 404, "no");
     answer(sql, ID_A, 0, 200, "yes");
     answer(sql, ID_A, 0, 200, "again");
-    assert_int_equal(server_batch_queue_answers(sql, ID_A, -1, on_answer, text), SERVER_STORE_DONE);
-    assert_string_equal(text, "0:200:yes 2:404:no ");
+    const struct server_batch_place begin = {ID_A, -1, false};
+    assert_int_equal(server_batch_queue_answers(sql, &begin, on_answer, text), SERVER_STORE_DONE);
+    assert_string_equal(text, "0:200:yes:0 2:404:no:2 ");
     struct server_batch batch = find(sql, "", ID_A);
     assert_int_equal(batch.done, 2);
     assert_int_equal(batch.failed, 1);
     assert_int_equal(claim(sql, "x").item, 1);
+}
+
+static void answers_are_numbered_in_the_order_in_which_they_are_written(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    char text[128] = "", rest[128] = "";
+    add(sql, ID_A, "", 4);
+    add(sql, ID_B, "", 1);
+    answer(sql, ID_A, 2, 200, "c");
+    answer(sql, ID_B, 0, 200, "z");
+    answer(sql, ID_A, 0, 200, "a");
+    answer(sql, ID_A, 2, 200, "again");
+    answer(sql, ID_A, 3, 200, "d");
+    const struct server_batch_place begin = {ID_A, 0, true}, second = {ID_A, 2, true};
+    assert_int_equal(server_batch_queue_answers(sql, &begin, on_answer, text), SERVER_STORE_DONE);
+    assert_string_equal(text, "2:200:c:1 0:200:a:2 3:200:d:3 ");
+    assert_int_equal(server_batch_queue_answers(sql, &second, on_answer, rest), SERVER_STORE_DONE);
+    assert_string_equal(rest, "3:200:d:3 ");
+    assert_int_equal(server_batch_queue_cancel(sql, ID_A), SERVER_STORE_DONE);
+    answer(sql, ID_A, 1, 200, "late");
+    assert_int_equal(find(sql, "", ID_A).done, 3);
+}
+
+#define WRITERS       4
+#define ITEMS_EACH    50
+#define WRITTEN_ITEMS (WRITERS * ITEMS_EACH)
+
+struct writer {
+    struct server_store_sql *sql;
+    int64_t first;
+};
+
+static void *write_answers(void *user)
+{
+    const struct writer *writer = user;
+    for (int64_t i = 0; i < ITEMS_EACH; i++) answer(writer->sql, ID_A, writer->first + i, 200, "x");
+    return NULL;
+}
+
+static bool on_number(void *user, const struct server_sql_value *row)
+{
+    int64_t *last = user;
+    assert_int_equal(row[3].integer, *last + 1);
+    *last = row[3].integer;
+    return true;
+}
+
+/* Reads on from the last number that it saw, while all write. */
+static void no_number_appears_behind_a_reader(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    pthread_t threads[WRITERS];
+    struct writer writers[WRITERS];
+    struct server_batch_place place = {ID_A, 0, true};
+    add(sql, ID_A, "", WRITTEN_ITEMS);
+    for (int i = 0; i < WRITERS; i++) {
+        writers[i] = (struct writer){sql, (int64_t)i * ITEMS_EACH};
+        assert_int_equal(pthread_create(&threads[i], NULL, write_answers, &writers[i]), 0);
+    }
+    while (place.after < WRITTEN_ITEMS)
+        assert_int_equal(server_batch_queue_answers(sql, &place, on_number, &place.after),
+                         SERVER_STORE_DONE);
+    for (int i = 0; i < WRITERS; i++) pthread_join(threads[i], NULL);
+}
+
+/* A file of the release before: its tables have no numbers, and its version is 0. */
+static void batches_of_an_older_file_are_numbered(void **state)
+{
+    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[256], text[128] = "";
+    const char *older[5] = {0};
+    (void)state;
+    folder_make(folder);
+    snprintf(path, sizeof path, "%s/batches.db", folder);
+    memcpy(older, server_batch_queue_tables, 4 * sizeof *older);
+    struct server_store_sql *sql = server_store_sql_local_open(path, older, error, sizeof error);
+    assert_non_null(sql);
+    add(sql, ID_A, "", 4);
+    assert_int_equal(
+        sql->run(sql, SERVER_SQL("UPDATE items SET status = 200, answer = x'61' WHERE item > 1")),
+        SERVER_STORE_DONE);
+    assert_int_equal(sql->run(sql, SERVER_SQL("PRAGMA user_version = 0")), SERVER_STORE_DONE);
+    sql->close(sql);
+    sql = server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
+    assert_non_null(sql);
+    answer(sql, ID_A, 0, 200, "b");
+    const struct server_batch_place begin = {ID_A, 0, true};
+    assert_int_equal(server_batch_queue_answers(sql, &begin, on_answer, text), SERVER_STORE_DONE);
+    assert_string_equal(text, "2:200:a:1 3:200:a:2 0:200:b:3 ");
+    assert_int_equal(sql->run(sql, SERVER_SQL("PRAGMA user_version = 99")), SERVER_STORE_DONE);
+    sql->close(sql);
+    assert_null(server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error));
+    folder_remove(folder);
 }
 
 static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
@@ -268,6 +362,9 @@ int main(void)
         EACH(each_item_is_taken_once_the_oldest_batch_first),
         EACH(tenants_take_turns),
         EACH(the_first_answer_stays),
+        EACH(answers_are_numbered_in_the_order_in_which_they_are_written),
+        EACH(no_number_appears_behind_a_reader),
+        cmocka_unit_test(batches_of_an_older_file_are_numbered),
         EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
         EACH(what_is_cancelled_is_not_begun),
         EACH(what_is_no_statement_is_refused),
