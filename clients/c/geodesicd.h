@@ -94,6 +94,11 @@ struct gdc_answer {
 enum gdc_status gdc_call(struct gdc_client *client, const struct gdc_request *request,
                          struct gdc_answer *answer, struct gdc_problem *problem);
 
+/* Blocks until the job of that id has ended, perhaps one of another client, and calls the progress
+ * function as gdc_call does. The answer is the job's. Errors: those of gdc_call. */
+enum gdc_status gdc_job_wait(struct gdc_client *client, const char *id, struct gdc_answer *answer,
+                             struct gdc_problem *problem);
+
 /* Any query of the contract, of the mesh of that name: `body` (borrowed) is posted to
  * /v1/meshes/{mesh}/{query}. The answer is the caller's to json_decref. Errors: those of gdc_call,
  * GDC_BAD_ANSWER (no JSON). */
@@ -173,6 +178,17 @@ enum gdc_status gdc_batch_look(struct gdc_client *client, const char *id, json_t
  * `after`: the "next" of the ones before, NULL: from the first. */
 enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, const char *after,
                                   json_t **page, struct gdc_problem *problem);
+
+/* The next items in the order in which they are answered; blocks until there are some, half a
+ * minute at most: {"results": [...], "state", "next"}. `cursor`: the "next" of the page before,
+ * NULL: from the first. A "next" that is null: the batch has ended and there are no more. */
+enum gdc_status gdc_batch_next(struct gdc_client *client, const char *id, const char *cursor,
+                               json_t **page, struct gdc_problem *problem);
+
+/* Blocks until the batch has ended, and calls the progress function about once a second.
+ * GDC_CANCELLED: that function returned nonzero; the batch goes on. */
+enum gdc_status gdc_batch_wait(struct gdc_client *client, const char *id, json_t **batch,
+                               struct gdc_problem *problem);
 
 /* Cancels it; removes one that has ended. */
 enum gdc_status gdc_batch_delete(struct gdc_client *client, const char *id,

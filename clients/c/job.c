@@ -57,23 +57,40 @@ static enum gdc_status look(struct gdc_client *client, struct job *job, struct g
     return status;
 }
 
+static enum gdc_status await(struct gdc_client *client, struct job *job, struct gdc_answer *answer,
+                             struct gdc_problem *problem)
+{
+    enum gdc_status status = GDC_OK;
+    for (long ms = POLL_MS; !status; ms = ms * 3 / 2 < POLL_MOST ? ms * 3 / 2 : POLL_MOST) {
+        if (client->progress && client->progress(client->user, job->progress))
+            return cancel(client, job, problem);
+        if (job->state != STATE_ACTIVE) break;
+        nanosleep(&(struct timespec){0, ms * 1000000}, NULL);
+        status = look(client, job, problem);
+    }
+    if (status) return status;
+    if (job->state == STATE_CANCELLED)
+        return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
+    char path[sizeof job->path + 8];
+    snprintf(path, sizeof path, "%s/result", job->path);
+    return gdc__exchange(client, &(struct gdc_request){.method = "GET", .path = path}, 0, answer,
+                         problem);
+}
+
 enum gdc_status gdc__await_job(struct gdc_client *client, struct gdc_answer *accepted,
                                struct gdc_answer *answer, struct gdc_problem *problem)
 {
     struct job job;
     enum gdc_status status = hear(&job, accepted, problem);
     free(accepted->body);
-    for (long ms = POLL_MS; !status; ms = ms * 3 / 2 < POLL_MOST ? ms * 3 / 2 : POLL_MOST) {
-        if (client->progress(client->user, job.progress)) return cancel(client, &job, problem);
-        if (job.state != STATE_ACTIVE) break;
-        nanosleep(&(struct timespec){0, ms * 1000000}, NULL);
-        status = look(client, &job, problem);
-    }
-    if (status) return status;
-    if (job.state == STATE_CANCELLED)
-        return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
-    char path[sizeof job.path + 8];
-    snprintf(path, sizeof path, "%s/result", job.path);
-    return gdc__exchange(client, &(struct gdc_request){.method = "GET", .path = path}, 0, answer,
-                         problem);
+    return status ? status : await(client, &job, answer, problem);
+}
+
+enum gdc_status gdc_job_wait(struct gdc_client *client, const char *id, struct gdc_answer *answer,
+                             struct gdc_problem *problem)
+{
+    struct job job;
+    snprintf(job.path, sizeof job.path, "/v1/jobs/%s", id);
+    enum gdc_status status = look(client, &job, problem);
+    return status ? status : await(client, &job, answer, problem);
 }

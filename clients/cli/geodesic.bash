@@ -22,7 +22,7 @@ _geodesic() {
     elif [[ $command == upload ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word")
         return
-    elif ((COMP_CWORD == i + 1)) && [[ $command != list && $command != jobs && $command != cancel ]]; then
+    elif ((COMP_CWORD == i + 1)) && [[ ! $command =~ ^(list|jobs|cancel|batches|batch|results|wait)$ ]]; then
         words=$("$program" list 2>/dev/null | sed 1d | cut -d' ' -f1)
     fi
     mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")

@@ -150,6 +150,8 @@ export class Client {
   call(method: string, path: string, options?: CallOptions): Promise<Response>;
   /** Any query or upload as a job, which is not awaited. */
   submit(method: string, path: string, options?: Omit<CallOptions, "onProgress">): Promise<Job>;
+  /** The job of that id, perhaps begun by another client. */
+  job(id: string): Promise<Job>;
   /** The daemon's version, limits and capabilities. */
   service(): Promise<types.Service>;
   /**
@@ -159,8 +161,10 @@ export class Client {
   createBatch(request: types.BatchRequest): Promise<types.Batch>;
   /** How far it is. */
   batch(id: string): Promise<types.Batch>;
-  /** The items that have an answer by now, in their order. */
-  batchResults(id: string): AsyncGenerator<types.BatchResults["results"][number]>;
+  /** The batch, once it has ended. `onProgress` is called about once a second. */
+  waitBatch(id: string, onProgress?: OnProgress): Promise<types.Batch>;
+  /** The items that have an answer by now, in their order. `wait`: each item as soon as it is answered, until the batch has ended. */
+  batchResults(id: string, options?: { wait?: boolean }): AsyncGenerator<types.BatchResults["results"][number]>;
   /** Cancels it; removes one that has ended. */
   deleteBatch(id: string): Promise<void>;
   meshes(): AsyncGenerator<types.Mesh>;

@@ -3,6 +3,7 @@
 const BACKOFF_MS = 100; // before the first retry; twice as long before each next one
 const BACKOFF_MOST_MS = 10000;
 const FLOATS = "application/octet-stream";
+const BATCH_WAIT_S = 30; // of one request that waits for a batch
 const TEXTS = ["obj", "off", "gltf"]; // of the formats of meshes
 
 /* Any failure of a call. */
@@ -337,6 +338,10 @@ export class Client {
     return new Job(this, await response.json());
   }
 
+  async job(id) {
+    return new Job(this, await (await this.call("GET", `/v1/jobs/${id}`)).json());
+  }
+
   async service() {
     return (await this.call("GET", "/v1")).json();
   }
@@ -357,8 +362,23 @@ export class Client {
     return (await this.call("GET", `/v1/batches/${id}`)).json();
   }
 
-  batchResults(id) {
-    return this.pages(`/v1/batches/${id}/results`, "results");
+  async waitBatch(id, onProgress) {
+    for (;;) {
+      const query = { wait: onProgress ? 1 : BATCH_WAIT_S };
+      const batch = await (await this.call("GET", `/v1/batches/${id}`, { query })).json();
+      onProgress?.(batch.progress);
+      if (batch.state !== "running") return batch;
+    }
+  }
+
+  async *batchResults(id, { wait = false } = {}) {
+    const path = `/v1/batches/${id}/results`;
+    if (!wait) return yield* this.pages(path, "results");
+    for (let cursor = 0; cursor !== null; ) {
+      const page = await (await this.call("GET", path, { query: { cursor, wait: BATCH_WAIT_S } })).json();
+      yield* page.results;
+      cursor = page.next;
+    }
   }
 
   async deleteBatch(id) {

@@ -162,17 +162,21 @@ static const char *text_of(const json_t *object, const char *name)
     return json_string_value(json_object_get(object, name));
 }
 
-/* Until a batch has ended: a minute at most. */
-static json_t *await_batch(struct gdc_client *client, json_t *batch)
+/* Follows the answers of a batch; returns how many there are when it has ended. */
+static size_t follow_batch(struct gdc_client *client, const char *id)
 {
-    for (int i = 0; i < 6000 && batch && strcmp(text_of(batch, "state"), "running") == 0; i++) {
-        json_t *now = NULL;
-        nanosleep(&(struct timespec){0, 10000000}, NULL);
-        EXPECT(gdc_batch_look(client, text_of(batch, "id"), &now, NULL) == GDC_OK);
-        json_decref(batch);
-        batch = now;
-    }
-    return batch;
+    size_t count = 0;
+    json_t *page, *last = NULL;
+    do {
+        EXPECT(gdc_batch_next(client, id, last ? text_of(last, "next") : NULL, &page, NULL) ==
+               GDC_OK);
+        count += json_array_size(json_object_get(page, "results"));
+        json_decref(last);
+        last = page;
+    } while (text_of(page, "next"));
+    EXPECT(strcmp(text_of(page, "state"), "done") == 0);
+    json_decref(page);
+    return count;
 }
 
 /* How many items have been answered; each of them has to be a problem. */
@@ -196,10 +200,13 @@ static size_t count_refused(struct gdc_client *client, const char *id)
 /* A batch of a request, which is used up, once it has ended. */
 static json_t *run_batch(struct gdc_client *client, json_t *request)
 {
-    json_t *batch = NULL;
+    json_t *batch = NULL, *ended = NULL;
     EXPECT(gdc_batch_create(client, request, &batch, NULL) == GDC_OK);
+    EXPECT(gdc_batch_wait(client, text_of(batch, "id"), &ended, NULL) == GDC_OK);
+    EXPECT(strcmp(text_of(ended, "state"), "done") == 0);
+    json_decref(batch);
     json_decref(request);
-    return await_batch(client, batch);
+    return ended;
 }
 
 static void end_batch(struct gdc_client *client, json_t *batch)
@@ -212,12 +219,30 @@ static void end_batch(struct gdc_client *client, json_t *batch)
     json_decref(batch);
 }
 
+/* Waits for a job that another client may have begun. */
+static void run_job(struct gdc_client *client)
+{
+    struct gdc_problem problem = {0};
+    struct gdc_answer answer;
+    const struct gdc_request list = {.method = "GET", .path = "/v1/jobs?limit=1"};
+    EXPECT(gdc_job_wait(client, "000000000000000000000000", &answer, &problem) == GDC_PROBLEM &&
+           problem.status == 404);
+    EXPECT(gdc_call(client, &list, &answer, NULL) == GDC_OK);
+    json_t *jobs = json_loads(answer.body, 0, NULL);
+    free(answer.body);
+    const json_t *job = json_array_get(json_object_get(jobs, "jobs"), 0);
+    EXPECT(gdc_job_wait(client, text_of(job, "id"), &answer, NULL) == GDC_OK && answer.size > 0);
+    free(answer.body);
+    json_decref(jobs);
+}
+
 static void run_batches(struct gdc_client *client)
 {
     json_t *page, *nobodies = json_array();
     EXPECT(gdc_upload(client, "a-square", square, sizeof square - 1, NULL) == GDC_OK);
     json_t *pairs = run_batch(client, json_pack("{s:s,s:s,s:[i,i]}", "query", "all-pairs", "mesh",
                                                 "a-square", "vertices", 0, 1));
+    EXPECT(follow_batch(client, text_of(pairs, "id")) == 2);
     EXPECT(gdc_batch_results(client, text_of(pairs, "id"), NULL, &page, NULL) == GDC_OK);
     const json_t *answer =
                      json_object_get(json_array_get(json_object_get(page, "results"), 1), "answer"),
@@ -265,6 +290,7 @@ int main(int count, char **arguments)
     } else {
         run_scenario(client, arguments[2]);
         run_queries(client);
+        run_job(client);
         run_batches(client);
     }
     gdc_client_destroy(client);

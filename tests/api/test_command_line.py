@@ -81,6 +81,18 @@ class CommandLine(TestCase):
         self.assertIn("no JSON", self.geodesic("query", "square", "distance", "{", status=1))
         self.assertIn("usage", self.geodesic("nonsense", status=2))
 
+    def test_batches(self):
+        self.upload("square.obj", SQUARE.decode())
+        body = json.dumps({"query": "all-pairs", "mesh": "square", "vertices": [0, 1, 2]})
+        id = json.loads(self.geodesic("batch", body, "--json"))["id"]
+        items = [json.loads(line) for line in self.geodesic("results", id, "--wait").splitlines()]
+        self.assertEqual(sorted(item["item"] for item in items), [0, 1, 2])
+        self.assertEqual(json.loads(self.geodesic("wait", id, "--json"))["state"], "done")
+        self.assertIn(id, self.geodesic("batches"))
+        job = self.daemon.request("POST", "/v1/meshes/square/distance", '{"from": {"vertex": 0}, "to": {"vertex": 2}}', {"Prefer": "respond-async"}).json["id"]
+        self.assertIn('state: "done"', self.geodesic("wait", job))
+        self.assertIn("no batch", self.geodesic("wait", "0" * 24, status=1))
+
     def test_completion(self):
         self.upload("square.obj", SQUARE.decode())
         script = 'source "$1"; COMP_WORDS=("${@:2}"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _geodesic; printf "%s\\n" "${COMPREPLY[@]}"'

@@ -107,6 +107,12 @@ class JavaScriptClient(TestCase):
             assert.deepEqual(rows, [[0, [0, 1]], [1, [1, 0]]]);
             await client.deleteBatch(pairs.id);
             await assert.rejects(client.batch(pairs.id), { status: 404, code: "not_found" });
+            const followed = await client.createBatch({ query: "all-pairs", mesh: "square", vertices: [0, 1, 2] }), seen = [], told = [];
+            for await (const { item } of client.batchResults(followed.id, { wait: true })) seen.push(item);
+            assert.deepEqual(seen.sort(), [0, 1, 2]);
+            assert.equal((await client.waitBatch(followed.id, (part) => told.push(part))).state, "done");
+            assert.equal(told.at(-1), 1);
+            await client.deleteBatch(followed.id);
             const many = await ended(await client.createBatch({ query: "fields", meshes: Array(150).fill("nobody"), set: { points: [{ vertex: 0 }] } })), items = [];
             for await (const { item, problem } of client.batchResults(many.id)) items.push(problem.code === "not_found" ? item : problem);
             assert.deepEqual(items, Array.from({ length: 150 }, (_, item) => item)); // of more than one page

@@ -131,7 +131,11 @@ class Meshes(TestCase):
 
     def test_batches(self):
         batch = self.client.create_batch({"query": "all-pairs", "mesh": "square", "vertices": [0, 1, 2]})
-        batch = self.ended(batch)
+        self.assertEqual(sorted(item["item"] for item in self.client.batch_results(batch["id"], wait=True)), [0, 1, 2])
+        told = []
+        self.assertEqual(self.client.wait_batch(batch["id"], told.append), self.ended(batch))
+        self.assertEqual(told[-1], 1)
+        batch = self.client.wait_batch(batch["id"])
         self.assertEqual((batch["state"], batch["items"], batch["done"], batch["failed"]), ("done", 3, 3, 0))
         rows = [item["answer"]["distances"][0] for item in self.client.batch_results(batch["id"])]
         for row, expected in zip(rows, ([0, 1, 2**0.5], [1, 0, 1], [2**0.5, 1, 0])):

@@ -23,6 +23,7 @@ except ImportError:
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 FLOATS = "application/octet-stream"
+BATCH_WAIT = 30  # seconds, of one request that waits for a batch
 
 
 @dataclasses.dataclass(frozen=True)
@@ -264,9 +265,26 @@ class Client:
         """How far it is."""
         return self.call("GET", f"/v1/batches/{id}").json
 
-    def batch_results(self, id: str) -> Iterator[Dict[str, Any]]:
-        """The items that have an answer by now, in their order: `answer`, or the `problem` of one that failed."""
-        return self.pages(f"/v1/batches/{id}/results", "results")
+    def wait_batch(self, id: str, progress: Optional[Progress] = None) -> Dict[str, Any]:
+        """The batch, once it has ended. `progress` is called about once a second with the part that is done, in [0,1]."""
+        while True:
+            batch = self.call("GET", f"/v1/batches/{id}", {"wait": 1 if progress else BATCH_WAIT}).json
+            if progress:
+                progress(batch["progress"])
+            if batch["state"] != "running":
+                return batch
+
+    def batch_results(self, id: str, wait: bool = False) -> Iterator[Dict[str, Any]]:
+        """The items that have an answer by now, in their order: `answer`, or the `problem` of one that failed. With `wait` each item as soon as it is
+        answered, until the batch has ended."""
+        if not wait:
+            yield from self.pages(f"/v1/batches/{id}/results", "results")
+            return
+        cursor: Any = 0
+        while cursor is not None:
+            page = self.call("GET", f"/v1/batches/{id}/results", {"cursor": cursor, "wait": BATCH_WAIT}).json
+            yield from page["results"]
+            cursor = page["next"]
 
     def delete_batch(self, id: str) -> None:
         """Cancels it; removes one that has ended."""
