@@ -61,8 +61,8 @@ export type Vector = [number, number, number];
 /** Its two vertices. */
 export type Edge = [Index, Index];
 
-/** Exactly one of five forms. */
-export type Point = (VertexPoint | EdgePoint | FacePoint | SpacePoint | RayPoint);
+/** Exactly one of five forms, or a text as in URLs. */
+export type Point = (CompactPoint | VertexPoint | EdgePoint | FacePoint | SpacePoint | RayPoint);
 
 export type VertexPoint = {
   vertex: Index;
@@ -298,7 +298,7 @@ export type Curve = ({
 
 /** What distances are measured to. Members are numbered points first, then curves, then boundaries; one of them at least. Distances to curves are exact: to the curve itself, not to samples of it. */
 export type Set = {
-  points?: Member[];
+  points?: (CompactPoint | Member)[];
   curves?: CurveMember[];
   /** All of the mesh's boundary loops, or some by their places in its description. */
   boundaries?: ("all" | (Index | {
@@ -1420,87 +1420,87 @@ export type Problem = {
 
 /** What can be asked of `/v1/meshes/{name}`, by its name: what is sent and what comes back. */
 export interface MeshQueries {
-  /** Geodesic distance between two points, perhaps by way of others */
+  /** Get the geodesic distance between two points */
   "distance": {
     body: PairRequest;
     answer: DistanceAnswer;
   };
-  /** Shortest path between two points, perhaps by way of others */
+  /** Get the shortest path between two points */
   "path": {
     body: PairRequest;
     answer: PathAnswer;
   };
-  /** The point of the surface that a point names */
+  /** Locate a point on the surface */
   "nearest": {
     body: NearestRequest;
     answer: PointAnswer;
   };
-  /** Distances from each of some points to each of others */
+  /** Get the distances from each source to each target */
   "matrix": {
     body: MatrixRequest;
     answer: MatrixAnswer;
   };
-  /** Distances of points to a set, its nearest member, and the path to it */
+  /** Get the distances of points to a set */
   "distance-to-set": {
     body: SetDistanceRequest;
     answer: ResultsAnswer;
   };
-  /** The least distance between two curves, or their Hausdorff distance */
+  /** Get the least or the Hausdorff distance of two curves */
   "curve-distance": {
     body: CurveDistanceRequest;
     answer: CurveDistanceAnswer;
   };
-  /** Compute the distances from a set to the whole surface, and keep them */
+  /** Compute the distances from a set to the whole surface */
   "fields": {
     body: FieldRequest;
     answer: Field;
   };
-  /** Which member of a set each part of the surface is nearest to */
+  /** Get the Voronoi diagram of a set */
   "voronoi": {
     body: VoronoiRequest;
     answer: VoronoiAnswer;
   };
-  /** Points that cover the surface evenly, each the farthest from all before it */
+  /** Sample the surface evenly by farthest points */
   "farthest-points": {
     body: SamplingRequest;
     answer: SamplingAnswer;
   };
-  /** Straightest geodesics from a point */
+  /** Trace straightest geodesics from a point */
   "trace": {
     body: TraceRequest;
     answer: TraceAnswer;
   };
-  /** Points that vectors lead to */
+  /** Get the end points of vectors (exponential map) */
   "exp": {
     body: ExpRequest;
     answer: ExpAnswer;
   };
-  /** Vectors to points */
+  /** Get the vectors to points (logarithmic map) */
   "log": {
     body: LogRequest;
     answer: LogAnswer;
   };
-  /** Vectors moved to another point */
+  /** Transport vectors to another point */
   "transport": {
     body: TransportRequest;
     answer: TransportAnswer;
   };
-  /** The weighted mean of points */
+  /** Get the weighted mean of points */
   "mean": {
     body: MeanRequest;
     answer: MeanAnswer;
   };
-  /** A smooth curve through points */
+  /** Get a smooth curve through points */
   "spline": {
     body: SplineRequest;
     answer: SplineAnswer;
   };
-  /** Operations on a curve */
+  /** Measure, resample, shorten or offset a curve */
   "curve": {
     body: CurveOperationRequest;
     answer: CurveOperationAnswer;
   };
-  /** The mesh cut along a curve into meshes of their own */
+  /** Cut a mesh along a curve into new meshes */
   "cut": {
     body: CutRequest;
     answer: CutAnswer;

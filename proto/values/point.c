@@ -114,6 +114,8 @@ bool proto_point_decode(const json_t *value, const char *pointer, struct proto_p
                         struct proto_problem *problem)
 {
     struct proto_point point;
+    if (json_is_string(value))
+        return proto_point_parse(json_string_value(value), pointer, out, problem);
     if (!find_form(value, pointer, &point.form, problem)) return false;
     if (!proto_decode_object(value, pointer, forms[point.form].members, problem)) return false;
     if (!forms[point.form].decode(value, pointer, &point, problem)) return false;

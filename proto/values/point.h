@@ -46,14 +46,14 @@ struct proto_point {
     };
 };
 
-/* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?} or
- * {"ray":{"origin","direction"}}. `pointer`: the JSON Pointer of `value`, copied.
+/* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?},
+ * {"ray":{"origin","direction"}}, or a string of compact text. `pointer`: the JSON Pointer of `value`, copied.
  * invalid_request. */
 bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
                         struct proto_problem *problem);
 
 /* From compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name of
- * the query-string parameter, copied. invalid_request. */
+ * the query-string parameter, or a JSON Pointer; copied. invalid_request. */
 bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
                        struct proto_problem *problem);
 

@@ -215,5 +215,46 @@ class Nearest(TestCase):
         self.assertEqual(answer.json, self.daemon.ask("square", "nearest", document).json)
 
 
+class CompactPoints(TestCase):
+    """JSON takes a point as a text wherever it takes one as an object, and answers both alike."""
+
+    POINTS = {"v:0": {"vertex": 0}, "e:0-1:0.5": {"edge": [0, 1], "t": 0.5}, "f:1:0.25,0.25,0.5": {"face": 1, "barycentric": [0.25, 0.25, 0.5]},
+              "p:0.5,0.75,1": {"xyz": [0.5, 0.75, 1]}}
+    BODIES = [("nearest", lambda p: {"point": p}), ("distance", lambda p: {"from": p, "to": p}), ("path", lambda p: {"from": "v:3", "to": p, "via": [p]}),
+              ("matrix", lambda p: {"sources": [p], "targets": [p, p]}), ("distance-to-set", lambda p: {"set": {"points": [p]}, "points": [p, "v:2"]}),
+              ("distance-to-set", lambda p: {"set": {"curves": [{"points": [p, "v:2"]}]}, "points": [p]}), ("voronoi", lambda p: {"set": {"points": [p, "v:2"]}}),
+              ("trace", lambda p: {"start": p, "fan": 3, "length": 0.1}), ("log", lambda p: {"from": p, "to": [p]}), ("mean", lambda p: {"points": [p, "v:1"]}),
+              ("curve-distance", lambda p: {"a": {"points": [p]}, "b": {"points": ["v:2"]}}), ("farthest-points", lambda p: {"start": p, "count": 2}),
+              ("transport", lambda p: {"from": "v:2", "to": p, "vectors": [{"direction": {"xyz": [-1, -0.5, 0]}, "length": 1}]}),
+              ("spline", lambda p: {"points": [p, "v:2"], "samples": 3})]
+
+    def setUp(self):
+        super().setUp()
+        self.daemon.put("square", SQUARE)
+
+    def replace(self, value, replaced):
+        if isinstance(value, str) and value in replaced:
+            return replaced[value]
+        if isinstance(value, list):
+            return [self.replace(one, replaced) for one in value]
+        return {name: self.replace(one, replaced) for name, one in value.items()} if isinstance(value, dict) else value
+
+    def test_they_are_answered_as_objects_are(self):
+        objects = {**self.POINTS, **{f"v:{i}": {"vertex": i} for i in range(4)}}
+        for name, body in self.BODIES:
+            for point in self.POINTS:
+                with self.subTest(query=name, point=point):
+                    compact = self.daemon.ask("square", name, body(point))
+                    spelled = self.daemon.ask("square", name, self.replace(body(point), objects))
+                    self.assertEqual((compact.status, compact.json), (200, spelled.json))
+
+    def test_what_is_no_point_is_refused_by_pointer(self):
+        for name, body, pointer in (("nearest", {"point": "v:x"}, "/point"), ("path", {"from": "v:0", "to": "v:1", "via": ["v:0", "1"]}, "/via/1"),
+                                    ("distance-to-set", {"set": {"points": ["v:0", "w:1"]}, "points": ["v:0"]}, "/set/points/1"),
+                                    ("matrix", {"sources": [""], "targets": ["v:0"]}, "/sources/0"), ("distance", {"from": "v:9", "to": "v:0"}, "/from")):
+            answer = self.daemon.ask("square", name, body)
+            self.assertEqual((answer.status, answer.json["code"], answer.json["pointer"]), (400, "invalid_request", pointer), answer)
+
+
 if __name__ == "__main__":
     unittest.main()

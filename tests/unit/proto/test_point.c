@@ -43,7 +43,7 @@ struct refused {
 
 static const struct refused no_form[] = {
     {"12", "/p"},
-    {"\"v:12\"", "/p"},
+    {"\"v12\"", "/p"},
     {"null", "/p"},
     {"true", "/p"},
     {"[1,2,3]", "/p"},
@@ -189,6 +189,23 @@ static void assert_refused_compact(const char *const *cases, size_t count)
     }
 }
 
+static void json_takes_compact_text(void **state)
+{
+    struct proto_point point;
+    struct proto_problem problem;
+    (void)state;
+    json_t *good = json_string("e:3-9:0.25"), *bad = json_string("v:+1");
+    assert_true(proto_point_decode(good, "/set/points/3", &point, &problem));
+    assert_true(point.form == PROTO_POINT_EDGE && point.edge.t == 0.25);
+    assert_string_equal(point.place, "/set/points/3");
+    assert_false(proto_point_decode(bad, "/set/points/3", &point, &problem));
+    assert_string_equal(problem.pointer, "/set/points/3");
+    assert_string_equal(problem.detail,
+                        "expected a point: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0");
+    json_decref(good);
+    json_decref(bad);
+}
+
 static void refuses_what_has_no_compact_form(void **state)
 {
     (void)state;
@@ -303,6 +320,7 @@ int main(void)
         cmocka_unit_test(refuses_what_has_no_single_form),
         cmocka_unit_test(refuses_malformed_members),
         cmocka_unit_test(parses_compact_points),
+        cmocka_unit_test(json_takes_compact_text),
         cmocka_unit_test(refuses_what_has_no_compact_form),
         cmocka_unit_test(refuses_malformed_numbers),
         cmocka_unit_test(comes_back_with_all_that_is_known),
