@@ -22,15 +22,6 @@
 #include "server/base/disk.h"
 #include "server/store/record.h"
 
-/* Result of verifying stored bytes. */
-enum server_store_verdict {
-    SERVER_VERDICT_SOUND,
-    SERVER_VERDICT_DAMAGED, /* now in quarantine: fetch refuses the object without reading it */
-    SERVER_VERDICT_MISSING,
-    SERVER_VERDICT_UNREADABLE, /* the system can't read the file */
-    SERVER_VERDICT_NONE        /* ended early, rewritten meanwhile, or no memory */
-};
-
 /* Bytes of a surface's objects, of the sizes in its record; borrowed. */
 struct server_content {
     const void *parts[SERVER_PARTS]; /* NULL: the surface has no such part */
@@ -60,9 +51,9 @@ typedef bool server_stored_visit(void *user, const struct server_stored *stored)
 typedef bool server_change_visit(void *user, const struct server_store_change *change);
 typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
 
-/* A back-end leaves out what it does not need. Without put, keep, remove and each the store is
- * empty and forgets; without fetch and verify it keeps no bytes, so that surfaces can't be unloaded;
- * without follow and await it is not shared. */
+/* A back-end leaves out what it does not need: close is the only function that all have, put and
+ * remove, fetch and verify, and follow and await come in pairs. Without put nothing is stored,
+ * without fetch no bytes, so that surfaces can't be unloaded; without follow it is not shared. */
 struct server_store {
     /* Visits all surfaces, in any order. DONE, UNAVAILABLE, NO_MEMORY. Of a shared store it is
      * called again when follow returns STALE. */
@@ -90,8 +81,10 @@ struct server_store {
     enum server_store_outcome (*fetch)(struct server_store *store,
                                        const struct server_record *record, enum server_part part,
                                        void **bytes);
-    /* Verifies a part in little memory. */
-    enum server_store_verdict (*verify)(struct server_store *store,
+    /* Verifies a part in little memory. DAMAGED: it is in quarantine now, so that fetch refuses the
+     * object without reading it. ABSENT; REFUSED: the system can't read it; UNAVAILABLE: ended
+     * early, rewritten meanwhile, or no memory. */
+    enum server_store_outcome (*verify)(struct server_store *store,
                                         const struct server_record *record, enum server_part part,
                                         server_pace *pace, void *user);
     /* The number of objects in quarantine. */
@@ -108,9 +101,6 @@ struct server_store {
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
 };
-
-/* Functions that do nothing; close frees. For back-ends that need nothing else. */
-extern const struct server_store server_store_nothing;
 
 /* A store that forgets everything when it is closed. NULL without memory. */
 struct server_store *server_store_memory_create(void);

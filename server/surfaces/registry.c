@@ -155,7 +155,8 @@ static enum server_store_outcome slots_collect(struct server_registry *registry,
                                                struct server_sorted *out)
 {
     struct collection all = {.slots = {.compare = slot_compare}};
-    enum server_store_outcome outcome = registry->store->each(registry->store, on_stored, &all);
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    if (registry->store->each) outcome = registry->store->each(registry->store, on_stored, &all);
     *out = all.slots;
     for (uint32_t i = 0; i < out->count; i++)
         server_record_count(((struct slot *)out->items[i])->now.record, registry->budget);
@@ -320,7 +321,7 @@ struct server_registry_statistics server_registry_statistics(struct server_regis
 
 const char *server_registry_health(struct server_registry *registry)
 {
-    return registry->store->health(registry->store);
+    return registry->store->health ? registry->store->health(registry->store) : NULL;
 }
 
 /* --- loading and uses ------------------------------------------------------------------------- */
@@ -385,7 +386,8 @@ void server_registry_note_uses(struct server_registry *registry)
     do {
         pthread_mutex_lock(&registry->writing);
         count = slots_collect_uses(registry, records, uses);
-        if (count) registry->store->note_uses(registry->store, records, uses, count);
+        if (count && registry->store->note_uses)
+            registry->store->note_uses(registry->store, records, uses, count);
         pthread_mutex_unlock(&registry->writing);
     } while (count == NOTED_AT_ONCE);
 }
@@ -485,8 +487,7 @@ enum server_store_outcome server_registry_follow(struct server_registry *registr
 
 bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key)
 {
-    if (!server_registry_is_shared(registry) || registry->store->health(registry->store))
-        return true;
+    if (!server_registry_is_shared(registry) || server_registry_health(registry)) return true;
     if (gd_now_ns() - atomic_load(&registry->followed_ns) > FRESH_NS) return false;
     if (!key) return true;
     pthread_rwlock_rdlock(&registry->lock);
@@ -537,7 +538,8 @@ static enum server_store_outcome change_store(const struct server_registry *regi
     if (change->precondition &&
         !server_precondition_holds(change->precondition, now->record ? now->record->etag : NULL))
         return SERVER_STORE_PRECONDITION;
-    if (is_same) return store->keep(store, record, &change->content);
+    if (is_same && store->keep) return store->keep(store, record, &change->content);
+    if (is_same || !store->put) return SERVER_STORE_DONE; /* it is staged, or forgets */
     return record ? store->put(store, record, &change->content, version)
                   : store->remove(store, now->record, version);
 }
@@ -602,7 +604,8 @@ static enum server_store_outcome change_run(struct server_registry *registry, st
     pthread_mutex_lock(&registry->writing);
     for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
         outcome = change_make(registry, change);
-    if (outcome <= SERVER_STORE_REPLACED) registry->store->tidy(registry->store);
+    if (outcome <= SERVER_STORE_REPLACED && registry->store->tidy)
+        registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
     slot_leave(registry, change->left);
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;

@@ -44,25 +44,24 @@ static bool on_piece(void *user, size_t bytes)
 static void scrub_part(struct server_scrub *scrub, const struct server_record *record,
                        enum server_part part)
 {
-    static const char *const messages[] = {
-        [SERVER_VERDICT_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload "
-                                   "it again, or restore a backup",
-        [SERVER_VERDICT_MISSING] =
-            "its stored file is missing; upload it again, or restore a backup",
-        [SERVER_VERDICT_UNREADABLE] = "its stored file can't be read; look after the disk"};
+    static const char *const messages[SERVER_STORE_UNAVAILABLE + 1] = {
+        [SERVER_STORE_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload "
+                                 "it again, or restore a backup",
+        [SERVER_STORE_ABSENT] = "its stored file is missing; upload it again, or restore a backup",
+        [SERVER_STORE_REFUSED] = "its stored file can't be read; look after the disk"};
     struct server_store *store = server_registry_store(scrub->registry);
-    enum server_store_verdict verdict = store->verify(store, record, part, on_piece, scrub);
+    enum server_store_outcome outcome = store->verify(store, record, part, on_piece, scrub);
     struct server_log_line line;
-    if (verdict == SERVER_VERDICT_NONE) return;
+    if (outcome && !messages[outcome]) return;
     atomic_fetch_add(&scrub->files, 1);
-    if (verdict == SERVER_VERDICT_SOUND) return;
-    if (verdict == SERVER_VERDICT_MISSING && !server_registry_is_current(scrub->registry, record))
+    if (!outcome) return;
+    if (outcome == SERVER_STORE_ABSENT && !server_registry_is_current(scrub->registry, record))
         return;
     scrub->faults++;
     if (!server_log_begin(&line, SERVER_LOG_ERROR, "scrub_fault")) return;
     server_log_text(&line, "key", record->key);
     server_log_text(&line, "sha256", record->sha256);
-    server_log_text(&line, "message", messages[verdict]);
+    server_log_text(&line, "message", messages[outcome]);
     server_log_end(&line);
 }
 

@@ -304,22 +304,21 @@ static bool on_piece(void *user, const void *bytes, size_t size)
     return !verification->was_ended;
 }
 
-enum server_store_verdict server_files_verify_object(const struct server_files *files,
+enum server_store_outcome server_files_verify_object(const struct server_files *files,
                                                      const struct server_object *object,
                                                      server_pace *pace, void *user)
 {
     char found[SERVER_SHA256_HEX];
     struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
-    if (!verification.sum) return SERVER_VERDICT_NONE;
+    if (!verification.sum) return SERVER_STORE_UNAVAILABLE;
     enum server_store_outcome outcome =
         server_disk_scan(server_files_object_path(files, object->id).text, on_piece, &verification);
     server_sha256_end(verification.sum, found);
-    if (outcome == SERVER_STORE_ABSENT) return SERVER_VERDICT_MISSING;
-    if (outcome == SERVER_STORE_NO_MEMORY || verification.was_ended) return SERVER_VERDICT_NONE;
-    if (outcome) return SERVER_VERDICT_UNREADABLE;
-    return verification.size == object->size && strncmp(found, object->id, HASH) == 0
-               ? SERVER_VERDICT_SOUND
-               : SERVER_VERDICT_DAMAGED;
+    if (outcome == SERVER_STORE_NO_MEMORY || verification.was_ended)
+        return SERVER_STORE_UNAVAILABLE;
+    if (!outcome && (verification.size != object->size || strncmp(found, object->id, HASH) != 0))
+        return SERVER_STORE_DAMAGED;
+    return outcome;
 }
 
 static struct server_path object_folder(const struct server_files *files,

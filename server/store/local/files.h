@@ -83,8 +83,8 @@ enum server_store_outcome server_files_sync_object_folder(const struct server_fi
                                                           const struct server_object *object);
 /* Reads the object and forgets it. */
 bool server_files_has_object(const struct server_files *files, const struct server_object *object);
-/* Verifies the object from the disk, piece by piece. */
-enum server_store_verdict server_files_verify_object(const struct server_files *files,
+/* Verifies the object from the disk, piece by piece; as the store's verify. */
+enum server_store_outcome server_files_verify_object(const struct server_files *files,
                                                      const struct server_object *object,
                                                      server_pace *pace, void *user);
 void server_files_remove_object(const struct server_files *files, const char *object);

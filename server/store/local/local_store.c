@@ -281,21 +281,21 @@ static enum server_store_outcome local_fetch(struct server_store *store,
 }
 
 /* Lifts the quarantine of a file that somebody has repaired. */
-static enum server_store_verdict local_verify(struct server_store *store,
+static enum server_store_outcome local_verify(struct server_store *store,
                                               const struct server_record *record,
                                               enum server_part part, server_pace *pace, void *user)
 {
     struct local *local = (struct local *)store;
     struct server_object object;
     uint64_t turn;
-    if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
+    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
     bool was_held = quarantine_holds(local, object.id, &turn);
-    enum server_store_verdict verdict =
+    enum server_store_outcome outcome =
         server_files_verify_object(&local->files, &object, pace, user);
-    if (verdict == SERVER_VERDICT_SOUND && was_held) quarantine_lift(local, object.id);
-    if (verdict == SERVER_VERDICT_DAMAGED && !quarantine_condemn(local, object.id, turn))
-        return SERVER_VERDICT_NONE;
-    return verdict;
+    if (!outcome && was_held) quarantine_lift(local, object.id);
+    if (outcome == SERVER_STORE_DAMAGED && !quarantine_condemn(local, object.id, turn))
+        return SERVER_STORE_UNAVAILABLE;
+    return outcome;
 }
 
 /* --- recovery: what there is ------------------------------------------------------------------ */

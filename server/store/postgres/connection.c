@@ -50,7 +50,7 @@ struct server_pg_pool {
     pthread_mutex_t lock;
     pthread_cond_t change;
     struct server_pg *idle; /* under the lock */
-    unsigned count;         /* of connections; under the lock */
+    unsigned used;          /* connections that are not idle; under the lock */
     atomic_bool is_away;
     char url[];
 };
@@ -222,17 +222,21 @@ static void on_notice(void *user, const PGresult *result)
 static PGconn *connect_begin(const char *url)
 {
     /* the address comes last, so that its values count */
-    static const char *const names[] = {"gssencmode",
-                                        "application_name",
-                                        "tcp_user_timeout",
-                                        "keepalives_idle",
-                                        "keepalives_interval",
-                                        "keepalives_count",
-                                        "target_session_attrs",
-                                        "dbname",
-                                        NULL};
-    const char *const values[] = {"disable", "geodesicd",  "8000", "10", "5",
-                                  "3",       "read-write", url,    NULL};
+    enum { COUNT = 9 };
+    const char *const parameters[COUNT][2] = {{"gssencmode", "disable"},
+                                              {"application_name", "geodesicd"},
+                                              {"tcp_user_timeout", "8000"},
+                                              {"keepalives_idle", "10"},
+                                              {"keepalives_interval", "5"},
+                                              {"keepalives_count", "3"},
+                                              {"target_session_attrs", "read-write"},
+                                              {"dbname", url},
+                                              {NULL, NULL}};
+    const char *names[COUNT], *values[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        names[i] = parameters[i][0];
+        values[i] = parameters[i][1];
+    }
     return PQconnectStartParams(names, values, 1);
 }
 
@@ -254,32 +258,26 @@ static void connection_close(struct server_pg *pg)
     free(pg);
 }
 
-static enum server_store_outcome connection_set_up(struct server_pg *pg)
-{
-    if (!connect_end(pg->link, gd_now_ns() + CONNECT_NS)) return connection_lose(pg);
-    if (!PQsendQuery(pg->link, settings)) return connection_lose(pg);
-    return results_receive(pg, gd_now_ns() + CONNECT_NS, NULL, NULL);
-}
-
 static enum server_store_outcome connection_open(const char *url, struct server_pg **out,
                                                  char error[SERVER_PG_ERROR])
 {
     struct server_pg *pg = calloc(1, sizeof *pg);
+    enum server_store_outcome outcome = SERVER_STORE_NO_MEMORY;
     snprintf(error, SERVER_PG_ERROR, "out of memory");
-    if (!pg || !(pg->link = connect_begin(url))) {
-        free(pg);
-        return SERVER_STORE_NO_MEMORY;
+    if (!pg) return outcome;
+    if ((pg->link = connect_begin(url))) {
+        PQsetNoticeReceiver(pg->link, on_notice, NULL);
+        bool is_open =
+            connect_end(pg->link, gd_now_ns() + CONNECT_NS) && PQsendQuery(pg->link, settings);
+        outcome = is_open ? results_receive(pg, gd_now_ns() + CONNECT_NS, NULL, NULL)
+                          : connection_lose(pg);
+        snprintf(error, SERVER_PG_ERROR, "%s", pg->error);
     }
-    PQsetNoticeReceiver(pg->link, on_notice, NULL);
-    pg->longest_ns = CONNECT_NS;
-    enum server_store_outcome outcome = connection_set_up(pg);
-    if (!outcome) {
+    if (outcome)
+        connection_close(pg);
+    else
         *out = pg;
-        return SERVER_STORE_DONE;
-    }
-    snprintf(error, SERVER_PG_ERROR, "%s", pg->error);
-    connection_close(pg);
-    return outcome == SERVER_STORE_NO_MEMORY ? outcome : SERVER_STORE_UNAVAILABLE;
+    return outcome && outcome != SERVER_STORE_NO_MEMORY ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
 /* --- the pool --------------------------------------------------------------------------------- */
@@ -318,34 +316,13 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool)
     atomic_store(&pool->is_away, false);
 }
 
-/* Takes an idle connection, or reserves a place for a new one (NULL). False: all are in use. */
-static bool pool_reserve(struct server_pg_pool *pool, struct server_pg **out)
-{
-    uint64_t until_ns = gd_now_ns() + TAKE_NS;
-    bool has_time = true;
-    pthread_mutex_lock(&pool->lock);
-    while (has_time && !pool->idle && pool->count >= CONNECTIONS)
-        has_time = server_condition_wait(&pool->change, &pool->lock, until_ns);
-    *out = pool->idle;
-    bool is_reserved = *out || pool->count < CONNECTIONS;
-    if (*out)
-        pool->idle = (*out)->next;
-    else
-        pool->count += is_reserved;
-    pthread_mutex_unlock(&pool->lock);
-    return is_reserved;
-}
-
-/* Returns an idle connection, or the place of a closed one (NULL). */
+/* Returns a connection to be used again, or the place of one that is closed (NULL). */
 static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
 {
     pthread_mutex_lock(&pool->lock);
-    if (pg) {
-        pg->next = pool->idle;
-        pool->idle = pg;
-    } else {
-        pool->count--;
-    }
+    if (pg) pg->next = pool->idle;
+    if (pg) pool->idle = pg;
+    pool->used--;
     pthread_cond_signal(&pool->change);
     pthread_mutex_unlock(&pool->lock);
 }
@@ -353,9 +330,18 @@ static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
 enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
                                               char error[SERVER_PG_ERROR])
 {
+    uint64_t until_ns = gd_now_ns() + TAKE_NS;
+    bool has_time = true;
     snprintf(error, SERVER_PG_ERROR, "the database is away");
-    if (!pool_reserve(pool, out)) return SERVER_STORE_UNAVAILABLE;
-    if (*out) return SERVER_STORE_DONE;
+    pthread_mutex_lock(&pool->lock);
+    while (has_time && pool->used == CONNECTIONS)
+        has_time = server_condition_wait(&pool->change, &pool->lock, until_ns);
+    bool is_reserved = pool->used < CONNECTIONS;
+    pool->used += is_reserved;
+    *out = is_reserved ? pool->idle : NULL;
+    if (*out) pool->idle = (*out)->next;
+    pthread_mutex_unlock(&pool->lock);
+    if (!is_reserved || *out) return is_reserved ? SERVER_STORE_DONE : SERVER_STORE_UNAVAILABLE;
     enum server_store_outcome outcome = connection_open(pool->url, out, error);
     if (outcome) pool_return(pool, NULL);
     atomic_store(&pool->is_away, outcome == SERVER_STORE_UNAVAILABLE);

@@ -191,33 +191,24 @@ static enum server_store_outcome shared_fetch(struct server_store *store,
     return attempt.outcome;
 }
 
-static enum server_store_verdict shared_verify(struct server_store *store,
+static enum server_store_outcome shared_verify(struct server_store *store,
                                                const struct server_record *record,
                                                enum server_part part, server_pace *pace, void *user)
 {
-    struct server_pg_pool *pool = ((struct shared *)store)->pool;
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     size_t size = 0;
-    if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
-    for (uint64_t i = 0; i < server_pg_chunks(&object); i++) {
-        struct server_pg_attempt attempt = server_pg_reading(pool, LOAD_NS);
+    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
+    for (uint64_t i = 0; !outcome && i < server_pg_chunks(&object); i++) {
+        struct server_pg_attempt attempt =
+            server_pg_reading(((struct shared *)store)->pool, LOAD_NS);
         while (server_pg_next(&attempt))
             attempt.outcome = server_pg_check_chunk(attempt.pg, &object, i, &size);
-        switch (attempt.outcome) {
-        case SERVER_STORE_DONE:
-            if (!pace(user, size)) return SERVER_VERDICT_NONE;
-            break;
-        case SERVER_STORE_ABSENT:
-            return i ? SERVER_VERDICT_DAMAGED : SERVER_VERDICT_MISSING;
-        case SERVER_STORE_DAMAGED:
-            return SERVER_VERDICT_DAMAGED;
-        case SERVER_STORE_REFUSED:
-            return SERVER_VERDICT_UNREADABLE;
-        default:
-            return SERVER_VERDICT_NONE;
-        }
+        outcome =
+            attempt.outcome == SERVER_STORE_ABSENT && i ? SERVER_STORE_DAMAGED : attempt.outcome;
+        if (!outcome && !pace(user, size)) outcome = SERVER_STORE_UNAVAILABLE;
     }
-    return SERVER_VERDICT_SOUND;
+    return outcome == SERVER_STORE_NO_MEMORY ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
 /* --- rows ------------------------------------------------------------------------------------- */
@@ -450,18 +441,15 @@ struct server_store *server_store_postgres_open(const char *url, char *error, si
     struct shared *own = calloc(1, sizeof *own);
     snprintf(error, error_size, "out of memory");
     if (!own) return NULL;
+    /* stage keeps objects, and each change tidies up; uses of one node say little about the others */
     own->store = (struct server_store){.each = shared_each,
                                        .stage = shared_stage,
                                        .put = shared_put,
-                                       .keep = server_store_nothing.keep, /* done by stage */
                                        .remove = shared_remove,
-                                       .tidy = server_store_nothing.tidy, /* done by each change */
                                        .fetch = shared_fetch,
                                        .verify = shared_verify,
                                        .follow = shared_follow,
                                        .await = shared_await,
-                                       /* uses of one node say little about the others */
-                                       .note_uses = server_store_nothing.note_uses,
                                        .health = shared_health,
                                        .close = shared_close};
     own->pool = server_pg_pool_create(url);

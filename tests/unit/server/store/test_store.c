@@ -21,6 +21,11 @@ static void open_store(struct fixture *fixture)
     if (!fixture->store) fail_msg("%s", error);
 }
 
+static void tidy(struct server_store *store)
+{
+    if (store->tidy) store->tidy(store);
+}
+
 struct names {
     char text[512]; /* "key@version " of each */
     struct server_record *last;
@@ -49,7 +54,7 @@ static void clear(struct fixture *fixture)
         if (names.last)
             assert_int_equal(fixture->store->remove(fixture->store, names.last, &names.version),
                              SERVER_STORE_DONE);
-        fixture->store->tidy(fixture->store);
+        tidy(fixture->store);
         fixture->store->close(fixture->store);
         server_record_release(names.last);
         if (!names.last) return;
@@ -100,7 +105,7 @@ static enum server_store_outcome put(struct server_store *store, const struct se
     enum server_store_outcome outcome =
         store->stage ? store->stage(store, record, &content) : SERVER_STORE_DONE;
     if (!outcome) outcome = store->put(store, record, &content, version);
-    if (!outcome) store->tidy(store);
+    if (!outcome) tidy(store);
     return outcome;
 }
 
@@ -156,7 +161,7 @@ static void an_attachment_comes_and_goes_with_its_surface(void **state)
     assert_int_equal(put(fixture->store, record, "bytes", "attached", &version), SERVER_STORE_DONE);
     assert_part(fixture->store, record, SERVER_PART_ATTACHMENT, "attached");
     assert_int_equal(fixture->store->remove(fixture->store, record, &version), SERVER_STORE_DONE);
-    fixture->store->tidy(fixture->store);
+    tidy(fixture->store);
     assert_gone(fixture->store, record);
     assert_holds(fixture, "");
     server_record_release(record);
@@ -184,7 +189,7 @@ static void bytes_stay_as_long_as_one_surface_has_them(void **state)
     assert_int_equal(put(fixture->store, one, "same", NULL, &version_one), SERVER_STORE_DONE);
     assert_int_equal(put(fixture->store, two, "same", NULL, &version_two), SERVER_STORE_DONE);
     assert_int_equal(fixture->store->remove(fixture->store, one, &version_one), SERVER_STORE_DONE);
-    fixture->store->tidy(fixture->store);
+    tidy(fixture->store);
     assert_part(fixture->store, two, SERVER_PART_FILE, "same");
     assert_holds(fixture, "two ");
     server_record_release(one);
@@ -207,7 +212,7 @@ static void tenants_and_kinds_have_names_of_their_own(void **state)
     assert_holds(fixture, "ann@it it subdivision+it ");
     assert_int_equal(fixture->store->remove(fixture->store, records[0], &versions[0]),
                      SERVER_STORE_DONE);
-    fixture->store->tidy(fixture->store);
+    tidy(fixture->store);
     assert_part(fixture->store, records[1], SERVER_PART_FILE, "bytes");
     for (size_t i = 0; i < COUNT(records); i++) server_record_release(records[i]);
 }
@@ -231,7 +236,7 @@ static void large_bytes_are_verified_piece_by_piece(void **state)
     assert_part(fixture->store, record, SERVER_PART_FILE, bytes);
     assert_int_equal(
         fixture->store->verify(fixture->store, record, SERVER_PART_FILE, go_on, &looked),
-        SERVER_VERDICT_SOUND);
+        SERVER_STORE_DONE);
     assert_int_equal(looked, size);
     server_record_release(record);
     free(bytes);

@@ -270,14 +270,14 @@ static bool on_piece(void *user, size_t bytes)
     return pacing->bytes <= pacing->most;
 }
 
-static enum server_store_verdict verify(struct fixture *fixture, const char *bytes,
+static enum server_store_outcome verify(struct fixture *fixture, const char *bytes,
                                         struct pacing pacing)
 {
     struct server_record *record = new_record("a", bytes);
-    enum server_store_verdict verdict =
+    enum server_store_outcome outcome =
         fixture->store->verify(fixture->store, record, SERVER_PART_FILE, on_piece, &pacing);
     server_record_release(record);
-    return verdict;
+    return outcome;
 }
 
 static void what_was_found_damaged_is_not_read_again(void **state)
@@ -287,16 +287,16 @@ static void what_was_found_damaged_is_not_read_again(void **state)
     char path[SERVER_DISK_PATH];
     put(fixture, "a", "some bytes");
     object_path(fixture, path, "some bytes");
-    assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_SOUND);
-    assert_int_equal(verify(fixture, "others", all), SERVER_VERDICT_MISSING);
+    assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DONE);
+    assert_int_equal(verify(fixture, "others", all), SERVER_STORE_ABSENT);
     assert_int_equal(verify(fixture, "some bytes", (struct pacing){.most = 0}),
-                     SERVER_VERDICT_NONE);
+                     SERVER_STORE_UNAVAILABLE);
     write_over(path, "x");
-    assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_DAMAGED);
+    assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DAMAGED);
     assert_int_equal(fixture->store->damaged(fixture->store), 1);
     write_over(path, "s"); /* mended behind the store's back */
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
-    assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_SOUND);
+    assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
     assert_int_equal(truncate(path, 3), 0);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
@@ -314,7 +314,7 @@ static void what_is_written_meanwhile_is_not_condemned(void **state)
     put(fixture, "a", "some bytes");
     object_path(fixture, path, "some bytes");
     write_over(path, "x");
-    assert_int_equal(verify(fixture, "some bytes", pacing), SERVER_VERDICT_NONE);
+    assert_int_equal(verify(fixture, "some bytes", pacing), SERVER_STORE_UNAVAILABLE);
     assert_int_equal(fixture->store->damaged(fixture->store), 0);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
     server_record_release(pacing.written);
