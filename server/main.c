@@ -12,7 +12,7 @@
 #include "server/access/sandbox.h"
 #include "server/base/version.h"
 #include "server/server.h"
-#include "server/store/local/files.h"
+#include "server/store/local/local.h"
 #include "server/store/store.h"
 
 #define EXIT_USAGE 2

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "server/access/guard.h"
+#include "server/access/access.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/exchange/reply.h"

@@ -1,5 +1,5 @@
 /* Access: identifies the key that sends a request, and checks its rights and limits. Without --keys
- * everyone may do everything (guard.h limits from where). */
+ * everyone may do everything, but not from everywhere. */
 #ifndef SERVER_ACCESS_ACCESS_H
 #define SERVER_ACCESS_ACCESS_H
 
@@ -11,6 +11,7 @@
 #include "proto/http/route.h"
 #include "proto/json/writer.h"
 #include "server/access/credentials.h"
+#include "server/config/config.h"
 
 struct server_access;
 
@@ -63,5 +64,23 @@ void server_grant_end(struct server_grant *grant);
  * `access` NULL is harmless. */
 void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer);
+
+/* From where a request may come. A web page can make its reader's browser send requests to
+ * loopback, also under a name of its own that it points there (DNS rebinding). So without keys the
+ * Host must be this machine's, and the page must be its own. Browsers don't send keys by
+ * themselves: with keys any Host is accepted unless some are listed. Pages of the origins in
+ * --cors-origin may use the daemon either way (CORS, Fetch standard, 3.2). */
+/* Headers; NULL where absent. */
+struct server_guard_request {
+    const char *host, *origin, *fetch_site;
+    bool is_http10; /* needs no Host */
+};
+
+/* Whether --cors-origin lists the origin. NULL: false. Thread-safe. */
+bool server_guard_lists(const struct server_config *config, const char *origin);
+
+/* False with forbidden, or with invalid_request when HTTP/1.1 names no host. Thread-safe. */
+bool server_guard_admit(const struct server_config *config,
+                        const struct server_guard_request *request, struct proto_problem *problem);
 
 #endif

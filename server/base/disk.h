@@ -80,10 +80,10 @@ enum server_store_outcome server_disk_sync_file(const char *path);
 enum server_store_outcome server_disk_sync_folder(const char *folder);
 
 /* Copies a file. The bytes are durable; the caller makes the name durable. */
-enum server_store_outcome server_disk_copy(const char *path, const char *copy);
-
-/* Gives a file a second name: a link, or a copy where links are impossible. */
-enum server_store_outcome server_disk_link(const char *path, const char *second);
+typedef enum server_store_outcome server_disk_copier(const char *path, const char *copy);
+server_disk_copier server_disk_copy;
+/* The same by a second name, or by a copy where links are impossible. */
+server_disk_copier server_disk_link;
 
 #define SERVER_DISK_ASIDE        ".damaged" /* part of the names of damaged files set aside */
 #define SERVER_DISK_ASIDE_SUFFIX 64         /* most bytes added to a name */

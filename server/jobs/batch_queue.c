@@ -5,12 +5,6 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* A statement's array of values, and their number. */
-#define VALUES(...)                                                                                \
-    ((const struct server_sql_value[]){__VA_ARGS__}),                                              \
-        (int)(sizeof((const struct server_sql_value[]){__VA_ARGS__}) /                             \
-              sizeof(struct server_sql_value))
-
 const char *const server_batch_queue_tables[] = {
     "CREATE TABLE IF NOT EXISTS batches (id TEXT PRIMARY KEY, tenant TEXT NOT NULL, document BLOB "
     "NOT NULL,"
@@ -57,15 +51,15 @@ enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
             " (SELECT CAST(0 AS bigint) UNION ALL SELECT number + 1 FROM numbers WHERE number + 1"
             " < $2) INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true"
             " ON CONFLICT (batch, item) DO NOTHING",
-            VALUES(id, items)));
+            SERVER_VALUES(id, items)));
     if (outcome) return outcome;
     return sql->run(sql,
                     SERVER_SQL("INSERT INTO batches (id, tenant, document, etag, items, created)"
                                " VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (id) DO NOTHING",
-                               VALUES(id, server_sql_text(order->tenant),
-                                      server_sql_bytes(order->document, order->size),
-                                      server_sql_text(order->etag), items,
-                                      server_sql_integer(order->batch->created))));
+                               SERVER_VALUES(id, server_sql_text(order->tenant),
+                                             server_sql_bytes(order->document, order->size),
+                                             server_sql_text(order->etag), items,
+                                             server_sql_integer(order->batch->created))));
 }
 
 static bool on_count(void *user, const struct server_sql_value *row)
@@ -79,7 +73,7 @@ enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql,
 {
     *count = 0;
     return sql->run(sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1",
-                                    VALUES(server_sql_text(tenant)), on_count, count));
+                                    SERVER_VALUES(server_sql_text(tenant)), on_count, count));
 }
 
 static bool on_batch(void *user, const struct server_sql_value *row)
@@ -104,9 +98,10 @@ enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, 
                                                   const char *id, struct server_batch *out)
 {
     struct server_batch_list list = {.batches = out, .most = 1};
-    enum server_store_outcome outcome = sql->run(
-        sql, SERVER_SQL(SELECT_BATCH "WHERE tenant = $1 AND id = $2",
-                        VALUES(server_sql_text(tenant), server_sql_text(id)), on_batch, &list));
+    enum server_store_outcome outcome =
+        sql->run(sql, SERVER_SQL(SELECT_BATCH "WHERE tenant = $1 AND id = $2",
+                                 SERVER_VALUES(server_sql_text(tenant), server_sql_text(id)),
+                                 on_batch, &list));
     return !outcome && !list.count ? SERVER_STORE_ABSENT : outcome;
 }
 
@@ -116,8 +111,8 @@ enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, 
     list->count = 0;
     return sql->run(sql,
                     SERVER_SQL(SELECT_BATCH "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3",
-                               VALUES(server_sql_text(tenant), server_sql_text(after),
-                                      server_sql_integer(list->most)),
+                               SERVER_VALUES(server_sql_text(tenant), server_sql_text(after),
+                                             server_sql_integer(list->most)),
                                on_batch, list));
 }
 
@@ -143,7 +138,7 @@ enum server_store_outcome server_batch_queue_document(struct server_store_sql *s
     struct document found = {0};
     enum server_store_outcome outcome =
         sql->run(sql, SERVER_SQL("SELECT document FROM batches WHERE id = $1",
-                                 VALUES(server_sql_text(id)), on_document, &found));
+                                 SERVER_VALUES(server_sql_text(id)), on_document, &found));
     if (outcome) return outcome;
     if (!found.is_there) return SERVER_STORE_ABSENT;
     if (!found.bytes) return SERVER_STORE_NO_MEMORY;
@@ -161,26 +156,26 @@ enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sq
                              " AND number > $2 AND number > 0 ORDER BY number LIMIT $3"
                            : "SELECT item, status, answer, item FROM items WHERE batch = $1"
                              " AND item > $2 AND status > 0 ORDER BY item LIMIT $3";
-    return sql->run(sql,
-                    SERVER_SQL(text,
-                               VALUES(server_sql_text(place->id), server_sql_integer(place->after),
+    return sql->run(
+        sql, SERVER_SQL(text,
+                        SERVER_VALUES(server_sql_text(place->id), server_sql_integer(place->after),
                                       server_sql_integer(SERVER_BATCH_ANSWERS)),
-                               visit, user));
+                        visit, user));
 }
 
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
 {
     return sql->run(sql, SERVER_SQL("UPDATE batches SET cancelled = 1 WHERE id = $1",
-                                    VALUES(server_sql_text(id))));
+                                    SERVER_VALUES(server_sql_text(id))));
 }
 
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
-    enum server_store_outcome outcome =
-        sql->run(sql, SERVER_SQL("DELETE FROM batches WHERE id = $1", VALUES(server_sql_text(id))));
+    enum server_store_outcome outcome = sql->run(
+        sql, SERVER_SQL("DELETE FROM batches WHERE id = $1", SERVER_VALUES(server_sql_text(id))));
     if (outcome) return outcome;
-    return sql->run(sql,
-                    SERVER_SQL("DELETE FROM items WHERE batch = $1", VALUES(server_sql_text(id))));
+    return sql->run(
+        sql, SERVER_SQL("DELETE FROM items WHERE batch = $1", SERVER_VALUES(server_sql_text(id))));
 }
 
 /* --- items ------------------------------------------------------------------------------------ */
@@ -220,9 +215,9 @@ static enum server_store_outcome claim_where(struct server_store_sql *sql, const
              " AND (batch, item) IN (SELECT batch, item FROM next) RETURNING batch, item, attempts",
              condition, sql->skip_locked);
     return sql->run(sql, SERVER_SQL(text,
-                                    VALUES(server_sql_integer(now),
-                                           server_sql_integer(now + SERVER_BATCH_LEASE),
-                                           server_sql_text(node), server_sql_text(after)),
+                                    SERVER_VALUES(server_sql_integer(now),
+                                                  server_sql_integer(now + SERVER_BATCH_LEASE),
+                                                  server_sql_text(node), server_sql_text(after)),
                                     on_claim, out));
 }
 
@@ -236,7 +231,7 @@ enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql,
     if (outcome) return outcome;
     if (!claim.id[0]) return SERVER_STORE_ABSENT;
     outcome = sql->run(sql, SERVER_SQL("SELECT tenant, etag FROM batches WHERE id = $1",
-                                       VALUES(server_sql_text(claim.id)), on_owner, &claim));
+                                       SERVER_VALUES(server_sql_text(claim.id)), on_owner, &claim));
     if (!outcome) *out = claim;
     return outcome;
 }
@@ -252,8 +247,8 @@ enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
             "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3"
             " AND status = 0 AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0)"
             " RETURNING item",
-            VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
-                   server_sql_text(node), server_sql_integer(now_ms() + SERVER_BATCH_LEASE)),
+            SERVER_VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+                          server_sql_text(node), server_sql_integer(now_ms() + SERVER_BATCH_LEASE)),
             on_count, &renewed));
     return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
 }
@@ -265,10 +260,10 @@ enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql
 {
     int64_t lease = pause_ms ? now_ms() + pause_ms : 0;
     int64_t attempts = was_tried ? claim->attempts : claim->attempts - 1;
-    return sql->run(sql,
-                    SERVER_SQL("UPDATE items SET lease = $4, node = '', attempts = $5"
-                               " WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0",
-                               VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+    return sql->run(
+        sql, SERVER_SQL("UPDATE items SET lease = $4, node = '', attempts = $5"
+                        " WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0",
+                        SERVER_VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
                                       server_sql_text(node), server_sql_integer(lease),
                                       server_sql_integer(attempts))));
 }
@@ -291,6 +286,6 @@ enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql
                         " AND last.number > 0 ORDER BY last.number DESC LIMIT 1), 0)"
                         " WHERE batch = $1 AND item = $2 AND status = 0"
                         " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0)",
-                        VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
-                               server_sql_integer(status), server_sql_bytes(answer, size))));
+                        SERVER_VALUES(server_sql_text(claim->id), server_sql_integer(claim->item),
+                                      server_sql_integer(status), server_sql_bytes(answer, size))));
 }

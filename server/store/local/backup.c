@@ -10,21 +10,18 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "server/store/local/database.h"
-#include "server/store/local/files.h"
+#include "server/store/local/local.h"
 
 #define ATTEMPTS 20
 
 struct backup {
     FILE *out;
     struct server_files from, to; /* `from` is not locked */
-    enum server_store_outcome (*copy)(const char *path, const char *second);
+    server_disk_copier *copy;
     enum server_store_outcome outcome;
     unsigned surfaces;
     unsigned long long bytes;
 };
-
-/* --- objects and manifests -------------------------------------------------------------------- */
 
 /* Ends the visit of rows. ABSENT is not printed: the moment is tried again. */
 static bool give_up(struct backup *backup, enum server_store_outcome outcome, const char *what,
@@ -45,27 +42,6 @@ static struct server_record *row_read(struct backup *backup, const struct server
     return record;
 }
 
-static enum server_store_outcome object_copy(struct backup *backup,
-                                             const struct server_object *object)
-{
-    const struct server_path from = server_files_object_path(&backup->from, object->id),
-                             to = server_files_object_path(&backup->to, object->id);
-    void *bytes = NULL;
-    enum server_store_outcome outcome = server_files_make_object_folder(&backup->to, object);
-    if (outcome) return outcome;
-    backup->bytes += object->size;
-    if (server_files_has_object(&backup->to, object)) {
-        outcome = server_disk_sync_file(to.text);
-        return outcome ? outcome : server_files_sync_object_folder(&backup->to, object);
-    }
-    (void)unlink(to.text); /* an interrupted attempt may have left a part of the file */
-    outcome = backup->copy(from.text, to.text);
-    if (!outcome) outcome = server_files_sync_object_folder(&backup->to, object);
-    if (!outcome) outcome = server_files_read_object(&backup->to, object, &bytes);
-    free(bytes);
-    return outcome;
-}
-
 static bool on_row_objects(void *user, const struct server_sql_value *row)
 {
     struct backup *backup = user;
@@ -74,7 +50,10 @@ static bool on_row_objects(void *user, const struct server_sql_value *row)
     struct server_object object;
     if (!record) return false;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) outcome = object_copy(backup, &object);
+        if (server_record_object(record, part, &object)) {
+            outcome = server_files_copy_object(&backup->to, &backup->from, &object, backup->copy);
+            backup->bytes += object.size;
+        }
     backup->surfaces++;
     server_record_release(record);
     return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied",
@@ -91,8 +70,6 @@ static bool on_row_manifest(void *user, const struct server_sql_value *row)
     return !outcome ||
            give_up(backup, outcome, "a manifest can't be written", row[SERVER_ROW_KEY].bytes);
 }
-
-/* --- databases -------------------------------------------------------------------------------- */
 
 static enum server_store_outcome database_copy(const struct backup *backup, const char *name,
                                                enum server_database_use use)
@@ -129,8 +106,6 @@ static enum server_store_outcome moment_copy(struct backup *backup)
     server_database_close(database, true);
     return outcome ? outcome : backup->outcome;
 }
-
-/* --- the whole -------------------------------------------------------------------------------- */
 
 static bool store_copy(struct backup *backup)
 {

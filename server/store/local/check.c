@@ -4,8 +4,7 @@
 #include <string.h>
 
 #include "server/base/names.h"
-#include "server/store/local/database.h"
-#include "server/store/local/files.h"
+#include "server/store/local/local.h"
 
 struct check {
     FILE *out;

@@ -1,5 +1,5 @@
-/* See database.h: the records. See sql.h: the batches. */
-#include "server/store/local/database.h"
+/* See local.h: the records. See sql.h: the batches. */
+#include "server/store/local/local.h"
 
 #include <pthread.h>
 #include <sqlite3.h>

@@ -1,5 +1,5 @@
-/* See files.h. */
-#include "server/store/local/files.h"
+/* See local.h. */
+#include "server/store/local/local.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,8 +9,6 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "server/store/sql.h"
 
 #define BALLAST_BYTES ((size_t)1 << 20)
 #define HASH          (SERVER_SHA256_HEX - 1)
@@ -279,7 +277,7 @@ enum server_store_outcome server_files_read_object(const struct server_files *fi
     return SERVER_STORE_DAMAGED;
 }
 
-bool server_files_has_object(const struct server_files *files, const struct server_object *object)
+static bool has_object(const struct server_files *files, const struct server_object *object)
 {
     void *bytes = NULL;
     enum server_store_outcome outcome = server_files_read_object(files, object, &bytes);
@@ -327,16 +325,25 @@ static struct server_path object_folder(const struct server_files *files,
     return server_files_path(files, "objects/%.2s", object->id);
 }
 
-enum server_store_outcome server_files_make_object_folder(const struct server_files *files,
-                                                          const struct server_object *object)
+enum server_store_outcome server_files_copy_object(const struct server_files *files,
+                                                   const struct server_files *from,
+                                                   const struct server_object *object,
+                                                   server_disk_copier *copy)
 {
-    return server_disk_make_folder(object_folder(files, object).text);
-}
-
-enum server_store_outcome server_files_sync_object_folder(const struct server_files *files,
-                                                          const struct server_object *object)
-{
-    return server_disk_sync_folder(object_folder(files, object).text);
+    const struct server_path folder = object_folder(files, object),
+                             path = server_files_object_path(files, object->id);
+    void *bytes = NULL;
+    enum server_store_outcome outcome = server_disk_make_folder(folder.text);
+    if (outcome) return outcome;
+    bool is_there = has_object(files, object);
+    /* an interrupted attempt may have left a part of the file */
+    if (!is_there) (void)unlink(path.text);
+    outcome = is_there ? server_disk_sync_file(path.text)
+                       : copy(server_files_object_path(from, object->id).text, path.text);
+    if (!outcome) outcome = server_disk_sync_folder(folder.text);
+    if (!outcome && !is_there) outcome = server_files_read_object(files, object, &bytes);
+    free(bytes);
+    return outcome;
 }
 
 static enum server_store_outcome file_write(struct server_files *files,
@@ -351,12 +358,12 @@ enum server_store_outcome server_files_write_object(struct server_files *files,
                                                     const struct server_object *object,
                                                     const void *bytes)
 {
-    const struct server_path path = server_files_object_path(files, object->id);
-    enum server_store_outcome outcome = server_files_make_object_folder(files, object);
+    const struct server_path folder = object_folder(files, object),
+                             path = server_files_object_path(files, object->id);
+    enum server_store_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
-    return server_files_has_object(files, object)
-               ? server_files_sync_object_folder(files, object)
-               : file_write(files, &path, bytes, (size_t)object->size);
+    return has_object(files, object) ? server_disk_sync_folder(folder.text)
+                                     : file_write(files, &path, bytes, (size_t)object->size);
 }
 
 void server_files_remove_object(const struct server_files *files, const char *object)

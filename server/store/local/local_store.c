@@ -1,4 +1,4 @@
-/* See store.h: the store in a folder, with SQLite and files (files.h).
+/* See store.h: the store in a folder, with SQLite and files (local.h).
  *
  * DESIGN of the recovery, when a store opens. A readable manifest is true: it was durable before
  * its row, and is removed only after its row.
@@ -24,8 +24,7 @@
 
 #include "server/base/log.h"
 #include "server/base/names.h"
-#include "server/store/local/database.h"
-#include "server/store/local/files.h"
+#include "server/store/local/local.h"
 
 struct finding { /* of the recovery */
     char key[SERVER_KEY_TEXT];

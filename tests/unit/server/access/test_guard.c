@@ -1,6 +1,6 @@
 #include "tests/unit/server/support.h"
 
-#include "server/access/guard.h"
+#include "server/access/access.h"
 
 static bool admit(const struct server_guard_request *request)
 {

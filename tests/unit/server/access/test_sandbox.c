@@ -21,7 +21,7 @@
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/config/config.h"
-#include "server/store/local/files.h"
+#include "server/store/local/local.h"
 #include "server/work/thread_priority.h"
 
 #define REFUSED(call, why) (errno = 0, (call) == -1 && errno == (why))

@@ -2,7 +2,7 @@
 
 #include <sqlite3.h>
 
-#include "server/store/local/database.h"
+#include "server/store/local/local.h"
 
 struct fixture {
     char folder[FOLDER_PATH], path[FOLDER_PATH + 32], copy[FOLDER_PATH + 32];

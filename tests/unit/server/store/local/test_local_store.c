@@ -1,6 +1,6 @@
 #include "tests/unit/server/folder.h"
 
-#include "server/store/local/files.h"
+#include "server/store/local/local.h"
 
 static uint64_t version; /* of a store that is not shared: 0 */
 
