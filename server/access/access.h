@@ -45,7 +45,7 @@ bool server_access_admit(struct server_access *access, const struct server_acces
 /* The name of the key, for the log; NULL: none. */
 const char *server_grant_name(const struct server_grant *grant);
 
-/* The tenant of the request (key.h), valid as long as the grant; "": none. */
+/* The tenant of the request (kind.h), valid as long as the grant; "": none. */
 const char *server_grant_tenant(const struct server_grant *grant);
 
 /* Whether the grant may change what that key of its tenant has made. The role write may change all

@@ -66,7 +66,7 @@ enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE, SERVER_ROLE_OPERATOR };
 
 struct server_credential {
     char name[SERVER_CREDENTIAL_NAME];   /* [A-Za-z0-9_][A-Za-z0-9._-]* */
-    char tenant[SERVER_CREDENTIAL_NAME]; /* see key.h */
+    char tenant[SERVER_CREDENTIAL_NAME]; /* see kind.h */
     char sha256[SERVER_SHA256_HEX];
     enum server_role role;
     int64_t expires; /* seconds since 1970; 0: never */

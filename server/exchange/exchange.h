@@ -129,7 +129,7 @@ struct server_exchange {
     struct proto_route_match match; /* route NULL: none found */
     char request_id[SERVER_REQUEST_ID];
     struct server_grant grant;
-    /* whose names it is about (key.h), borrowed from the grant; "": there are none */
+    /* whose names it is about (kind.h), borrowed from the grant; "": there are none */
     const char *tenant;
     /* the Origin header, when it is a page that --cors-origin lists; NULL: it is not */
     const char *cors_origin;

@@ -18,7 +18,7 @@
 #define SERVER_JOBS_BATCH_QUEUE_H
 
 #include "server/exchange/etag.h"
-#include "server/store/key.h"
+#include "server/store/kind.h"
 #include "server/store/sql.h"
 
 #define SERVER_BATCH_ID      25    /* with the NUL */

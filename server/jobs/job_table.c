@@ -12,7 +12,7 @@
 #include "server/exchange/events.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/job_id.h"
-#include "server/store/key.h"
+#include "server/store/kind.h"
 
 #define EXPIRE_NS      UINT64_C(1000000000)
 #define PROGRESS_STEPS 1000000

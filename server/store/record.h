@@ -30,7 +30,6 @@
 #include <stdint.h>
 
 #include "server/base/sha256.h"
-#include "server/store/key.h"
 #include "server/store/kind.h"
 #include "server/work/budget.h"
 

@@ -1,4 +1,4 @@
-/* Registry: the surfaces by key (key.h), those in memory and those that can be loaded.
+/* Registry: the surfaces by key (kind.h), those in memory and those that can be loaded.
  *
  * DESIGN. Slots, sorted by key, have a record, and the surface while that is in memory. A change
  * holds the writer lock until the store has made it durable: so preconditions are checked together

@@ -15,7 +15,7 @@ static const char *const schema[] = {
     "CREATE TABLE surfaces (name TEXT PRIMARY KEY, sha256 TEXT NOT NULL, record TEXT NOT NULL,"
     "  uses INTEGER NOT NULL DEFAULT 0, used INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;"
     "CREATE INDEX surfaces_by_sha256 ON surfaces (sha256);",
-    /* kinds and attachments: a name becomes a key (key.h), a hash an object's id (record.h) */
+    /* kinds and attachments: a name becomes a key (kind.h), a hash an object's id (record.h) */
     "ALTER TABLE surfaces RENAME COLUMN name TO key;"
     "ALTER TABLE surfaces RENAME COLUMN sha256 TO file;"
     "ALTER TABLE surfaces ADD COLUMN attachment TEXT;"

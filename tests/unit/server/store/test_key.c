@@ -1,6 +1,6 @@
 #include "tests/unit/server/records.h"
 
-#include "server/store/key.h"
+#include "server/store/kind.h"
 
 static void assert_reads_back(struct server_key key, const char *expected)
 {
