@@ -22,6 +22,7 @@
 
 #include <jansson.h>
 
+#include "gd/query.h"
 #include "generated/requests.h"
 #include "proto/http/options.h"
 #include "proto/values/points.h"
