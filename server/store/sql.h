@@ -73,6 +73,25 @@ static inline bool server_sql_on_integers(void *user, const struct server_sql_va
     return true;
 }
 
+/* Version and objects of a surface. */
+struct server_sql_surface {
+    unsigned rows;
+    int64_t version;
+    char objects[SERVER_PARTS][SERVER_OBJECT]; /* ids; empty: none */
+};
+
+/* A visit of the columns version, file and attachment; `user` is a struct server_sql_surface. */
+static inline bool server_sql_on_surface(void *user, const struct server_sql_value *row)
+{
+    struct server_sql_surface *surface = user;
+    surface->rows++;
+    surface->version = row[0].integer;
+    for (int part = 0; part < SERVER_PARTS; part++)
+        if (row[1 + part].type == SERVER_SQL_TEXT)
+            snprintf(surface->objects[part], SERVER_OBJECT, "%s", row[1 + part].bytes);
+    return true;
+}
+
 /* --- a database of the daemon's own, or a shared one ------------------------------------------ */
 
 #define SERVER_SQL_BATCHES "batches.db" /* the file of batches in a data folder */

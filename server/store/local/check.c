@@ -133,7 +133,8 @@ static struct server_record *manifest_read(const struct check *check, const char
 
 static void check_manifest(struct check *check, const struct server_listing *file)
 {
-    char key[SERVER_KEY_TEXT], objects[SERVER_PARTS][SERVER_OBJECT];
+    char key[SERVER_KEY_TEXT];
+    struct server_sql_surface row;
     if (!server_files_manifest_key(file->name, key)) {
         if (strstr(file->name, SERVER_DISK_ASIDE))
             check->aside++;
@@ -148,8 +149,7 @@ static void check_manifest(struct check *check, const struct server_listing *fil
     }
     check->manifests++;
     check_objects(check, record);
-    if (check->database &&
-        server_database_find(check->database, key, objects) == SERVER_STORE_ABSENT)
+    if (check->database && server_database_find(check->database, key, &row) == SERVER_STORE_ABSENT)
         check->unfinished++;
     server_record_release(record);
 }
@@ -183,15 +183,13 @@ static void check_database(struct check *check)
     if (!outcome) outcome = server_database_each(check->database, check_row, check);
     struct server_listing manifests = check_folder(check, "manifests");
     while (server_listing_next(&manifests)) check_manifest(check, &manifests);
-    if (outcome == SERVER_STORE_ABSENT && check->manifests)
-        check_fault(check,
-                    "the database is missing; the next start makes it again from the manifests",
-                    path.text);
-    else if (outcome && outcome != SERVER_STORE_ABSENT)
+    bool is_missing = outcome == SERVER_STORE_ABSENT;
+    if (is_missing ? check->manifests > 0 : outcome != SERVER_STORE_DONE)
         check_fault(
             check,
-            "the database is damaged or can't be read; the next start makes it again from the "
-            "manifests",
+            is_missing ? "the database is missing; the next start makes it again from the manifests"
+                       : "the database is damaged or can't be read; the next start makes it again "
+                         "from the manifests",
             path.text);
 }
 
@@ -212,22 +210,20 @@ static void check_batches(struct check *check)
 
 static void print_sums(const struct check *check)
 {
-    if (check->unfinished)
-        fprintf(check->out,
-                "note: %u surfaces have no row in the database, or an older one: changes that were "
-                "cut short before they were acknowledged, or rows that could not be written; the "
-                "next start writes them\n",
-                check->unfinished);
-    if (check->leftovers)
-        fprintf(check->out,
-                "note: %u files that were not finished, or that no surface has; the next start "
-                "deletes them\n",
-                check->leftovers);
-    if (check->aside)
-        fprintf(check->out,
-                "note: %u damaged files were put aside (*%s*); delete them when they have told you "
-                "enough\n",
-                check->aside, SERVER_DISK_ASIDE);
+    const struct {
+        unsigned count;
+        const char *text;
+    } notes[] = {
+        {check->unfinished,
+         "surfaces have no row in the database, or an older one: changes that were cut short "
+         "before "
+         "they were acknowledged, or rows that could not be written; the next start writes them"},
+        {check->leftovers,
+         "files that were not finished, or that no surface has; the next start deletes them"},
+        {check->aside, "damaged files were put aside (*" SERVER_DISK_ASIDE
+                       "*); delete them when they have told you enough"}};
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++)
+        if (notes[i].count) fprintf(check->out, "note: %u %s\n", notes[i].count, notes[i].text);
     fprintf(check->out,
             "%u manifests, %u rows, %zu files (%llu bytes), %u fields verified: %u faults\n",
             check->manifests, check->rows, check->sound.count, check->bytes, check->fields,

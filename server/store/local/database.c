@@ -132,18 +132,13 @@ static int sqlite_connect(const char *path, int flags, sqlite3 **out)
     return sqlite_script(*out, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
 }
 
-static bool check_visit(void *user, const struct server_sql_value *row)
-{
-    *(bool *)user = row[0].type == SERVER_SQL_TEXT && strcmp(row[0].bytes, "ok") == 0;
-    return true;
-}
-
 static int sqlite_check(sqlite3 *connection)
 {
-    bool is_sound = false;
-    int code = sqlite_run(connection,
-                          SERVER_SQL("PRAGMA integrity_check(1)", NULL, 0, check_visit, &is_sound));
-    return code || is_sound ? code : SQLITE_CORRUPT;
+    struct server_sql_integers faults = {0};
+    int code = sqlite_run(connection, SERVER_SQL("SELECT count(*) FROM pragma_integrity_check(1)"
+                                                 " WHERE integrity_check <> 'ok'",
+                                                 NULL, 0, server_sql_on_integers, &faults));
+    return code || !faults.at[0] ? code : SQLITE_CORRUPT;
 }
 
 static int read_version(sqlite3 *connection, int64_t *version)
@@ -355,29 +350,15 @@ enum server_store_outcome server_database_count(struct server_database *database
     return server_sqlite_outcome(code);
 }
 
-struct finding {
-    char (*objects)[SERVER_OBJECT];
-    bool is_there;
-};
-
-static bool objects_visit(void *user, const struct server_sql_value *row)
-{
-    struct finding *finding = user;
-    finding->is_there = true;
-    for (int part = 0; part < SERVER_PARTS; part++)
-        snprintf(finding->objects[part], SERVER_OBJECT, "%s",
-                 row[part].type == SERVER_SQL_TEXT ? row[part].bytes : "");
-    return true;
-}
-
 enum server_store_outcome server_database_find(struct server_database *database, const char *key,
-                                               char objects[SERVER_PARTS][SERVER_OBJECT])
+                                               struct server_sql_surface *out)
 {
-    struct finding finding = {.objects = objects};
-    int code = sqlite_run(database->connection,
-                          SERVER_SQL("SELECT file, attachment FROM surfaces WHERE key = $1",
-                                     SERVER_VALUES(server_sql_text(key)), objects_visit, &finding));
-    return code || finding.is_there ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
+    *out = (struct server_sql_surface){0};
+    int code =
+        sqlite_run(database->connection,
+                   SERVER_SQL("SELECT 0, file, attachment FROM surfaces WHERE key = $1",
+                              SERVER_VALUES(server_sql_text(key)), server_sql_on_surface, out));
+    return code || out->rows ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
 }
 
 enum server_store_outcome server_database_note_uses(struct server_database *database,

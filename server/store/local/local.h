@@ -152,9 +152,9 @@ enum server_store_outcome server_database_remove(struct server_database *databas
 enum server_store_outcome server_database_count(struct server_database *database,
                                                 const char *object, int64_t *count);
 
-/* The ids of the key's objects, empty where there is none; ABSENT. */
+/* The key's objects; ABSENT. */
 enum server_store_outcome server_database_find(struct server_database *database, const char *key,
-                                               char objects[SERVER_PARTS][SERVER_OBJECT]);
+                                               struct server_sql_surface *out);
 
 enum server_store_outcome server_database_note_uses(struct server_database *database,
                                                     const struct server_record *const *records,

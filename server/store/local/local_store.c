@@ -207,10 +207,10 @@ static enum server_store_outcome local_put(struct server_store *store,
 {
     struct local *local = (struct local *)store;
     (void)version;
-    char before[SERVER_PARTS][SERVER_OBJECT] = {""};
+    struct server_sql_surface before;
     if (local->is_read_only) return SERVER_STORE_READ_ONLY;
     enum server_store_outcome outcome = local_judge(
-        local, server_database_find(local->database, record->key, before), "the database");
+        local, server_database_find(local->database, record->key, &before), "the database");
     if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
     outcome = local_write_objects(local, record, content);
     if (!outcome) outcome = local_put_record(local, record);
@@ -218,7 +218,7 @@ static enum server_store_outcome local_put(struct server_store *store,
         local_leave(local, record);
         local_drop_left(local);
     } else {
-        memcpy(local->left, before, sizeof before);
+        memcpy(local->left, before.objects, sizeof local->left);
     }
     return outcome;
 }

@@ -57,33 +57,21 @@ struct change {
     size_t size;
     uint64_t before; /* the expected version; 0: none */
     struct server_sql_integers version;
-    int64_t found;                             /* version of the key; 0: none */
-    char objects[SERVER_PARTS][SERVER_OBJECT]; /* of the key; empty: none */
+    struct server_sql_surface found; /* of the key; version 0: none */
 };
-
-static bool change_on_current(void *user, const struct server_sql_value *row)
-{
-    struct change *change = user;
-    change->found = row[0].integer;
-    for (int part = 0; part < SERVER_PARTS; part++)
-        if (row[1 + part].type == SERVER_SQL_TEXT)
-            snprintf(change->objects[part], SERVER_OBJECT, "%s", row[1 + part].bytes);
-    return true;
-}
 
 /* PRECONDITION: the key has another version than the registry knows. */
 static enum server_store_outcome change_check(struct server_pg *pg, struct change *change)
 {
-    memset(change->objects, 0, sizeof change->objects);
-    change->found = 0;
+    change->found = (struct server_sql_surface){0};
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
                                      " WHERE key = $1 AND record IS NOT NULL",
                                      SERVER_VALUES(server_sql_text(change->record->key)),
-                                     change_on_current, change));
+                                     server_sql_on_surface, &change->found));
     if (outcome) return outcome;
-    return (uint64_t)change->found == change->before ? SERVER_STORE_DONE
-                                                     : SERVER_STORE_PRECONDITION;
+    return (uint64_t)change->found.version == change->before ? SERVER_STORE_DONE
+                                                             : SERVER_STORE_PRECONDITION;
 }
 
 /* PRECONDITION: a staged object is gone. */
@@ -131,12 +119,12 @@ static enum server_store_outcome change_apply(struct server_pg *pg, struct chang
     if (!outcome) outcome = change_write(pg, change);
     if (!outcome)
         outcome = server_pg_run(
-            pg,
-            SERVER_SQL("DELETE FROM objects WHERE id IN ($1, $2)"
-                       " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                       " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
-                       SERVER_VALUES(server_sql_text(change->objects[SERVER_PART_FILE]),
-                                     server_sql_text(change->objects[SERVER_PART_ATTACHMENT]))));
+            pg, SERVER_SQL(
+                    "DELETE FROM objects WHERE id IN ($1, $2)"
+                    " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                    " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
+                    SERVER_VALUES(server_sql_text(change->found.objects[SERVER_PART_FILE]),
+                                  server_sql_text(change->found.objects[SERVER_PART_ATTACHMENT]))));
     if (!outcome && !change->text) outcome = change_forget(pg, change);
     return outcome ? outcome : server_pg_run(pg, SERVER_SQL("NOTIFY " CHANNEL));
 }
@@ -402,33 +390,23 @@ static void shared_close(struct server_store *store)
     free(own);
 }
 
-/* Connects, again and again for a while; a refusal is final. */
-static enum server_store_outcome postgres_reach(struct server_pg_pool *pool,
-                                                char error[SERVER_PG_ERROR])
-{
-    struct server_pg *pg;
-    uint64_t until_ns = gd_now_ns() + START_NS;
-    enum server_store_outcome outcome;
-    while ((outcome = server_pg_pool_take(pool, &pg, error)) == SERVER_STORE_UNAVAILABLE &&
-           gd_now_ns() < until_ns)
-        pause_ns(200000000);
-    if (!outcome) server_pg_pool_give(pool, pg);
-    return outcome;
-}
-
-/* False with a sentence. */
+/* Connects and makes the tables, again and again for a while; a refusal is final. False with a
+ * sentence. */
 static bool postgres_prepare(struct server_pg_pool *pool, char *error, size_t error_size)
 {
+    struct server_pg *pg;
     char reason[SERVER_PG_ERROR];
-    if (postgres_reach(pool, reason)) {
-        snprintf(error, error_size, "the database of --store can't be reached: %s", reason);
-        return false;
-    }
     uint64_t until_ns = gd_now_ns() + START_NS;
-    enum server_store_outcome outcome;
-    do outcome = server_pg_migrate(pool);
-    while (outcome == SERVER_STORE_UNAVAILABLE && gd_now_ns() < until_ns);
-    if (outcome)
+    enum server_store_outcome outcome, reached;
+    do {
+        outcome = reached = server_pg_pool_take(pool, &pg, reason);
+        if (!reached) server_pg_pool_give(pool, pg);
+        if (!reached) outcome = server_pg_migrate(pool);
+        if (outcome == SERVER_STORE_UNAVAILABLE) pause_ns(UINT64_C(200000000));
+    } while (outcome == SERVER_STORE_UNAVAILABLE && gd_now_ns() < until_ns);
+    if (reached)
+        snprintf(error, error_size, "the database of --store can't be reached: %s", reason);
+    else if (outcome)
         snprintf(error, error_size, "%s",
                  outcome == SERVER_STORE_PRECONDITION
                      ? "a later version of this program made the tables of --store; start that one"
