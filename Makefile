@@ -182,7 +182,7 @@ clean:
 # --- libraries ---------------------------------------------------------------------------------------------------------
 
 $(LIB_ENGINE): $(call objects,$(ENGINE_C) $(ENGINE_CC))
-$(LIB_PROTO): $(call objects,$(PROTO_C)) $(BUILD)/obj/generated/fields.o $(BUILD)/obj/generated/requests.o
+$(LIB_PROTO): $(call objects,$(PROTO_C)) $(patsubst %,$(BUILD)/obj/generated/%.o,fields parameters requests)
 $(LIB_SERVER): $(call objects,$(SERVER_C)) $(BUILD)/obj/generated/routes.o $(BUILD)/obj/generated/assets.o
 $(LIB_SAMPLES): $(call objects,$(SAMPLES_C))
 $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
@@ -287,7 +287,7 @@ CONTRACT := proto/openapi.yaml $(wildcard proto/*.py)
 $(BUILD)/generated/sources: $(CONTRACT)
 	@mkdir -p $(@D)
 	$(call tell,GEN)python3 proto/generate.py sources proto/openapi.yaml $(@D) && touch $@
-$(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c requests.h requests.c): $(BUILD)/generated/sources ;
+$(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c parameters.h parameters.c requests.h requests.c): $(BUILD)/generated/sources ;
 
 # The pages are built by npm's packages, once for all builds below $(BUILD) (clients/web/build.sh). VIEWER=no: a page that says that they are missing.
 VIEWER ?= yes

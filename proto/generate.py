@@ -2,7 +2,7 @@
 """Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
 
     generate.py sources openapi.yaml folder      C sources, of which those that differ are written to the folder: routes.c (proto/http/route.h),
-                                                 handlers.h (server/query/handlers.h), fields and requests (members.py)
+                                                 handlers.h (server/query/handlers.h), fields, parameters and requests (members.py)
     generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/http/asset.h
     generate.py document openapi.yaml            openapi.json
     generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
@@ -118,6 +118,8 @@ SOURCES = {
     "handlers.h": handler_header,
     "fields.h": members.field_header,
     "fields.c": members.field_source,
+    "parameters.h": members.parameter_header,
+    "parameters.c": members.parameter_source,
     "requests.h": members.request_header,
     "requests.c": members.request_source,
 }

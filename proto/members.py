@@ -1,4 +1,4 @@
-"""Members of requests and fields of answers, in C, from the contract.
+"""Members of requests, fields of answers and parameters, in C, from the contract.
 
 A parameter `fields` whose items have `x-fields: {of: Schema}` takes the names of the schema's members, in their
 order; `with: member` puts the members of that list's items behind it, `without` leaves some out. `expand` writes the
@@ -15,7 +15,9 @@ problems stand beside the properties:
 """
 import re
 
-from document import resolve
+from document import operations, resolve
+
+COMMON_PARAMETERS = ("fields", "geometry", "timeout_ms", "mesh")
 
 LIST = {"Point": "struct proto_points", "Place": "struct proto_uvs"}  # lists that have a struct of their own
 # values by hand: the type, its header, what decodes and what frees it
@@ -100,6 +102,51 @@ def field_source(document):
     for name, rule, _ in field_lists(document):
         names = "".join(f"    {c_string(field)},\n" for field in field_names(document, rule))
         yield f"const char *const proto_{snake(name)}_fields[] = {{\n{names}    NULL}};\n"
+
+
+# --- parameters -----------------------------------------------------------------------------------------------------
+
+
+def query_names(document, item, operation):
+    """The operation's own parameters in the query string, without the options of every query and of files."""
+    for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]:
+        parameter, _ = follow(document, parameter)
+        if parameter["in"] == "query" and parameter["name"] not in COMMON_PARAMETERS:
+            yield parameter["name"]
+
+
+def parameter_lists(document):
+    """(operation's name, its parameters) of each operation that has some."""
+    for _, item, method, operation in operations(document):
+        names = list(query_names(document, item, operation))
+        if names and method != "head":
+            yield snake(operation["operationId"]), names
+
+
+def parameter_words(document):
+    """(name, words) of each parameter of the components that is one of some words."""
+    for name, parameter in document["components"]["parameters"].items():
+        if "enum" in parameter.get("schema", {}):
+            yield name, parameter["schema"]["enum"]
+
+
+def parameter_header(document):
+    yield "/* Made by generate.py from openapi.yaml: parameters of query strings, and words that they take. All lists\n * are NULL-terminated. */"
+    yield "#ifndef GENERATED_PARAMETERS_H\n#define GENERATED_PARAMETERS_H\n"
+    yield from (f"extern const char *const proto_{name}_parameters[];" for name, _ in parameter_lists(document))
+    for name, listed in parameter_words(document):
+        yield f"\nenum proto_{snake(name)} {{"
+        yield from (f"    PROTO_{upper(name)}_{upper(word)}," for word in listed)
+        yield f"}};\nextern const char *const proto_{snake(name)}_words[];"
+    yield "\n#endif"
+
+
+def parameter_source(document):
+    yield '/* Made by generate.py from openapi.yaml. */\n#include "generated/parameters.h"\n\n#include <stddef.h>\n'
+    for name, listed in parameter_lists(document):
+        yield f"const char *const proto_{name}_parameters[] = {{{', '.join(map(c_string, listed))}, NULL}};"
+    for name, listed in parameter_words(document):
+        yield f"const char *const proto_{snake(name)}_words[] = {{{', '.join(map(c_string, listed))}, NULL}};"
 
 
 # --- members of requests --------------------------------------------------------------------------------------------

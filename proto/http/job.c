@@ -21,8 +21,7 @@ bool proto_job_has_ended(enum proto_job_state state)
 
 static void encode_headers(struct proto_writer *writer, const struct proto_job_answer *answer)
 {
-    proto_write_key(writer, "headers");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "headers");
     for (uint32_t i = 0; i < answer->header_count; i++)
         proto_member_string(writer, answer->headers[i].name, answer->headers[i].value);
     proto_write_object_end(writer);
@@ -32,8 +31,7 @@ static void encode_headers(struct proto_writer *writer, const struct proto_job_a
 static void encode_response(struct proto_writer *writer, const struct proto_job *job)
 {
     const struct proto_job_answer *answer = job->answer;
-    proto_write_key(writer, "response");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "response");
     proto_member_uint(writer, "status", answer->status);
     proto_member_string(writer, "media_type", answer->media_type);
     proto_member_uint(writer, "bytes", answer->size);

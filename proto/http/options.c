@@ -141,21 +141,43 @@ bool proto_field(struct proto_writer *writer, const struct proto_options *option
     return true;
 }
 
+void proto_field_number(struct proto_writer *writer, const struct proto_options *options,
+                        uint32_t field, double value)
+{
+    if (proto_field(writer, options, field)) proto_write_number(writer, value);
+}
+
+void proto_field_uint(struct proto_writer *writer, const struct proto_options *options,
+                      uint32_t field, uint64_t value)
+{
+    if (proto_field(writer, options, field)) proto_write_uint(writer, value);
+}
+
+void proto_field_bool(struct proto_writer *writer, const struct proto_options *options,
+                      uint32_t field, bool value)
+{
+    if (proto_field(writer, options, field)) proto_write_bool(writer, value);
+}
+
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members)
 {
     uint32_t named = fields & members;
     return !named && fields & whole ? members : named;
 }
 
+struct proto_options proto_options_within(const struct proto_options *options, uint32_t whole)
+{
+    struct proto_options within = *options;
+    within.fields = proto_fields_within(options->fields, whole, ~whole);
+    return within;
+}
+
 static bool parse_geometry(const struct proto_parameters *parameters, enum proto_geometry *out,
                            struct proto_problem *problem)
 {
-    static const char *const words[] = {[PROTO_GEOMETRY_FULL] = "full",
-                                        [PROTO_GEOMETRY_XYZ] = "xyz",
-                                        [PROTO_GEOMETRY_NONE] = "none",
-                                        NULL};
     unsigned word = PROTO_GEOMETRY_FULL;
-    if (!proto_parameters_choice(parameters, "geometry", words, &word, problem)) return false;
+    if (!proto_parameters_choice(parameters, "geometry", proto_geometry_words, &word, problem))
+        return false;
     *out = (enum proto_geometry)word;
     return true;
 }

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "generated/fields.h"
+#include "generated/parameters.h"
 #include "proto/json/problem.h"
 
 /* A view of a decoded query string; its owner lends it for a call. Names and values are
@@ -41,8 +42,6 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
                              const char *const *words, unsigned *out,
                              struct proto_problem *problem);
 
-enum proto_geometry { PROTO_GEOMETRY_FULL, PROTO_GEOMETRY_XYZ, PROTO_GEOMETRY_NONE };
-
 struct proto_options {
     uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */
     const char *const *names; /* of the fields */
@@ -55,9 +54,20 @@ struct proto_writer;
 /* True if the field, one bit, is wanted: then its key is written, and the value is to follow. */
 bool proto_field(struct proto_writer *writer, const struct proto_options *options, uint32_t field);
 
+/* The same with a value. A number that is not finite is null. */
+void proto_field_number(struct proto_writer *writer, const struct proto_options *options,
+                        uint32_t field, double value);
+void proto_field_uint(struct proto_writer *writer, const struct proto_options *options,
+                      uint32_t field, uint64_t value);
+void proto_field_bool(struct proto_writer *writer, const struct proto_options *options,
+                      uint32_t field, bool value);
+
 /* Of the fields that are wanted, those of `members`, which are parts of the field `whole`: all of
  * them where it alone is named; 0: none is wanted. */
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
+
+/* The options for a part of the answer: all fields but `whole` are its members. */
+struct proto_options proto_options_within(const struct proto_options *options, uint32_t whole);
 
 /* Reads the options that all queries have in common and refuses every other parameter but the
  * query's own `names` (NULL-terminated; NULL: it has none). `fields`: the names of the answer's

@@ -21,15 +21,13 @@ static bool page_parse(const struct proto_parameters *parameters, const char *co
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
                       struct proto_problem *problem)
 {
-    static const char *const names[] = {"limit", "after", NULL};
-    return page_parse(parameters, names, out, problem);
+    return page_parse(parameters, proto_list_jobs_parameters, out, problem);
 }
 
 bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
                             struct proto_problem *problem)
 {
-    static const char *const names[] = {"limit", "after", "prefix", NULL};
-    if (!page_parse(parameters, names, out, problem)) return false;
+    if (!page_parse(parameters, proto_list_meshes_parameters, out, problem)) return false;
     out->prefix = parameters->get(parameters->user, "prefix");
     return true;
 }
@@ -52,8 +50,7 @@ const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER]
 void proto_page_begin(struct proto_writer *writer, const char *name)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, name);
-    proto_write_array_begin(writer);
+    proto_member_array(writer, name);
 }
 
 void proto_page_end(struct proto_writer *writer, const char *next)

@@ -11,8 +11,7 @@ static void encode_limit(struct proto_writer *writer, const char *key, uint64_t 
 
 static void encode_limits(struct proto_writer *writer, const struct proto_service *service)
 {
-    proto_write_key(writer, "limits");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "limits");
     encode_limit(writer, "max_body_bytes", service->limits.max_body_bytes);
     encode_limit(writer, "max_faces", service->limits.max_faces);
     encode_limit(writer, "timeout_ms", service->limits.timeout_ms);
@@ -24,8 +23,7 @@ static void encode_limits(struct proto_writer *writer, const struct proto_servic
 
 static void encode_formats(struct proto_writer *writer)
 {
-    proto_write_key(writer, "formats");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "formats");
 #define ENCODE_FORMAT(NAME, name, media) proto_write_string(writer, #name);
     GD_FORMAT_MAP(ENCODE_FORMAT)
 #undef ENCODE_FORMAT
@@ -35,8 +33,7 @@ static void encode_formats(struct proto_writer *writer)
 static void encode_queries(struct proto_writer *writer, const struct proto_route *routes,
                            size_t count)
 {
-    proto_write_key(writer, "queries");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "queries");
     for (size_t i = 0; i < count; i++) {
         if (routes[i].query) proto_write_string(writer, routes[i].query);
     }
@@ -48,8 +45,7 @@ void proto_service_encode(struct proto_writer *writer, const struct proto_servic
     proto_write_object_begin(writer);
     proto_member_string(writer, "version", service->version);
     encode_limits(writer, service);
-    proto_write_key(writer, "capabilities");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "capabilities");
     encode_formats(writer);
     encode_queries(writer, service->routes, service->route_count);
     proto_write_object_end(writer);

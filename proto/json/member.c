@@ -41,3 +41,22 @@ void proto_member_null(struct proto_writer *writer, const char *key)
     proto_write_key(writer, key);
     proto_write_null(writer);
 }
+
+void proto_member_numbers(struct proto_writer *writer, const char *key, const double *values,
+                          size_t count)
+{
+    proto_write_key(writer, key);
+    proto_write_numbers(writer, values, count);
+}
+
+void proto_member_array(struct proto_writer *writer, const char *key)
+{
+    proto_write_key(writer, key);
+    proto_write_array_begin(writer);
+}
+
+void proto_member_object(struct proto_writer *writer, const char *key)
+{
+    proto_write_key(writer, key);
+    proto_write_object_begin(writer);
+}

@@ -12,6 +12,11 @@ void proto_member_uint(struct proto_writer *writer, const char *key, uint64_t va
 void proto_member_int(struct proto_writer *writer, const char *key, int64_t value);
 void proto_member_bool(struct proto_writer *writer, const char *key, bool value);
 void proto_member_time(struct proto_writer *writer, const char *key, int64_t seconds);
+void proto_member_numbers(struct proto_writer *writer, const char *key, const double *values,
+                          size_t count);
+/* A key, and the beginning of an array or an object. */
+void proto_member_array(struct proto_writer *writer, const char *key);
+void proto_member_object(struct proto_writer *writer, const char *key);
 void proto_member_null(struct proto_writer *writer, const char *key);
 
 #endif

@@ -231,8 +231,7 @@ static void encode_element(struct proto_writer *writer, enum gd_element element,
 
 static void encode_elements(struct proto_writer *writer, const struct proto_problem *problem)
 {
-    proto_write_key(writer, "elements");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "elements");
     for (uint32_t i = 0; i < problem->element_count; i++)
         encode_element(writer, problem->element, problem->elements[i]);
     proto_write_array_end(writer);

@@ -5,8 +5,8 @@
 
 #include "gd/curve_distance.h"
 #include "proto/http/options.h"
-#include "proto/values/set.h"
 #include "proto/json/writer.h"
+#include "proto/values/set.h"
 
 /* Each curve as a set of which it is the only member; freed by proto_curve_distance_free. */
 struct proto_curve_distance {

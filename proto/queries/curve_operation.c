@@ -65,8 +65,7 @@ static void encode_curve(struct proto_writer *writer, const struct gd_mesh *mesh
     proto_write_object_begin(writer);
     proto_member_number(writer, "length", gd_curve_length(mesh, curve));
     if (geometry != PROTO_GEOMETRY_NONE) {
-        proto_write_key(writer, "points");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "points");
         for (uint32_t i = 0; i < curve->count + (curve->closed && curve->count > 1); i++)
             proto_path_point_encode(writer, mesh, &curve->points[i % curve->count], geometry);
         proto_write_array_end(writer);
@@ -77,28 +76,15 @@ static void encode_curve(struct proto_writer *writer, const struct gd_mesh *mesh
 static void encode_points(struct proto_writer *writer, const struct gd_mesh *mesh,
                           const struct proto_curve_result *result)
 {
-    proto_write_key(writer, "points");
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < result->point_count; i++)
         proto_point_encode(writer, mesh, &result->points[i], NAN);
     proto_write_array_end(writer);
 }
 
-static void encode_shortening(struct proto_writer *writer, const struct proto_curve_result *result,
-                              uint32_t fields)
-{
-    if (fields & PROTO_CURVE_OPERATION_FIELD_TURN)
-        proto_member_number(writer, "turn", result->turn);
-    if (fields & PROTO_CURVE_OPERATION_FIELD_ROUNDS)
-        proto_member_uint(writer, "rounds", result->rounds);
-    if (fields & PROTO_CURVE_OPERATION_FIELD_GEODESIC)
-        proto_member_bool(writer, "geodesic", result->is_geodesic);
-}
-
 static void encode_offset(struct proto_writer *writer, const struct gd_mesh *mesh,
                           const struct proto_curve_result *result, enum proto_geometry geometry)
 {
-    proto_write_key(writer, "paths");
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < result->path_count; i++) {
         proto_write_object_begin(writer);
@@ -114,20 +100,22 @@ void proto_curve_result_encode(struct proto_writer *writer, const struct gd_mesh
                                const struct proto_curve_result *result,
                                const struct proto_options *options)
 {
-    uint32_t fields = options->fields;
     bool is_offset = result->operation == PROTO_OPERATION_OFFSET,
          is_shortened = result->operation == PROTO_OPERATION_SHORTEN ||
                         result->operation == PROTO_OPERATION_CLOSED_GEODESIC;
     proto_write_object_begin(writer);
-    if (!is_offset && fields & PROTO_CURVE_OPERATION_FIELD_PATH) {
-        proto_write_key(writer, "path");
+    if (!is_offset && proto_field(writer, options, PROTO_CURVE_OPERATION_FIELD_PATH))
         encode_curve(writer, mesh, &result->curve, options->geometry);
-    }
     if (result->operation == PROTO_OPERATION_RESAMPLE &&
-        fields & PROTO_CURVE_OPERATION_FIELD_POINTS)
+        proto_field(writer, options, PROTO_CURVE_OPERATION_FIELD_POINTS))
         encode_points(writer, mesh, result);
-    if (is_shortened) encode_shortening(writer, result, fields);
-    if (is_offset && fields & PROTO_CURVE_OPERATION_FIELD_PATHS)
+    if (is_shortened) {
+        proto_field_number(writer, options, PROTO_CURVE_OPERATION_FIELD_TURN, result->turn);
+        proto_field_uint(writer, options, PROTO_CURVE_OPERATION_FIELD_ROUNDS, result->rounds);
+        proto_field_bool(writer, options, PROTO_CURVE_OPERATION_FIELD_GEODESIC,
+                         result->is_geodesic);
+    }
+    if (is_offset && proto_field(writer, options, PROTO_CURVE_OPERATION_FIELD_PATHS))
         encode_offset(writer, mesh, result, options->geometry);
     proto_write_object_end(writer);
 }

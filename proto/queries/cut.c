@@ -32,8 +32,7 @@ void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint
     proto_write_object_begin(writer);
     if (fields & PROTO_CUT_FIELD_SEPARATES) proto_member_bool(writer, "separates", cut->separates);
     if (!piece_fields(fields)) return;
-    proto_write_key(writer, "pieces");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "pieces");
 }
 
 void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields)
@@ -44,10 +43,8 @@ void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32
     proto_write_object_end(writer);
 }
 
-static void encode_map(struct proto_writer *writer, const char *key, const uint32_t *map,
-                       uint32_t count)
+static void encode_map(struct proto_writer *writer, const uint32_t *map, uint32_t count)
 {
-    proto_write_key(writer, key);
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < count; i++) {
         if (map[i] == GD_NONE)
@@ -66,15 +63,16 @@ void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_pie
     uint32_t wanted = piece_fields(fields);
     if (!wanted) return;
     if (!name) wanted &= ~of_meshes;
+    const struct proto_options options = {.fields = wanted, .names = proto_cut_fields};
+    uint32_t vertices = piece->polygons.position_count;
     proto_write_object_begin(writer);
-    if (wanted & PROTO_CUT_FIELD_NAME) proto_member_string(writer, "name", name);
-    if (wanted & PROTO_CUT_FIELD_VERTICES)
-        proto_member_uint(writer, "vertices", piece->polygons.position_count);
-    if (wanted & PROTO_CUT_FIELD_FACES) proto_member_uint(writer, "faces", piece->face_count);
-    if (wanted & PROTO_CUT_FIELD_AREA) proto_member_number(writer, "area", piece->area);
-    if (wanted & PROTO_CUT_FIELD_VERTEX_MAP)
-        encode_map(writer, "vertex_map", piece->vertex_map, piece->polygons.position_count);
-    if (wanted & PROTO_CUT_FIELD_FACE_MAP)
-        encode_map(writer, "face_map", piece->face_map, piece->face_count);
+    if (proto_field(writer, &options, PROTO_CUT_FIELD_NAME)) proto_write_string(writer, name);
+    proto_field_uint(writer, &options, PROTO_CUT_FIELD_VERTICES, vertices);
+    proto_field_uint(writer, &options, PROTO_CUT_FIELD_FACES, piece->face_count);
+    proto_field_number(writer, &options, PROTO_CUT_FIELD_AREA, piece->area);
+    if (proto_field(writer, &options, PROTO_CUT_FIELD_VERTEX_MAP))
+        encode_map(writer, piece->vertex_map, vertices);
+    if (proto_field(writer, &options, PROTO_CUT_FIELD_FACE_MAP))
+        encode_map(writer, piece->face_map, piece->face_count);
     proto_write_object_end(writer);
 }

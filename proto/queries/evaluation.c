@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "proto/values/direction.h"
 #include "proto/json/member.h"
+#include "proto/values/direction.h"
 #include "proto/values/path.h"
 
 uint32_t proto_evaluation_wanted(const struct proto_options *options, bool wants_path,
@@ -14,19 +14,6 @@ uint32_t proto_evaluation_wanted(const struct proto_options *options, bool wants
     if (!wants_path) wanted &= ~(uint32_t)PROTO_EVALUATION_FIELD_PATH;
     if (!wants_gradient) wanted &= ~(uint32_t)PROTO_EVALUATION_FIELD_GRADIENT;
     return wanted;
-}
-
-void proto_results_begin(struct proto_writer *writer)
-{
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "results");
-    proto_write_array_begin(writer);
-}
-
-void proto_results_end(struct proto_writer *writer)
-{
-    proto_write_array_end(writer);
-    proto_write_object_end(writer);
 }
 
 static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *mesh,

@@ -21,10 +21,6 @@ struct proto_result {
     struct gd_direction gradient;
 };
 
-/* The answer is begin, proto_result_encode for each point in turn, end. */
-void proto_results_begin(struct proto_writer *writer);
-void proto_results_end(struct proto_writer *writer);
-
 /* Writes {"distance", "reason"?, "nearest", "path", "gradient"}, of these the wanted ones. Where
  * there is no distance all are null. */
 void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

@@ -3,59 +3,33 @@
 #include <math.h>
 
 #include "proto/json/decode.h"
-#include "proto/queries/evaluation.h"
 #include "proto/json/member.h"
 #include "proto/json/number.h"
+#include "proto/queries/evaluation.h"
 
 /* --- descriptions ----------------------------------------------------------------------------- */
-
-static void encode_field(struct proto_writer *writer, const struct gd_mesh *mesh,
-                         const struct proto_field_description *description,
-                         enum proto_field_field field)
-{
-    switch (field) {
-    case PROTO_FIELD_FIELD_ID:
-        proto_write_string(writer, description->id);
-        break;
-    case PROTO_FIELD_FIELD_WEDGES:
-        proto_write_uint(writer, description->wedges);
-        break;
-    case PROTO_FIELD_FIELD_BYTES:
-        proto_write_uint(writer, description->bytes);
-        break;
-    case PROTO_FIELD_FIELD_BUILD_MS:
-        proto_write_number(writer, description->build_ms);
-        break;
-    case PROTO_FIELD_FIELD_MAX:
-        proto_write_number(writer, description->max);
-        proto_reason_encode(writer, description->max);
-        break;
-    case PROTO_FIELD_FIELD_FARTHEST:
-        if (isnan(description->max))
-            proto_write_null(writer);
-        else
-            proto_point_encode(writer, mesh, &description->farthest, NAN);
-        break;
-    case PROTO_FIELD_FIELD_MEMBERS:
-        proto_write_uint(writer, description->members);
-        break;
-    case PROTO_FIELD_FIELD_MAX_DISTANCE:
-        proto_write_number(writer, description->max_distance > 0 ? description->max_distance : NAN);
-        break;
-    case PROTO_FIELD_FIELD_ALL:
-        break; /* a mask, no field */
-    }
-}
 
 void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct proto_field_description *description, uint32_t wanted)
 {
+    const struct proto_options options = {.fields = wanted, .names = proto_field_fields};
     proto_write_object_begin(writer);
-    for (unsigned i = 0; proto_field_fields[i]; i++) {
-        if (!(wanted >> i & 1)) continue;
-        proto_write_key(writer, proto_field_fields[i]);
-        encode_field(writer, mesh, description, (enum proto_field_field)(1u << i));
+    if (proto_field(writer, &options, PROTO_FIELD_FIELD_ID))
+        proto_write_string(writer, description->id);
+    proto_field_uint(writer, &options, PROTO_FIELD_FIELD_WEDGES, description->wedges);
+    proto_field_uint(writer, &options, PROTO_FIELD_FIELD_BYTES, description->bytes);
+    proto_field_number(writer, &options, PROTO_FIELD_FIELD_BUILD_MS, description->build_ms);
+    proto_field_number(writer, &options, PROTO_FIELD_FIELD_MAX, description->max);
+    if (wanted & PROTO_FIELD_FIELD_MAX) proto_reason_encode(writer, description->max);
+    if (proto_field(writer, &options, PROTO_FIELD_FIELD_FARTHEST)) {
+        if (isnan(description->max))
+            proto_write_null(writer);
+        else
+            proto_point_encode(writer, mesh, &description->farthest, NAN);
     }
+    proto_field_uint(writer, &options, PROTO_FIELD_FIELD_MEMBERS, description->members);
+    proto_field_number(writer, &options, PROTO_FIELD_FIELD_MAX_DISTANCE,
+                       description->max_distance > 0 ? description->max_distance : NAN);
     proto_write_object_end(writer);
 }
 
@@ -64,12 +38,9 @@ void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
 void proto_values_encode(struct proto_writer *writer, const double *values, size_t count)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "values");
-    proto_write_numbers(writer, values, count);
+    proto_member_numbers(writer, "values", values, count);
     proto_write_object_end(writer);
 }
-
-const char *const proto_wedges_parameters[] = {"edge", NULL};
 
 /* An index at the start of `*text`, which moves past it. */
 static bool take_index(const char **text, uint32_t *out)
@@ -105,8 +76,7 @@ static void encode_wedge(struct proto_writer *writer, const struct gd_wedge *wed
     proto_member_number(writer, "sigma", wedge->sigma);
     proto_member_bool(writer, "tau", wedge->tau);
     if (wedge->linear) proto_member_bool(writer, "linear", true);
-    proto_write_key(writer, "source");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "source");
     proto_member_uint(writer, wedge->at_vertex ? "vertex" : "member", wedge->source);
     proto_write_object_end(writer);
     proto_write_object_end(writer);
@@ -114,8 +84,7 @@ static void encode_wedge(struct proto_writer *writer, const struct gd_wedge *wed
 
 static void encode_edge(struct proto_writer *writer, const struct gd_vertex ends[2])
 {
-    proto_write_key(writer, "edge");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "edge");
     proto_write_uint(writer, ends[0].index);
     proto_write_uint(writer, ends[1].index);
     proto_write_array_end(writer);
@@ -127,8 +96,7 @@ void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex end
     proto_write_object_begin(writer);
     if (wanted & PROTO_WEDGES_FIELD_EDGE) encode_edge(writer, ends);
     if (wanted & PROTO_WEDGES_FIELD_WEDGES) {
-        proto_write_key(writer, "wedges");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "wedges");
         for (uint32_t i = 0; i < count; i++) encode_wedge(writer, &wedges[i]);
         proto_write_array_end(writer);
     }

@@ -4,8 +4,8 @@
 
 #include "gd/field.h"
 #include "proto/http/options.h"
-#include "proto/values/point.h"
 #include "proto/json/writer.h"
+#include "proto/values/point.h"
 
 #define PROTO_FIELD_ID 32 /* characters, without the NUL */
 
@@ -28,7 +28,6 @@ void proto_values_encode(struct proto_writer *writer, const double *values, size
 
 /* The query-string parameter of wedges, edge=3-9: two vertices, the lower one first in the answer.
  * NULL-terminated, for proto_options_parse. */
-extern const char *const proto_wedges_parameters[];
 bool proto_wedges_parse(const struct proto_parameters *parameters, struct gd_vertex ends[2],
                         struct proto_problem *problem);
 

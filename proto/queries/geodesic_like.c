@@ -85,8 +85,7 @@ static bool continues(const struct gd_geodesic *path, uint32_t piece)
 
 static void encode_control_points(struct proto_writer *writer, const struct gd_geodesic *path)
 {
-    proto_write_key(writer, "control_points");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "control_points");
     for (uint32_t i = 0; i < path->piece_count; i++)
         for (uint32_t k = continues(path, i); k < path->pieces[i].count; k++)
             proto_write_numbers(writer, path->pieces[i].points[k], 2);
@@ -97,8 +96,7 @@ static void encode_control_points(struct proto_writer *writer, const struct gd_g
  * the degree, else one more. */
 static void encode_knots(struct proto_writer *writer, const struct gd_geodesic *path)
 {
-    proto_write_key(writer, "knots");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "knots");
     for (uint32_t i = 0; i < path->piece_count; i++) {
         const struct gd_geodesic_piece *piece = &path->pieces[i];
         bool is_last = i + 1 == path->piece_count;
@@ -119,8 +117,7 @@ static void encode_sample(struct proto_writer *writer, const double uv[2], struc
         return;
     }
     proto_write_object_begin(writer);
-    proto_write_key(writer, "uv");
-    proto_write_numbers(writer, uv, 2);
+    proto_member_numbers(writer, "uv", uv, 2);
     proto_member_xyz(writer, "xyz", xyz);
     proto_write_object_end(writer);
 }
@@ -167,8 +164,7 @@ static enum gd_status encode_points(struct proto_writer *writer,
     struct samples samples = {0};
     enum gd_status status = sample(surface, path, count, &samples);
     if (!status) {
-        proto_write_key(writer, "points");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "points");
         for (uint32_t i = 0; i < samples.count; i++)
             encode_sample(writer, samples.uv[i], samples.xyz[i], geometry);
         proto_write_array_end(writer);
@@ -188,8 +184,7 @@ static void encode_end(struct proto_writer *writer, const struct gd_domain_curve
     gd_domain_curve_at(curve, parameter, uv);
     proto_write_object_begin(writer);
     if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "parameter", parameter);
-    proto_write_key(writer, "uv");
-    proto_write_numbers(writer, uv, 2);
+    proto_member_numbers(writer, "uv", uv, 2);
     proto_member_xyz(writer, "xyz", position(gd_domain_curve_surface(curve), uv));
     if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "angle", angle);
     proto_write_object_end(writer);
@@ -201,8 +196,7 @@ static void encode_ends(struct proto_writer *writer, const struct proto_geodesic
     const struct proto_geodesic_form *form = answer->request->form;
     const double parameters[2] = {path->from_parameter, path->to_parameter},
                  angles[2] = {path->from_angle, path->to_angle};
-    proto_write_key(writer, "ends");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "ends");
     for (int k = 0; k < 2; k++) {
         if (!form->is_told[k]) continue;
         proto_write_key(writer, form->ends[k]);
@@ -212,31 +206,6 @@ static void encode_ends(struct proto_writer *writer, const struct proto_geodesic
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */
-
-static void encode_numbers(struct proto_writer *writer, const struct gd_geodesic *path,
-                           uint32_t fields)
-{
-    const struct {
-        const char *key;
-        double value;
-        uint32_t field;
-    } numbers[] = {{"residual", path->residual, PROTO_GEODESIC_FIELD_RESIDUAL},
-                   {"error_estimate", path->error, PROTO_GEODESIC_FIELD_ERROR_ESTIMATE},
-                   {"geodesic_curvature", path->curvature, PROTO_GEODESIC_FIELD_GEODESIC_CURVATURE},
-                   {"speed_defect", path->speed_defect, PROTO_GEODESIC_FIELD_SPEED_DEFECT}};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        if (!(fields & numbers[i].field)) continue;
-        proto_member_number(writer, numbers[i].key, numbers[i].value);
-    }
-    if (!(fields & PROTO_GEODESIC_FIELD_ITERATIONS)) return;
-    proto_member_uint(writer, "iterations", path->iterations);
-}
-
-static void encode_flag(struct proto_writer *writer, const char *key, bool value, bool is_wanted)
-{
-    if (!is_wanted) return;
-    proto_member_bool(writer, key, value);
-}
 
 static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
 {
@@ -248,7 +217,6 @@ static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
                  {GD_GEODESIC_CURVE_CORNER, "curve_corner"},
                  {GD_GEODESIC_THROUGH_POLE, "through_pole"},
                  {GD_GEODESIC_NOT_MINIMAL, "not_minimal"}};
-    proto_write_key(writer, "warnings");
     proto_write_array_begin(writer);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (warnings & names[i].bit) proto_write_string(writer, names[i].name);
@@ -256,15 +224,20 @@ static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
 }
 
 static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic *path,
-                           uint32_t fields)
+                           const struct proto_options *options)
 {
-    encode_numbers(writer, path, fields);
-    encode_flag(writer, "converged", !(path->warnings & GD_GEODESIC_NOT_CONVERGED),
-                fields & PROTO_GEODESIC_FIELD_CONVERGED);
-    encode_flag(writer, "is_minimum", path->is_minimum, fields & PROTO_GEODESIC_FIELD_IS_MINIMUM);
-    encode_flag(writer, "boundary_contact", path->warnings & GD_GEODESIC_BOUNDARY_CONTACT,
-                fields & PROTO_GEODESIC_FIELD_BOUNDARY_CONTACT);
-    if (fields & PROTO_GEODESIC_FIELD_WARNINGS) encode_warnings(writer, path->warnings);
+    proto_field_number(writer, options, PROTO_GEODESIC_FIELD_RESIDUAL, path->residual);
+    proto_field_number(writer, options, PROTO_GEODESIC_FIELD_ERROR_ESTIMATE, path->error);
+    proto_field_number(writer, options, PROTO_GEODESIC_FIELD_GEODESIC_CURVATURE, path->curvature);
+    proto_field_number(writer, options, PROTO_GEODESIC_FIELD_SPEED_DEFECT, path->speed_defect);
+    proto_field_uint(writer, options, PROTO_GEODESIC_FIELD_ITERATIONS, path->iterations);
+    proto_field_bool(writer, options, PROTO_GEODESIC_FIELD_CONVERGED,
+                     !(path->warnings & GD_GEODESIC_NOT_CONVERGED));
+    proto_field_bool(writer, options, PROTO_GEODESIC_FIELD_IS_MINIMUM, path->is_minimum);
+    proto_field_bool(writer, options, PROTO_GEODESIC_FIELD_BOUNDARY_CONTACT,
+                     path->warnings & GD_GEODESIC_BOUNDARY_CONTACT);
+    if (proto_field(writer, options, PROTO_GEODESIC_FIELD_WARNINGS))
+        encode_warnings(writer, path->warnings);
 }
 
 /* The members of one path's object. */
@@ -275,16 +248,16 @@ static enum gd_status encode_path(struct proto_writer *writer,
 {
     uint32_t fields = options->fields;
     enum gd_status status = GD_OK;
-    if (fields & PROTO_GEODESIC_FIELD_LENGTH) proto_member_number(writer, "length", path->length);
-    if (fields & PROTO_GEODESIC_FIELD_DEGREE && path->piece_count)
-        proto_member_uint(writer, "degree", path->pieces[0].degree);
+    proto_field_number(writer, options, PROTO_GEODESIC_FIELD_LENGTH, path->length);
+    if (path->piece_count)
+        proto_field_uint(writer, options, PROTO_GEODESIC_FIELD_DEGREE, path->pieces[0].degree);
     if (fields & PROTO_GEODESIC_FIELD_KNOTS) encode_knots(writer, path);
     if (fields & PROTO_GEODESIC_FIELD_CONTROL_POINTS) encode_control_points(writer, path);
     if (fields & PROTO_GEODESIC_FIELD_POINTS && options->geometry != PROTO_GEOMETRY_NONE)
         status = encode_points(writer, gd_domain_curve_surface(answer->ends[0]), path,
                                answer->request->samples, options->geometry);
     if (fields & PROTO_GEODESIC_FIELD_ENDS) encode_ends(writer, answer, path);
-    encode_verdict(writer, path, fields);
+    encode_verdict(writer, path, options);
     return status;
 }
 
@@ -293,8 +266,7 @@ static enum gd_status encode_minima(struct proto_writer *writer,
                                     const struct proto_options *options)
 {
     enum gd_status status = GD_OK;
-    proto_write_key(writer, "minima");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "minima");
     for (uint32_t i = 0; i < answer->found->count && !status; i++) {
         if (!answer->found->items[i].is_minimum) continue;
         proto_write_object_begin(writer);

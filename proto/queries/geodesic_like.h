@@ -11,8 +11,8 @@
 
 #include "gd/geodesic_like.h"
 #include "generated/requests.h"
-#include "proto/values/domain_curve.h"
 #include "proto/http/options.h"
+#include "proto/values/domain_curve.h"
 
 /* Names of the two ends in a request, and of all members; which ends are curves; and which are told
  * of in the answer. */

@@ -209,56 +209,6 @@ double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh)
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-void proto_isolines_begin(struct proto_writer *writer)
-{
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "isolines");
-    proto_write_array_begin(writer);
-}
-
-void proto_isolines_end(struct proto_writer *writer)
-{
-    proto_write_array_end(writer);
-    proto_write_object_end(writer);
-}
-
-void proto_isoline_begin(struct proto_writer *writer, double level)
-{
-    proto_write_object_begin(writer);
-    proto_member_number(writer, "level", level);
-    proto_write_key(writer, "lines");
-    proto_write_array_begin(writer);
-}
-
-void proto_isoline_end(struct proto_writer *writer)
-{
-    proto_write_array_end(writer);
-    proto_write_object_end(writer);
-}
-
-void proto_line_begin(struct proto_writer *writer, const struct gd_isoline_line *line)
-{
-    proto_write_object_begin(writer);
-    proto_member_bool(writer, "closed", line->closed);
-    proto_member_number(writer, "length", line->length);
-}
-
-void proto_line_end(struct proto_writer *writer)
-{
-    proto_write_object_end(writer);
-}
-
-void proto_line_list_begin(struct proto_writer *writer, const char *name)
-{
-    proto_write_key(writer, name);
-    proto_write_array_begin(writer);
-}
-
-void proto_line_list_end(struct proto_writer *writer)
-{
-    proto_write_array_end(writer);
-}
-
 /* From the arc's own axes to those that directions are counted from; in [0, 2 pi), and never -0. */
 static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
 {

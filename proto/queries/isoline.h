@@ -1,26 +1,13 @@
-/* Isolines: the lines of a field at given levels. The request is {"levels": [number] | "count": n,
- * "tolerance"?, "arcs"?}, or the same in the query string; the answer {"isolines": [{"level",
- * "lines": [{"closed", "length", "points", "arcs"?}]}]}, written as it is found:
- *
- *     proto_isolines_begin(&writer);
- *     for each level:
- *         proto_isoline_begin(&writer, level);
- *         for each line:
- *             proto_line_begin(&writer, &line);
- *             proto_line_points(&writer, mesh, &points, geometry), between begin and end
- *                 of "points"; likewise arcs
- *             proto_line_end(&writer);
- *         proto_isoline_end(&writer);
- *     proto_isolines_end(&writer); */
+/* Isolines: the lines of a field at given levels, and arcs in an answer. */
 #ifndef PROTO_ISOLINE_H
 #define PROTO_ISOLINE_H
 
 #include <jansson.h>
 
 #include "gd/isoline.h"
-#include "proto/queries/field.h"
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
+#include "proto/queries/field.h"
 
 #define PROTO_ISOLINES_LEVELS 1000   /* most levels of a request */
 #define PROTO_ISOLINES_POINTS 500000 /* most points, and most arcs, of an answer */
@@ -54,20 +41,8 @@ bool proto_isolines_settle(struct proto_isolines *isolines,
  * pixel in a picture of 1,000. */
 double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh);
 
-void proto_isolines_begin(struct proto_writer *writer);
-void proto_isolines_end(struct proto_writer *writer);
-void proto_isoline_begin(struct proto_writer *writer, double level);
-void proto_isoline_end(struct proto_writer *writer);
-
-/* "closed" and "length"; then lists. */
-void proto_line_begin(struct proto_writer *writer, const struct gd_isoline_line *line);
-void proto_line_end(struct proto_writer *writer);
-
-/* A list of a line, "points" or "arcs": begin, some calls of the function for one element, end.
- * Angles of an arc are counted as directions in its face are (gd/direction.h), its start in [0, 2
- * pi); a straight one is {"face", "straight": true}. */
-void proto_line_list_begin(struct proto_writer *writer, const char *name);
-void proto_line_list_end(struct proto_writer *writer);
+/* Angles of an arc are counted as directions in its face are (gd/direction.h), its start in
+ * [0, 2 pi); a straight one is {"face", "straight": true}. */
 void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                       const struct gd_isoline_arc *arc);
 

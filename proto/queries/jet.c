@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "generated/requests.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/point.h"
 
 /* --- the requests ----------------------------------------------------------------------------- */
@@ -26,46 +26,95 @@ bool proto_jets_decode(const json_t *document, const struct gd_parametric *surfa
     return true;
 }
 
-/* --- the answers ------------------------------------------------------------------------------ */
-
-static void encode_normal(struct proto_writer *writer, const struct gd_curvature *curvature)
+bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision *surface,
+                             struct proto_limit_places *out, struct proto_problem *problem)
 {
-    if (curvature->regular)
-        proto_member_xyz(writer, "normal", curvature->normal);
-    else
-        proto_member_null(writer, "normal");
+    struct proto_limit_evaluate_request request;
+    if (!proto_limit_evaluate_request_decode(document, &request, problem)) return false;
+    bool ok = proto_limit_places_locate(surface, &request.points, out, problem);
+    proto_limit_evaluate_request_free(&request);
+    return ok;
 }
 
-void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uint32_t fields)
+/* --- the answers ------------------------------------------------------------------------------ */
+
+static void encode_vector(struct proto_writer *writer, const struct proto_options *options,
+                          uint32_t field, struct gd_vec3 vector)
 {
-    const uint32_t wanted =
-        proto_fields_within(fields, PROTO_JET_FIELD_POINTS, ~(uint32_t)PROTO_JET_FIELD_POINTS);
+    if (!proto_field(writer, options, field)) return;
+    if (isnan(vector.x))
+        proto_write_null(writer);
+    else
+        proto_xyz_encode(writer, vector);
+}
+
+static const struct gd_vec3 none = {NAN, NAN, NAN};
+
+void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet,
+                      const struct proto_options *options)
+{
+    const struct proto_options wanted = proto_options_within(options, PROTO_JET_FIELD_POINTS);
     const struct gd_curvature curvature = gd_jet_curvature(jet);
     proto_write_object_begin(writer);
-    if (wanted & PROTO_JET_FIELD_XYZ) proto_member_xyz(writer, "xyz", jet->x);
-    if (wanted & PROTO_JET_FIELD_NORMAL) encode_normal(writer, &curvature);
-    if (wanted & PROTO_JET_FIELD_DU) proto_member_xyz(writer, "du", jet->u);
-    if (wanted & PROTO_JET_FIELD_DV) proto_member_xyz(writer, "dv", jet->v);
-    if (wanted & PROTO_JET_FIELD_DUU) proto_member_xyz(writer, "duu", jet->uu);
-    if (wanted & PROTO_JET_FIELD_DUV) proto_member_xyz(writer, "duv", jet->uv);
-    if (wanted & PROTO_JET_FIELD_DVV) proto_member_xyz(writer, "dvv", jet->vv);
-    if (wanted & PROTO_JET_FIELD_GAUSSIAN_CURVATURE)
-        proto_member_number(writer, "gaussian_curvature",
-                            curvature.regular ? curvature.gaussian : NAN);
-    if (wanted & PROTO_JET_FIELD_MEAN_CURVATURE)
-        proto_member_number(writer, "mean_curvature", curvature.regular ? curvature.mean : NAN);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_XYZ, jet->x);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_NORMAL,
+                  curvature.regular ? curvature.normal : none);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_DU, jet->u);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_DV, jet->v);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_DUU, jet->uu);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_DUV, jet->uv);
+    encode_vector(writer, &wanted, PROTO_JET_FIELD_DVV, jet->vv);
+    proto_field_number(writer, &wanted, PROTO_JET_FIELD_GAUSSIAN_CURVATURE,
+                       curvature.regular ? curvature.gaussian : NAN);
+    proto_field_number(writer, &wanted, PROTO_JET_FIELD_MEAN_CURVATURE,
+                       curvature.regular ? curvature.mean : NAN);
+    proto_write_object_end(writer);
+}
+
+void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet,
+                            const struct proto_options *options)
+{
+    const struct proto_options wanted = proto_options_within(options, PROTO_LIMIT_JET_FIELD_POINTS);
+    proto_write_object_begin(writer);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_XYZ, jet->position);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_NORMAL, jet->normal);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_DU, jet->du);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_DV, jet->dv);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_DUU, jet->singular ? none : jet->duu);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_DUV, jet->singular ? none : jet->duv);
+    encode_vector(writer, &wanted, PROTO_LIMIT_JET_FIELD_DVV, jet->singular ? none : jet->dvv);
+    if (proto_field(writer, &wanted, PROTO_LIMIT_JET_FIELD_CURVATURES)) {
+        if (jet->singular || isnan(jet->curvatures[0]))
+            proto_write_null(writer);
+        else
+            proto_write_numbers(writer, jet->curvatures, 2);
+    }
+    if (jet->singular) proto_field_bool(writer, &wanted, PROTO_LIMIT_JET_FIELD_SINGULAR, true);
     proto_write_object_end(writer);
 }
 
 void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot,
-                       uint32_t fields)
+                       const struct proto_options *options)
 {
     proto_write_object_begin(writer);
-    if (fields & PROTO_FOOT_FIELD_UV) {
-        proto_write_key(writer, "uv");
+    if (proto_field(writer, options, PROTO_FOOT_FIELD_UV))
         proto_write_numbers(writer, (double[]){foot->u, foot->v}, 2);
-    }
-    if (fields & PROTO_FOOT_FIELD_XYZ) proto_member_xyz(writer, "xyz", foot->xyz);
-    if (fields & PROTO_FOOT_FIELD_DISTANCE) proto_member_number(writer, "distance", foot->distance);
+    encode_vector(writer, options, PROTO_FOOT_FIELD_XYZ, foot->xyz);
+    proto_field_number(writer, options, PROTO_FOOT_FIELD_DISTANCE, foot->distance);
+    proto_write_object_end(writer);
+}
+
+void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_foot *foot,
+                             const struct proto_options *options)
+{
+    const struct gd_limit_point *place = &foot->place;
+    proto_write_object_begin(writer);
+    proto_field_uint(writer, options, PROTO_LIMIT_FOOT_FIELD_FACE, place->face);
+    if (place->corner)
+        proto_field_uint(writer, options, PROTO_LIMIT_FOOT_FIELD_CORNER, place->corner);
+    if (proto_field(writer, options, PROTO_LIMIT_FOOT_FIELD_UV))
+        proto_write_numbers(writer, (double[]){place->u, place->v}, 2);
+    encode_vector(writer, options, PROTO_LIMIT_FOOT_FIELD_XYZ, foot->position);
+    proto_field_number(writer, options, PROTO_LIMIT_FOOT_FIELD_DISTANCE, foot->distance);
     proto_write_object_end(writer);
 }

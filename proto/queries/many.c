@@ -140,8 +140,7 @@ static uint32_t vertex_of(const struct proto_many *many, uint32_t item)
 static void write_vertices(struct proto_writer *body, const char *key,
                            const struct proto_many *many, uint32_t from, uint32_t to)
 {
-    proto_write_key(body, key);
-    proto_write_array_begin(body);
+    proto_member_array(body, key);
     for (uint32_t i = from; i < to; i++) {
         proto_write_object_begin(body);
         proto_member_uint(body, "vertex", vertex_of(many, i));

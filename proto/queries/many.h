@@ -8,10 +8,9 @@
 #ifndef PROTO_MANY_H
 #define PROTO_MANY_H
 
-#include "proto/values/mesh.h"
-#include "proto/http/options.h"
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
+#include "proto/values/mesh.h"
 
 struct json_t; /* of jansson */
 

@@ -1,3 +1,4 @@
+#include "proto/json/member.h"
 #include "proto/queries/matrix.h"
 
 #include <endian.h>
@@ -44,8 +45,7 @@ static void
 write_rows(struct proto_writer *writer, const char *key, const struct proto_matrix_answer *answer,
            void (*write_row)(struct proto_writer *writer, const double *distances, size_t count))
 {
-    proto_write_key(writer, key);
-    proto_write_array_begin(writer);
+    proto_member_array(writer, key);
     for (size_t row = 0; row < answer->rows; row++)
         write_row(writer, answer->distances + row * answer->columns, answer->columns);
     proto_write_array_end(writer);

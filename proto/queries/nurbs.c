@@ -9,22 +9,15 @@
 #include "proto/values/parametric.h"
 #include "proto/values/uv.h"
 
-const char *const proto_nurbs_conventions[] = {[GD_NURBS_CANONICAL] = "canonical",
-                                               [GD_NURBS_THREE] = "three",
-                                               [GD_NURBS_VERB] = "verb",
-                                               [GD_NURBS_RHINO] = "rhino",
-                                               NULL};
-
 bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
                                struct proto_nurbs_options *out, struct proto_problem *problem)
 {
-    static const char *const names[] = {"format", "convention", NULL}, *const formats[] = {"json",
-                                                                                           NULL};
     struct proto_nurbs_options options = {0};
     unsigned format = 0;
-    if (!proto_parameters_check(parameters, names, problem) ||
-        !proto_parameters_choice(parameters, "format", formats, &format, problem) ||
-        !proto_parameters_choice(parameters, "convention", proto_nurbs_conventions,
+    if (!proto_parameters_check(parameters, proto_create_nurbs_parameters, problem) ||
+        !proto_parameters_choice(parameters, "format", proto_nurbs_format_words, &format,
+                                 problem) ||
+        !proto_parameters_choice(parameters, "convention", proto_convention_words,
                                  &options.convention, problem))
         return false;
     options.has_convention = parameters->get(parameters->user, "convention") != NULL;
@@ -60,14 +53,14 @@ static bool decode_convention(const json_t *document, const struct proto_nurbs_o
     const char *word = json_string_value(value);
     file->data.convention = (enum gd_nurbs_convention)options->convention;
     if (!value) return true;
-    for (unsigned i = 0; proto_nurbs_conventions[i] && word; i++) {
-        if (strcmp(word, proto_nurbs_conventions[i]) != 0) continue;
+    for (unsigned i = 0; proto_convention_words[i] && word; i++) {
+        if (strcmp(word, proto_convention_words[i]) != 0) continue;
         file->data.convention = (enum gd_nurbs_convention)i;
         if (!options->has_convention || options->convention == i) return true;
         return proto_problem_refuse(
             problem, "/convention",
             "the file's convention is \"%s\", and the query string says %s; say one of them", word,
-            proto_nurbs_conventions[options->convention]);
+            proto_convention_words[options->convention]);
     }
     return proto_problem_refuse(problem, "/convention",
                                 "a convention is \"canonical\", \"three\", \"verb\" or \"rhino\"");
@@ -231,7 +224,7 @@ static bool make_nurbs(const struct gd_nurbs_data *data, struct gd_parametric **
     if (status == GD_INVALID_ARGUMENT) return refuse_data("extent", detail.text, problem);
     if (status) return proto_problem_from_status(problem, status, &detail);
     *form = (struct proto_nurbs_form){.shape = "nurbs",
-                                      .convention = proto_nurbs_conventions[data->convention],
+                                      .convention = proto_convention_words[data->convention],
                                       .degree_u = data->degree_u,
                                       .degree_v = data->degree_v,
                                       .count_u = data->count_u,
@@ -285,8 +278,7 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
 
 static void encode_pair(struct proto_writer *writer, const char *key, uint32_t a, uint32_t b)
 {
-    proto_write_key(writer, key);
-    proto_write_array_begin(writer);
+    proto_member_array(writer, key);
     proto_write_uint(writer, a);
     proto_write_uint(writer, b);
     proto_write_array_end(writer);

@@ -11,9 +11,6 @@
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
-/* "canonical", "three", "verb", "rhino": as enum gd_nurbs_convention counts; NULL-terminated. */
-extern const char *const proto_nurbs_conventions[];
-
 struct proto_nurbs_options {
     bool has_convention;              /* of a file that names none */
     unsigned convention;              /* enum gd_nurbs_convention */

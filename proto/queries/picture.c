@@ -10,10 +10,6 @@
 #define HEIGHT   600
 #define ISOLINES 10
 
-const char *const proto_picture_parameters[] = {"field",  "source",     "from", "to",       "via",
-                                                "view",   "up",         "size", "isolines", "edges",
-                                                "legend", "background", NULL};
-
 void proto_picture_free(struct proto_picture *picture)
 {
     proto_points_free(&picture->stops);
@@ -121,17 +117,15 @@ static bool parse_flag(const struct proto_parameters *parameters, const char *na
 static bool parse_looks(const struct proto_parameters *parameters, bool has_field,
                         struct gd_picture *out, struct proto_problem *problem)
 {
-    static const char *const grounds[] = {[GD_BACKGROUND_WHITE] = "white",
-                                          [GD_BACKGROUND_DARK] = "dark",
-                                          [GD_BACKGROUND_TRANSPARENT] = "transparent",
-                                          NULL};
     uint64_t isolines = has_field ? ISOLINES : 0;
-    unsigned ground = GD_BACKGROUND_WHITE;
+    unsigned ground = PROTO_PICTURE_BACKGROUND_WHITE;
     out->legend = true;
     if (!proto_parameters_integer(parameters, "isolines", 0, GD_PICTURE_ISOLINES, &isolines,
                                   problem))
         return false;
-    if (!proto_parameters_choice(parameters, "background", grounds, &ground, problem)) return false;
+    if (!proto_parameters_choice(parameters, "background", proto_picture_background_words, &ground,
+                                 problem))
+        return false;
     out->isolines = (uint32_t)isolines;
     out->background = (enum gd_background)ground;
     return parse_flag(parameters, "edges", &out->edges, problem) &&

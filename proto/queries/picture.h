@@ -11,8 +11,6 @@
 #include "proto/http/options.h"
 #include "proto/values/points.h"
 
-extern const char *const proto_picture_parameters[]; /* NULL-terminated, for proto_options_parse */
-
 struct proto_picture {
     struct gd_picture picture; /* without mesh, field and path */
     const char *field;         /* an id, borrowed from the query string; NULL: none */

@@ -5,25 +5,19 @@
 #include "proto/json/member.h"
 #include "proto/values/usd.h"
 
-const char *const proto_subdivision_schemes[] = {
-    [GD_SCHEME_CATMULL_CLARK] = "catmull_clark", [GD_SCHEME_LOOP] = "loop", NULL};
-
 bool proto_subdivision_options_parse(const struct proto_parameters *parameters,
                                      struct proto_subdivision_options *out,
                                      struct proto_problem *problem)
 {
-    static const char *const names[] = {"format", "scheme", NULL};
-#define FORMAT_WORD(NAME, name, media) [GD_FORMAT_##NAME - 1] = #name,
-    static const char *const formats[] = {GD_FORMAT_MAP(FORMAT_WORD) NULL};
-#undef FORMAT_WORD
     unsigned format = 0, scheme = GD_SCHEME_CATMULL_CLARK;
-    if (!proto_parameters_check(parameters, names, problem) ||
-        !proto_parameters_choice(parameters, "format", formats, &format, problem) ||
-        !proto_parameters_choice(parameters, "scheme", proto_subdivision_schemes, &scheme, problem))
+    if (!proto_parameters_check(parameters, proto_create_subdivision_parameters, problem) ||
+        !proto_parameters_choice(parameters, "format", proto_upload_format_words, &format,
+                                 problem) ||
+        !proto_parameters_choice(parameters, "scheme", proto_scheme_words, &scheme, problem))
         return false;
     bool has_format = parameters->get(parameters->user, "format") != NULL;
     *out = (struct proto_subdivision_options){
-        .format = has_format ? (enum gd_format)(format + 1) : GD_FORMAT_ANY,
+        .format = has_format ? gd_format_by_name(proto_upload_format_words[format]) : GD_FORMAT_ANY,
         .has_scheme = parameters->get(parameters->user, "scheme") != NULL,
         .scheme = (enum gd_scheme)scheme};
     return true;
@@ -53,7 +47,7 @@ static bool settle_scheme(const struct proto_subdivision_options *options,
         return proto_problem_refuse(
             problem, "/subdivisionScheme",
             "the file's scheme is %s, and the query string says %s; say one of them",
-            proto_subdivision_schemes[usd->scheme], proto_subdivision_schemes[options->scheme]);
+            proto_scheme_words[usd->scheme], proto_scheme_words[options->scheme]);
     *out = usd->has_scheme ? usd->scheme : options->scheme;
     return true;
 }
@@ -85,8 +79,7 @@ bool proto_subdivision_read(const void *bytes, size_t size,
 static void encode_extraordinary(struct proto_writer *writer,
                                  const struct gd_subdivision_summary *summary)
 {
-    proto_write_key(writer, "extraordinary_vertices");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "extraordinary_vertices");
     for (uint32_t i = 0; i < summary->extraordinary_count; i++) {
         proto_write_object_begin(writer);
         proto_member_uint(writer, "valence", summary->extraordinary[i].valence);
@@ -99,8 +92,7 @@ static void encode_extraordinary(struct proto_writer *writer,
 static void encode_control_mesh(struct proto_writer *writer, const struct gd_subdivision *surface)
 {
     const struct gd_subdivision_summary summary = gd_subdivision_summary(surface);
-    proto_member_string(writer, "scheme",
-                        proto_subdivision_schemes[gd_subdivision_scheme(surface)]);
+    proto_member_string(writer, "scheme", proto_scheme_words[gd_subdivision_scheme(surface)]);
     proto_member_uint(writer, "vertices", summary.vertex_count);
     proto_member_uint(writer, "edges", summary.edge_count);
     proto_member_uint(writer, "faces", summary.face_count);

@@ -13,9 +13,6 @@
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
-/* "catmull_clark", "loop": as enum gd_scheme counts; NULL-terminated. */
-extern const char *const proto_subdivision_schemes[];
-
 struct proto_subdivision_options {
     enum gd_format format; /* GD_FORMAT_ANY: not said */
     bool has_scheme;       /* else the file's, or Catmull-Clark */

@@ -24,8 +24,7 @@ void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_write_object_begin(writer);
     proto_member_number(writer, "length", trace->path.length);
     if (geometry != PROTO_GEOMETRY_NONE) {
-        proto_write_key(writer, "points");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "points");
         for (uint32_t i = 0; i < trace->path.count; i++)
             proto_path_point_encode(writer, mesh, &trace->path.points[i], geometry);
         proto_write_array_end(writer);

@@ -3,8 +3,8 @@
 #define PROTO_TRACE_H
 
 #include "gd/trace.h"
-#include "proto/values/direction.h"
 #include "proto/http/options.h"
+#include "proto/values/direction.h"
 #include "proto/values/point.h"
 
 /* points of a path when no limit is asked for; the most that can be is GD_TRACE_STEPS */

@@ -52,8 +52,7 @@ void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_
 {
     proto_member_uint(writer, "face", place->face);
     if (place->corner) proto_member_uint(writer, "corner", place->corner);
-    proto_write_key(writer, "uv");
-    proto_write_numbers(writer, (double[]){place->u, place->v}, 2);
+    proto_member_numbers(writer, "uv", (double[]){place->u, place->v}, 2);
 }
 
 void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place,

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "proto/http/accept.h"
+#include "proto/http/page.h"
 #include "proto/json/member.h"
 #include "proto/json/number.h"
-#include "proto/http/page.h"
 #include "proto/values/point.h"
 
 /* --- name ------------------------------------------------------------------------------------- */
@@ -44,8 +44,7 @@ bool proto_name_decode(const json_t *value, const char *place, struct proto_name
 void proto_made_of_encode(struct proto_writer *writer, const char *key, const char *name,
                           const char *etag)
 {
-    proto_write_key(writer, key);
-    proto_write_object_begin(writer);
+    proto_member_object(writer, key);
     proto_member_string(writer, "name", name);
     proto_member_string(writer, "etag", etag);
     proto_write_object_end(writer);
@@ -84,21 +83,20 @@ static bool parse_weld(const struct proto_parameters *parameters, struct gd_mesh
 static bool parse_repair(const struct proto_parameters *parameters, struct gd_mesh_options *out,
                          struct proto_problem *problem)
 {
-    static const char *const repairs[] = {"none", "split", NULL};
-    unsigned repair = 0;
-    if (!proto_parameters_choice(parameters, "repair", repairs, &repair, problem)) return false;
-    out->repair_split = repair == 1;
+    unsigned repair = PROTO_REPAIR_NONE;
+    if (!proto_parameters_choice(parameters, "repair", proto_repair_words, &repair, problem))
+        return false;
+    out->repair_split = repair == PROTO_REPAIR_SPLIT;
     return true;
 }
 
 bool proto_mesh_options_parse(const struct proto_parameters *parameters,
                               struct proto_mesh_options *out, struct proto_problem *problem)
 {
-    static const char *const names[] = {"format", "weld", "repair", "triangulate", NULL};
     static const char *const booleans[] = {"false", "true", NULL};
     struct proto_mesh_options options = {.format = GD_FORMAT_ANY};
     unsigned triangulate = true;
-    if (!proto_parameters_check(parameters, names, problem)) return false;
+    if (!proto_parameters_check(parameters, proto_create_mesh_parameters, problem)) return false;
     if (!parse_format(parameters, &options.format, problem)) return false;
     if (!parse_weld(parameters, &options.build, problem)) return false;
     if (!parse_repair(parameters, &options.build, problem)) return false;
@@ -143,9 +141,9 @@ static bool negotiate(const char *accept, enum gd_format *out, struct proto_prob
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
                                enum gd_format *out, struct proto_problem *problem)
 {
-    static const char *const names[] = {"format", NULL};
     enum gd_format format = GD_FORMAT_ANY;
-    if (!proto_parameters_check(parameters, names, problem)) return false;
+    if (!proto_parameters_check(parameters, proto_get_mesh_content_parameters, problem))
+        return false;
     if (!parse_format(parameters, &format, problem)) return false;
     if (format == GD_FORMAT_ANY) return negotiate(accept, out, problem);
     if (format == GD_FORMAT_JSON)
@@ -169,8 +167,7 @@ static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh 
                               uint32_t count)
 {
     proto_member_uint(writer, "boundary_count", count);
-    proto_write_key(writer, "boundaries");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "boundaries");
     for (uint32_t loop = 0; loop < count && loop < PROTO_MESH_BOUNDARIES; loop++)
         encode_boundary(writer, mesh, loop);
     proto_write_array_end(writer);
@@ -227,8 +224,7 @@ static void encode_topology(struct proto_writer *writer, const struct gd_mesh *m
     encode_boundaries(writer, mesh, summary->boundaries);
     proto_member_int(writer, "euler_characteristic", summary->euler_characteristic);
     proto_member_int(writer, "genus", summary->genus);
-    proto_write_key(writer, "orientation");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "orientation");
     proto_member_uint(writer, "flipped_faces", summary->flipped_faces);
     proto_write_object_end(writer);
 }
@@ -236,13 +232,11 @@ static void encode_topology(struct proto_writer *writer, const struct gd_mesh *m
 static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_summary *summary)
 {
     proto_member_number(writer, "area", summary->area);
-    proto_write_key(writer, "bounding_box");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "bounding_box");
     proto_member_xyz(writer, "min", summary->min);
     proto_member_xyz(writer, "max", summary->max);
     proto_write_object_end(writer);
-    proto_write_key(writer, "edge_length");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "edge_length");
     proto_member_number(writer, "min", summary->edge_length.min);
     proto_member_number(writer, "mean", summary->edge_length.mean);
     proto_member_number(writer, "max", summary->edge_length.max);
@@ -267,8 +261,7 @@ static void encode_copies(struct proto_writer *writer, const struct gd_mesh *mes
 {
     uint32_t first = gd_mesh_summary(mesh)->index_count - copies;
     proto_member_uint(writer, "vertices_copied", copies);
-    proto_write_key(writer, "copies");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "copies");
     for (uint32_t i = first; i < first + copies && i < first + COPIES_LISTED; i++)
         encode_pair(writer, i, gd_mesh_original(mesh, (struct gd_vertex){i}).index);
     proto_write_array_end(writer);
@@ -284,8 +277,7 @@ struct kind {
 static void encode_elements(struct proto_writer *writer, const struct kind *kind)
 {
     if (kind->mended->count == 0) return;
-    proto_write_key(writer, kind->key);
-    proto_write_array_begin(writer);
+    proto_member_array(writer, kind->key);
     for (uint32_t i = 0; i < kind->mended->listed; i++) {
         const uint32_t *element = kind->mended->elements[i];
         if (kind->single)
@@ -308,14 +300,12 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
         {"degenerate_faces", &repair->degenerate_faces, true},
         {"edges_flipped", &repair->edges_flipped, false},
     };
-    proto_write_key(writer, "repair");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "repair");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         proto_member_uint(writer, kinds[i].key, kinds[i].mended->count);
     proto_member_number(writer, "largest_shift", repair->largest_shift);
     encode_copies(writer, mesh, repair->copies);
-    proto_write_key(writer, "first");
-    proto_write_object_begin(writer);
+    proto_member_object(writer, "first");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) encode_elements(writer, &kinds[i]);
     proto_write_object_end(writer);
     proto_write_object_end(writer);

@@ -200,10 +200,8 @@ bool proto_parametric_decode(const json_t *value, const char *place, struct gd_p
 
 static void encode_axis(struct proto_writer *writer, const char *key, const struct gd_axis *axis)
 {
-    proto_write_key(writer, key);
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "range");
-    proto_write_numbers(writer, (double[]){axis->low, axis->high}, 2);
+    proto_member_object(writer, key);
+    proto_member_numbers(writer, "range", (double[]){axis->low, axis->high}, 2);
     proto_member_bool(writer, "closed", axis->closed);
     proto_member_uint(writer, "pieces", axis->line_count + UINT64_C(1));
     proto_member_bool(writer, "pole_low", axis->pole_low);

@@ -217,8 +217,7 @@ static void encode_segment(struct proto_writer *writer, const struct gd_mesh *me
                            const struct gd_spline_segment *segment)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "control_points");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "control_points");
     for (int k = 0; k < 4; k++) proto_point_encode(writer, mesh, &segment->control[k], NAN);
     proto_write_array_end(writer);
     proto_member_number(writer, "distance", segment->distance);
@@ -256,15 +255,13 @@ static void encode_knots(struct proto_writer *writer, const struct gd_spline *sp
                          uint32_t fields)
 {
     if (fields & PROTO_SPLINE_FIELD_PARAMETERS) {
-        proto_write_key(writer, "parameters");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "parameters");
         for (uint32_t i = 0; i <= spline->count; i++)
             proto_write_number(writer, spline->knots[i].parameter);
         proto_write_array_end(writer);
     }
     if (!(fields & PROTO_SPLINE_FIELD_JOINTS)) return;
-    proto_write_key(writer, "joints");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "joints");
     for (uint32_t i = 0; i < spline->count + !spline->closed; i++)
         encode_knot(writer, &spline->knots[i]);
     proto_write_array_end(writer);
@@ -281,16 +278,14 @@ void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh
         proto_path_encode(writer, mesh, &line->path, options->geometry);
     }
     if (fields & PROTO_SPLINE_FIELD_SEGMENTS) {
-        proto_write_key(writer, "segments");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "segments");
         for (uint32_t i = 0; i < spline->count; i++)
             encode_segment(writer, mesh, &spline->segments[i]);
         proto_write_array_end(writer);
     }
     encode_knots(writer, spline, fields);
     if (frames && fields & PROTO_SPLINE_FIELD_FRAMES) {
-        proto_write_key(writer, "frames");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "frames");
         for (uint32_t i = 0; i < line->count; i++) encode_frame(writer, mesh, &line->places[i]);
         proto_write_array_end(writer);
     }

@@ -313,8 +313,7 @@ void proto_log_encode(struct proto_writer *writer, const struct gd_log *log, boo
     proto_write_object_begin(writer);
     encode_members(writer, log->count ? &log->vector.direction : NULL, log->vector.length);
     if (log->count > 1) {
-        proto_write_key(writer, "segments");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "segments");
         for (uint32_t i = 0; i < log->count; i++)
             proto_vector_encode(writer, &log->segments[i].direction, log->segments[i].length);
         proto_write_array_end(writer);

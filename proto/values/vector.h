@@ -12,8 +12,8 @@
 #define PROTO_VECTOR_H
 
 #include "gd/vector.h"
-#include "proto/values/direction.h"
 #include "proto/http/options.h"
+#include "proto/values/direction.h"
 #include "proto/values/points.h"
 
 /* most of a request, of log's targets too; and most segments of them all */

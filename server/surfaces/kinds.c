@@ -277,7 +277,7 @@ static bool nurbs_read_options(const struct proto_parameters *parameters,
     (void)file;
     if (!proto_nurbs_options_parse(parameters, &options, problem)) return false;
     snprintf(text, SERVER_OPTIONS, "format=json%s%s", options.has_convention ? "&convention=" : "",
-             options.has_convention ? proto_nurbs_conventions[options.convention] : "");
+             options.has_convention ? proto_convention_words[options.convention] : "");
     return true;
 }
 
@@ -386,7 +386,7 @@ static bool subdivision_read_options(const struct proto_parameters *parameters,
             proto_mesh_upload_format(&requested, file->bytes, file->size, file->content_type);
     snprintf(text, SERVER_OPTIONS, "format=%s%s%s", gd_format_name(options.format),
              options.has_scheme ? "&scheme=" : "",
-             options.has_scheme ? proto_subdivision_schemes[options.scheme] : "");
+             options.has_scheme ? proto_scheme_words[options.scheme] : "");
     return true;
 }
 

@@ -10,9 +10,8 @@
 #include "generated/requests.h"
 #include "proto/queries/isoline.h"
 #include "proto/values/spline.h"
-#include "proto/queries/tessellation.h"
+#include "proto/queries/made_mesh.h"
 #include "proto/values/vector.h"
-#include "proto/queries/voronoi.h"
 #include "proto/json/writer.h"
 #include "tests/fuzz/promise.h"
 

@@ -61,7 +61,7 @@ static void encode(const struct gd_field *field, const struct proto_located_set 
 {
     struct proto_writer writer;
     proto_writer_init(&writer, 1 << 20);
-    proto_results_begin(&writer);
+    proto_write_array_begin(&writer);
     for (uint32_t i = 0; i < points->count; i++) {
         struct proto_result result = {.distance = distances[i]};
         struct gd_path path = {0};
@@ -77,7 +77,7 @@ static void encode(const struct gd_field *field, const struct proto_located_set 
         proto_result_encode(&writer, house(), set, &result, UINT32_MAX, PROTO_GEOMETRY_FULL);
         gd_path_free(&path);
     }
-    proto_results_end(&writer);
+    proto_write_array_end(&writer);
     promise_json(&writer);
 }
 

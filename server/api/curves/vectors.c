@@ -202,8 +202,7 @@ static enum server_query_turn trace_solve(struct server_query *query, struct pro
 
 static void paths_encode(const struct trace_query *own, struct proto_writer *writer)
 {
-    proto_write_key(writer, "paths");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "paths");
     for (uint32_t i = 0; i < own->count; i++) {
         if (own->traces[i].path.count)
             proto_trace_encode(writer, own->query.surface->mesh, &own->traces[i],
@@ -227,8 +226,7 @@ static void trace_encode(const struct server_query *query, struct proto_writer *
 static void exp_encode_vectors(const struct trace_query *own, struct proto_writer *writer)
 {
     const uint32_t *first = own->vectors.first;
-    proto_write_key(writer, "vectors");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "vectors");
     for (uint32_t i = 0; i < own->count; i++) {
         double length = 0;
         for (uint32_t k = first[i]; k < first[i + 1]; k++) length += own->segments[k].length;
@@ -239,8 +237,7 @@ static void exp_encode_vectors(const struct trace_query *own, struct proto_write
 
 static void exp_encode_points(const struct trace_query *own, struct proto_writer *writer)
 {
-    proto_write_key(writer, "points");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "points");
     for (uint32_t i = 0; i < own->count; i++) {
         const struct gd_path *path = &own->traces[i].path;
         if (path->count)
@@ -402,8 +399,7 @@ static enum server_query_turn log_answer(struct server_query *query, const struc
     if (query->options.fields & PROTO_LOG_FIELD_FROM)
         proto_member_point(writer, "from", query->surface->mesh, &own->from.point, own->snap);
     if (query->options.fields & PROTO_LOG_FIELD_VECTORS) {
-        proto_write_key(writer, "vectors");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "vectors");
         status = own->has_targets ? log_write_targets(own, field, part)
                                   : log_write_vertices(own, field, part);
         proto_write_array_end(writer);
@@ -514,8 +510,7 @@ static void transport_encode(const struct server_query *query, struct proto_writ
     if (fields & PROTO_TRANSPORT_FIELD_VECTORS && !isfinite(own->distance))
         proto_member_null(writer, "vectors");
     if (fields & PROTO_TRANSPORT_FIELD_VECTORS && isfinite(own->distance)) {
-        proto_write_key(writer, "vectors");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "vectors");
         for (uint32_t i = 0; i < own->wanted.count; i++)
             vector_encode(writer, &own->wanted, i, &own->vectors[i], own->vectors[i].length);
         proto_write_array_end(writer);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "proto/json/member.h"
 #include "proto/queries/evaluation.h"
 #include "server/query/query.h"
 
@@ -166,12 +167,14 @@ static enum gd_status evaluation_write(struct evaluation *evaluation, const stru
     enum gd_status status =
         gd_field_distances(field, query->points.points, count, &measuring, evaluation->distances);
     if (!status) status = distances_limit(evaluation);
-    proto_results_begin(&query->draft);
+    proto_write_object_begin(&query->draft);
+    proto_member_array(&query->draft, "results");
     for (uint32_t i = 0; i < count && !status; i++) {
         status = result_write(evaluation, field, i);
         if (!status) status = server_query_pause(query, &writing, (i + 1.0) / count);
     }
-    proto_results_end(&query->draft);
+    proto_write_array_end(&query->draft);
+    proto_write_object_end(&query->draft);
     return status;
 }
 

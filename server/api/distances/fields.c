@@ -334,12 +334,12 @@ static void wedges_release(struct server_query *query)
     free(((struct wedges_query *)query)->wedges);
 }
 
-const struct server_query_kind server_query_get_field_wedges = {.name = "wedges",
-                                                                .size = sizeof(struct wedges_query),
-                                                                .fields = proto_wedges_fields,
-                                                                .parameters =
-                                                                    proto_wedges_parameters,
-                                                                .parse = wedges_parse,
-                                                                .answer = wedges_answer,
-                                                                .encode = wedges_encode,
-                                                                .release = wedges_release};
+const struct server_query_kind server_query_get_field_wedges = {
+    .name = "wedges",
+    .size = sizeof(struct wedges_query),
+    .fields = proto_wedges_fields,
+    .parameters = proto_get_field_wedges_parameters,
+    .parse = wedges_parse,
+    .answer = wedges_answer,
+    .encode = wedges_encode,
+    .release = wedges_release};

@@ -4,18 +4,20 @@
 
 #include <stdlib.h>
 
+#include "gd/voronoi.h"
+#include "proto/json/member.h"
 #include "proto/queries/isoline.h"
 #include "proto/values/path.h"
-#include "proto/queries/voronoi.h"
 #include "server/query/query.h"
 #include "server/query/result.h"
 
-#define BYTES_A_TRACE ((size_t)1 << 20)
-#define ISOLINE_EDGE  32  /* bytes an edge of the mesh, while an isoline is traced, */
-#define BISECTOR_EDGE 48  /* and while bisectors are */
-#define ISOLINE_SHARE 0.5 /* of the work, to trace; the rest is to write */
-#define PORTION       512 /* elements that are written between two checks of the control */
-#define WHAT          "the answer"
+#define BYTES_A_TRACE   ((size_t)1 << 20)
+#define ISOLINE_EDGE    32     /* bytes an edge of the mesh, while an isoline is traced, */
+#define BISECTOR_EDGE   48     /* and while bisectors are */
+#define ISOLINE_SHARE   0.5    /* of the work, to trace; the rest is to write */
+#define BISECTOR_POINTS 500000 /* most of an answer */
+#define PORTION         512    /* elements that are written between two checks of the control */
+#define WHAT            "the answer"
 
 static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
 {
@@ -137,23 +139,25 @@ static enum gd_status line_write(struct isolines_query *own, const struct gd_iso
 {
     struct server_query *query = &own->query;
     enum gd_status status = GD_OK;
-    proto_line_begin(&query->draft, line);
+    proto_write_object_begin(&query->draft);
+    proto_member_bool(&query->draft, "closed", line->closed);
+    proto_member_number(&query->draft, "length", line->length);
     if (query->options.geometry != PROTO_GEOMETRY_NONE) {
-        proto_line_list_begin(&query->draft, "points");
+        proto_member_array(&query->draft, "points");
         status = own->has_flat_points ? line_flatten(own, line, control)
                                       : points_write(query, line->points, line->point_count,
                                                      line->arc_count + 1, control);
-        proto_line_list_end(&query->draft);
+        proto_write_array_end(&query->draft);
     }
     if (own->wanted.wants_arcs) {
-        proto_line_list_begin(&query->draft, "arcs");
+        proto_member_array(&query->draft, "arcs");
         for (uint32_t i = 0; i < line->arc_count && !status; i++) {
             proto_arc_encode(&query->draft, query->surface->mesh, &line->arcs[i]);
             if ((i + 1) % PORTION == 0) status = server_query_pause(query, control, 1);
         }
-        proto_line_list_end(&query->draft);
+        proto_write_array_end(&query->draft);
     }
-    proto_line_end(&query->draft);
+    proto_write_object_end(&query->draft);
     return status ? status : server_query_pause(query, control, 1);
 }
 
@@ -178,14 +182,17 @@ static bool lines_write(struct isolines_query *own, const struct server_monitor 
 {
     uint32_t count = own->isoline.line_count;
     enum gd_status status = lines_reserve(own);
-    proto_isoline_begin(&own->query.draft, own->level);
+    proto_write_object_begin(&own->query.draft);
+    proto_member_number(&own->query.draft, "level", own->level);
+    proto_member_array(&own->query.draft, "lines");
     for (uint32_t i = 0; i < count && !status; i++) {
         struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
         const struct gd_control control = server_exchange_control(&one);
         if (!line_admit(own, &own->isoline.lines[i], problem)) return false;
         status = line_write(own, &own->isoline.lines[i], &control);
     }
-    proto_isoline_end(&own->query.draft);
+    proto_write_array_end(&own->query.draft);
+    proto_write_object_end(&own->query.draft);
     if (status) server_query_fail(&own->query, status, WHAT, problem);
     return !status;
 }
@@ -224,13 +231,15 @@ static enum server_query_turn isolines_answer(struct server_query *query,
     struct isolines_query *own = (struct isolines_query *)query;
     uint32_t count = own->wanted.level_count;
     own->field = field;
-    proto_isolines_begin(&query->draft);
+    proto_write_object_begin(&query->draft);
+    proto_member_array(&query->draft, "isolines");
     for (uint32_t i = 0; i < count; i++) {
         struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
         own->level = own->wanted.levels[i];
         if (!level_write(own, &one, problem)) return SERVER_QUERY_FAILED;
     }
-    proto_isolines_end(&query->draft);
+    proto_write_array_end(&query->draft);
+    proto_write_object_end(&query->draft);
     return server_query_end_draft(query, GD_OK, WHAT, problem);
 }
 
@@ -306,13 +315,13 @@ static bool bisectors_admit(const struct voronoi_query *own, struct proto_proble
     uint64_t points = 0;
     for (uint32_t i = 0; i < own->found.bisector_count; i++)
         points += own->found.bisectors[i].point_count;
-    if (own->query.options.geometry == PROTO_GEOMETRY_NONE || points <= PROTO_VORONOI_POINTS)
+    if (own->query.options.geometry == PROTO_GEOMETRY_NONE || points <= BISECTOR_POINTS)
         return true;
     proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
                       "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
                       "fewer members, or geometry=none",
-                      (unsigned long long)points, PROTO_VORONOI_POINTS);
-    return proto_problem_limit(problem, PROTO_VORONOI_POINTS);
+                      (unsigned long long)points, BISECTOR_POINTS);
+    return proto_problem_limit(problem, BISECTOR_POINTS);
 }
 
 static enum server_query_turn voronoi_answer(struct server_query *query,
@@ -335,33 +344,42 @@ static void bisector_encode(const struct server_query *query, struct proto_write
                             const struct gd_bisector *bisector)
 {
     enum proto_geometry geometry = query->options.geometry;
-    proto_bisector_begin(writer, bisector);
+    proto_write_object_begin(writer);
+    proto_member_array(writer, "members");
+    for (int i = 0; i < 2; i++) proto_write_uint(writer, bisector->members[i]);
+    proto_write_array_end(writer);
+    proto_member_bool(writer, "closed", bisector->closed);
+    proto_member_number(writer, "length", bisector->length);
     if (geometry != PROTO_GEOMETRY_NONE) {
-        proto_bisector_points_begin(writer);
+        proto_member_array(writer, "points");
         for (uint32_t i = 0; i < bisector->point_count; i++)
             proto_path_point_encode(writer, query->surface->mesh, &bisector->points[i], geometry);
-        proto_voronoi_list_end(writer);
+        proto_write_array_end(writer);
     }
-    proto_bisector_end(writer);
+    proto_write_object_end(writer);
 }
 
 static void voronoi_encode(const struct server_query *query, struct proto_writer *writer)
 {
     const struct voronoi_query *own = (const struct voronoi_query *)query;
     uint32_t count = gd_mesh_summary(query->surface->mesh)->index_count;
-    proto_voronoi_begin(writer);
+    proto_write_object_begin(writer);
     if (own->labels) {
-        proto_voronoi_labels_begin(writer);
-        for (uint32_t i = 0; i < count; i++) proto_voronoi_label(writer, own->labels[i]);
-        proto_voronoi_list_end(writer);
+        proto_member_array(writer, "labels");
+        for (uint32_t i = 0; i < count; i++)
+            if (own->labels[i] == UINT32_MAX)
+                proto_write_null(writer);
+            else
+                proto_write_uint(writer, own->labels[i]);
+        proto_write_array_end(writer);
     }
-    if (query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) {
-        proto_voronoi_bisectors_begin(writer);
+    if (proto_field(writer, &query->options, PROTO_VORONOI_FIELD_BISECTORS)) {
+        proto_write_array_begin(writer);
         for (uint32_t i = 0; i < own->found.bisector_count; i++)
             bisector_encode(query, writer, &own->found.bisectors[i]);
-        proto_voronoi_list_end(writer);
+        proto_write_array_end(writer);
     }
-    proto_voronoi_end(writer);
+    proto_write_object_end(writer);
 }
 
 static void voronoi_release(struct server_query *query)

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 
 #include "gd/sampling.h"
-#include "proto/queries/mean.h"
-#include "proto/queries/sampling.h"
+#include "proto/queries/point_sets.h"
 #include "server/query/query.h"
 
 /* --- nearest ---------------------------------------------------------------------------------- */

@@ -2,8 +2,8 @@
  * nearest to a point of space. Each has one flow and, for each kind of surface, its steps. */
 #include "server/api/smooth/smooth.h"
 
+#include "proto/json/member.h"
 #include "proto/queries/jet.h"
-#include "proto/queries/limit_jet.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/surfaces/kinds.h"
@@ -82,8 +82,7 @@ static enum server_query_turn evaluation_solve(struct server_query *query,
     struct proto_writer *writer = &query->draft;
     enum gd_status status = GD_OK;
     proto_write_object_begin(writer);
-    proto_write_key(writer, "points");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "points");
     for (uint32_t i = 0; i < evaluation->count && !status; i += evaluator_of(query)->round)
         status = evaluation_write_round(evaluation, i);
     proto_write_array_end(writer);
@@ -114,7 +113,7 @@ static enum gd_status nurbs_write(struct evaluation *evaluation, uint32_t first,
         const double *uv = evaluation->places.nurbs.items[i];
         struct gd_jet jet;
         status = gd_parametric_evaluate(nurbs_of(query), uv[0], uv[1], &jet);
-        if (!status) proto_jet_encode(&query->draft, &jet, query->options.fields);
+        if (!status) proto_jet_encode(&query->draft, &jet, &query->options);
     }
     return status;
 }
@@ -155,7 +154,7 @@ static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first,
         gd_limit_evaluate_many(subdivision_of(query), evaluation->places.limit.items + first, count,
                                control, jets, &evaluation->detail);
     for (uint32_t i = 0; i < count && !status; i++)
-        proto_limit_jet_encode(&query->draft, &jets[i], query->options.fields);
+        proto_limit_jet_encode(&query->draft, &jets[i], &query->options);
     return status;
 }
 
@@ -237,7 +236,7 @@ static enum gd_status nurbs_find(void *user, const struct gd_control *control, s
 
 static void nurbs_encode(const struct server_query *query, struct proto_writer *writer)
 {
-    proto_foot_encode(writer, &((const struct nearest *)query)->found.nurbs, query->options.fields);
+    proto_foot_encode(writer, &((const struct nearest *)query)->found.nurbs, &query->options);
 }
 
 void server_handle_nurbs_nearest(struct server_exchange *exchange)
@@ -257,8 +256,7 @@ static enum gd_status limit_find(void *user, const struct gd_control *control, s
 
 static void limit_encode(const struct server_query *query, struct proto_writer *writer)
 {
-    proto_limit_foot_encode(writer, &((const struct nearest *)query)->found.limit,
-                            query->options.fields);
+    proto_limit_foot_encode(writer, &((const struct nearest *)query)->found.limit, &query->options);
 }
 
 void server_handle_subdivision_nearest(struct server_exchange *exchange)

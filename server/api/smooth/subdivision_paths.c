@@ -5,8 +5,7 @@
 
 #include <math.h>
 
-#include "proto/queries/limit_pair.h"
-#include "proto/queries/limit_trace.h"
+#include "proto/queries/limit_paths.h"
 #include "proto/json/member.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
@@ -288,8 +287,7 @@ static enum gd_status trace_write_paths(struct trace *trace)
     bool is_smooth = trace->wanted.request.smooth;
     uint32_t total = trace->wanted.count;
     enum gd_status status = is_smooth ? GD_OK : mesh_prepare(trace);
-    proto_write_key(writer, "paths");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "paths");
     for (uint32_t i = 0, count; i < total && !status; i += count) {
         count = is_smooth ? 1 : total - i < trace->lanes ? total - i : trace->lanes;
         status = is_smooth ? smooth_write(trace, i) : mesh_write(trace, i, count);

@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/queries/discretization.h"
-#include "proto/queries/tessellation.h"
+#include "proto/queries/made_mesh.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/derived_mesh.h"

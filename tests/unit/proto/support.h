@@ -19,6 +19,13 @@
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 
+/* Options with those fields of an answer. */
+#define FIELDS(answer, bits)                                                                       \
+    &(const struct proto_options)                                                                  \
+    {                                                                                              \
+        .fields = (bits), .names = proto_##answer##_fields                                         \
+    }
+
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 /* --- query string: names and values in turn, NULL at the end ---------------------------------- */

@@ -72,11 +72,11 @@ static void check_text(uint32_t fields, const char *name, const char *expected)
 static void writes_what_is_wanted(void **state)
 {
     (void)state;
-    check_text(UINT32_MAX, "p",
+    check_text(PROTO_CUT_FIELD_ALL, "p",
                "{\"separates\":true,\"pieces\":[{\"name\":\"p\",\"vertices\":3,\"faces\":1,"
                "\"area\":0.5,\"vertex_map\":[4,7,"
                "null],\"face_map\":[9]}],\"largest_shift\":0.25}");
-    check_text(UINT32_MAX, NULL,
+    check_text(PROTO_CUT_FIELD_ALL, NULL,
                "{\"separates\":true,\"pieces\":[{\"faces\":1,\"area\":0.5,\"face_map\":[9]}],"
                "\"largest_shift\":0.25}");
     check_text(PROTO_CUT_FIELD_NAME | PROTO_CUT_FIELD_AREA, "p",

@@ -116,7 +116,7 @@ static void a_path(void **state)
     check_answer(
         "{\"point\":[0,0],\"curve\":{\"iso\":\"u\",\"value\":0.5},\"samples\":2}",
         &proto_geodesic_to_curve, &(struct gd_geodesics){1, &item},
-        (struct proto_options){.fields = UINT32_MAX},
+        (struct proto_options){.names = proto_geodesic_fields, .fields = UINT32_MAX},
         "{\"length\":0.5,\"degree\":2,\"knots\":[0,0,0,1,1,1],\"control_points\":[[0,0],[0.25,0],["
         "0.5,0]],"
         "\"points\":[{\"uv\":[0,0],\"xyz\":[0,0,0]},{\"uv\":[0.5,0],\"xyz\":[0.5,0,0]}],"
@@ -134,7 +134,8 @@ static void pieces_are_one_spline(void **state)
     struct gd_geodesic_piece joined[] = {{2, 3, knots, first}, {2, 3, knots, second}},
                              split[] = {{2, 3, knots, first}, {2, 3, knots, apart}};
     struct gd_geodesic item = {.length = 1, .piece_count = 2, .pieces = joined};
-    const struct proto_options options = {.fields = PROTO_GEODESIC_FIELD_KNOTS |
+    const struct proto_options options = {.names = proto_geodesic_fields,
+                                          .fields = PROTO_GEODESIC_FIELD_KNOTS |
                                                     PROTO_GEODESIC_FIELD_CONTROL_POINTS};
     (void)state;
     check_answer(
@@ -156,7 +157,8 @@ static void curves_that_meet(void **state)
     check_answer(
         "{\"a\":{\"iso\":\"u\",\"value\":0.25},\"b\":{\"iso\":\"v\",\"value\":0.5}}",
         &proto_geodesic_between_curves, &(struct gd_geodesics){1, &item},
-        (struct proto_options){.fields = PROTO_GEODESIC_FIELD_LENGTH |
+        (struct proto_options){.names = proto_geodesic_fields,
+                               .fields = PROTO_GEODESIC_FIELD_LENGTH |
                                          PROTO_GEODESIC_FIELD_CONTROL_POINTS |
                                          PROTO_GEODESIC_FIELD_DEGREE | PROTO_GEODESIC_FIELD_POINTS |
                                          PROTO_GEODESIC_FIELD_ENDS,
@@ -183,6 +185,7 @@ static void minima(void **state)
          .pieces = &piece,
          .warnings = GD_GEODESIC_NOT_CONVERGED}};
     const struct proto_options options = {
+        .names = proto_geodesic_fields,
         .fields = PROTO_GEODESIC_FIELD_LENGTH | PROTO_GEODESIC_FIELD_CONVERGED |
                   PROTO_GEODESIC_FIELD_WARNINGS | PROTO_GEODESIC_FIELD_MINIMA};
     (void)state;

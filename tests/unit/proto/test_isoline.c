@@ -150,23 +150,6 @@ static void the_tolerance_is_a_part_of_the_mesh(void **state)
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-static void encodes_lines(void **state)
-{
-    (void)state;
-    struct proto_writer writer = new_writer();
-    const struct gd_isoline_line line = {.closed = true, .length = 2.5};
-    proto_isolines_begin(&writer);
-    proto_isoline_begin(&writer, 0.5);
-    proto_line_begin(&writer, &line);
-    proto_line_list_begin(&writer, "points");
-    proto_line_list_end(&writer);
-    proto_line_end(&writer);
-    proto_isoline_end(&writer);
-    proto_isolines_end(&writer);
-    assert_written(&writer, "{\"isolines\":[{\"level\":0.5,\"lines\":[{\"closed\":true,\"length\":"
-                            "2.5,\"points\":[]}]}]}");
-}
-
 /* Angles begin in [0, 2 pi) whatever they were; what is straight has none. */
 static void encodes_arcs(void **state)
 {
@@ -193,7 +176,6 @@ int main(void)
         cmocka_unit_test(too_many_levels_are_too_large),
         cmocka_unit_test(fits_levels_to_the_field),
         cmocka_unit_test(the_tolerance_is_a_part_of_the_mesh),
-        cmocka_unit_test(encodes_lines),
         cmocka_unit_test(encodes_arcs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

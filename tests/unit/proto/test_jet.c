@@ -35,14 +35,14 @@ static void a_point_has_the_wanted_fields(void **state)
     struct gd_jet jet, flat = {.x = {1, 2, 3}, .u = {1, 0, 0}, .v = {2, 0, 0}};
     (void)state;
     assert_int_equal(gd_parametric_evaluate(sheet, 0.5, 0.25, &jet), GD_OK);
-    proto_jet_encode(&writer, &jet, UINT32_MAX);
+    proto_jet_encode(&writer, &jet, FIELDS(jet, PROTO_JET_FIELD_ALL));
     assert_written(&writer, "{\"xyz\":[0.5,0.25,0],\"normal\":[0,0,1],\"du\":[1,0,0],\"dv\":[0,1,0]"
                             ",\"duu\":[0,0,0],\"duv\":[0,0,0],"
                             "\"dvv\":[0,0,0],\"gaussian_curvature\":0,\"mean_curvature\":0}");
     writer = new_writer();
     proto_jet_encode(&writer, &flat,
-                     PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN_CURVATURE |
-                         PROTO_JET_FIELD_MEAN_CURVATURE);
+                     FIELDS(jet, PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN_CURVATURE |
+                                     PROTO_JET_FIELD_MEAN_CURVATURE));
     assert_written(&writer,
                    "{\"normal\":null,\"gaussian_curvature\":null,\"mean_curvature\":null}");
     gd_parametric_release(sheet);
@@ -60,10 +60,10 @@ static void a_foot_is_read_and_told(void **state)
     assert_true(wanted.xyz[0] == 1 && wanted.xyz[1] == 2 && wanted.xyz[2] == 3);
     assert_false(proto_foot_request_decode(bad, &wanted, &problem));
     assert_pointer(&problem, "/xyz");
-    proto_foot_encode(&writer, &foot, UINT32_MAX);
+    proto_foot_encode(&writer, &foot, FIELDS(foot, PROTO_FOOT_FIELD_ALL));
     assert_written(&writer, "{\"uv\":[0.5,0.25],\"xyz\":[1,2,3],\"distance\":4}");
     writer = new_writer();
-    proto_foot_encode(&writer, &foot, PROTO_FOOT_FIELD_DISTANCE);
+    proto_foot_encode(&writer, &foot, FIELDS(foot, PROTO_FOOT_FIELD_DISTANCE));
     assert_written(&writer, "{\"distance\":4}");
     json_decref(good);
     json_decref(bad);

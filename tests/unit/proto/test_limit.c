@@ -2,10 +2,9 @@
 
 #include <math.h>
 
-#include "proto/queries/discretization.h"
-#include "proto/queries/limit_jet.h"
-#include "proto/queries/limit_pair.h"
-#include "proto/queries/limit_trace.h"
+#include "proto/queries/made_mesh.h"
+#include "proto/queries/jet.h"
+#include "proto/queries/limit_paths.h"
 
 /* A triangle and a square. */
 static struct gd_subdivision *new_surface(void)
@@ -72,21 +71,22 @@ static void jets(void **state)
     uint32_t fields = PROTO_LIMIT_JET_FIELD_NORMAL | PROTO_LIMIT_JET_FIELD_DUU |
                       PROTO_LIMIT_JET_FIELD_CURVATURES | PROTO_LIMIT_JET_FIELD_SINGULAR;
     struct proto_writer writer = new_writer();
-    proto_limit_jet_encode(&writer, &jet, fields);
+    proto_limit_jet_encode(&writer, &jet, FIELDS(limit_jet, fields));
     assert_written(&writer, "{\"normal\":[0,0,1],\"duu\":[0,0,0],\"curvatures\":[-1,2]}");
     jet.singular = true;
     writer = new_writer();
-    proto_limit_jet_encode(&writer, &jet, fields);
+    proto_limit_jet_encode(&writer, &jet, FIELDS(limit_jet, fields));
     assert_written(&writer,
                    "{\"normal\":[0,0,1],\"duu\":null,\"curvatures\":null,\"singular\":true}");
     jet.normal.x = NAN; /* at the tip of a spike */
     writer = new_writer();
-    proto_limit_jet_encode(&writer, &jet, PROTO_LIMIT_JET_FIELD_NORMAL | PROTO_LIMIT_JET_FIELD_DU);
+    proto_limit_jet_encode(
+        &writer, &jet, FIELDS(limit_jet, PROTO_LIMIT_JET_FIELD_NORMAL | PROTO_LIMIT_JET_FIELD_DU));
     assert_written(&writer, "{\"normal\":null,\"du\":[1,0,0]}");
     const struct gd_limit_foot foot = {
         .place = {3, 0, 0.5, 0.25}, .position = {1, 0, 0}, .distance = 2};
     writer = new_writer();
-    proto_limit_foot_encode(&writer, &foot, UINT32_MAX);
+    proto_limit_foot_encode(&writer, &foot, FIELDS(limit_foot, PROTO_LIMIT_FOOT_FIELD_ALL));
     assert_written(&writer, "{\"face\":3,\"uv\":[0.5,0.25],\"xyz\":[1,0,0],\"distance\":2}");
 }
 
@@ -147,7 +147,8 @@ static void paths(void **state)
                                       .error_estimate = 0.25,
                                       .steps = steps,
                                       .step_count = 2};
-    struct proto_options options = {.fields = UINT32_MAX, .geometry = PROTO_GEOMETRY_FULL};
+    struct proto_options options = {.fields = PROTO_LIMIT_PATH_FIELD_ALL,
+                                    .names = proto_limit_path_fields};
     writer = new_writer();
     proto_limit_pair_encode(&writer, &wanted, ends, &found, &options);
     assert_written(

@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/queries/mean.h"
+#include "proto/queries/point_sets.h"
 
 struct mean {
     struct proto_mean_request request;

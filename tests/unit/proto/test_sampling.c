@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/queries/sampling.h"
+#include "proto/queries/point_sets.h"
 
 DECODER(decode, struct proto_sampling_request, proto_sampling_request_decode)
 

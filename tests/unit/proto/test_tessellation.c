@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "proto/queries/tessellation.h"
+#include "proto/queries/made_mesh.h"
 
 static bool read(const char *text, struct proto_tessellation *out, struct proto_problem *problem)
 {

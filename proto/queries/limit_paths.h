@@ -1,14 +1,16 @@
-/* Limit trace: geodesics of a subdivision surface from a place. The answer is
- * {"start", "paths"}, and "level" unless it is smooth. */
-#ifndef PROTO_LIMIT_TRACE_H
-#define PROTO_LIMIT_TRACE_H
+/* Limit paths: geodesics of a subdivision surface. Traces from a place are answered by {"start",
+ * "paths"}, and "level" unless they are smooth; the shortest path between two places by {"distance",
+ * "reason"?, "error_estimate", "relaxed", "mesh_distance", "level", "from", "to", "path"}. */
+#ifndef PROTO_LIMIT_PATHS_H
+#define PROTO_LIMIT_PATHS_H
 
 #include "gd/limit_mesh.h"
 #include "gd/limit_path.h"
+#include "gd/limit_shortest.h"
 #include "gd/trace.h"
-#include "proto/values/limit_place.h"
 #include "proto/http/options.h"
 #include "proto/queries/trace.h"
+#include "proto/values/limit_place.h"
 
 struct proto_limit_trace { /* all zero is an empty one */
     struct proto_limit_trace_request request;
@@ -45,5 +47,20 @@ void proto_limit_trace_encode_smooth(struct proto_writer *writer, const struct g
 /* Writes an array of steps, or of their positions. */
 void proto_limit_steps_encode(struct proto_writer *writer, const struct gd_limit_step *steps,
                               uint32_t count, enum proto_geometry geometry);
+
+struct proto_limit_pair {
+    struct gd_limit_point from, to;
+    uint32_t level;
+};
+
+/* invalid_request, point_not_on_surface. */
+bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
+                             struct proto_limit_pair *out, struct proto_problem *problem);
+
+/* `ends`: the surface's points at the two places. Without a path the distances are null, with the
+ * reason no_path, and so is the path. */
+void proto_limit_pair_encode(struct proto_writer *writer, const struct proto_limit_pair *wanted,
+                             const struct gd_vec3 ends[2], const struct gd_limit_shortest *found,
+                             const struct proto_options *options);
 
 #endif

@@ -1,4 +1,4 @@
-#include "proto/queries/mean.h"
+#include "proto/queries/point_sets.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -39,15 +39,31 @@ void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_write_object_begin(writer);
     if (proto_field(writer, options, PROTO_MEAN_FIELD_POINT))
         proto_point_encode(writer, mesh, &mean->point, NAN);
-    if (proto_field(writer, options, PROTO_MEAN_FIELD_RESIDUAL))
-        proto_write_number(writer, mean->residual);
-    if (proto_field(writer, options, PROTO_MEAN_FIELD_SPREAD))
-        proto_write_number(writer, mean->spread);
-    if (proto_field(writer, options, PROTO_MEAN_FIELD_ITERATIONS))
-        proto_write_uint(writer, mean->iterations);
-    if (proto_field(writer, options, PROTO_MEAN_FIELD_CONVERGED))
-        proto_write_bool(writer, mean->converged);
-    if (proto_field(writer, options, PROTO_MEAN_FIELD_CUT_LOCUS))
-        proto_write_bool(writer, mean->is_cut);
+    proto_field_number(writer, options, PROTO_MEAN_FIELD_RESIDUAL, mean->residual);
+    proto_field_number(writer, options, PROTO_MEAN_FIELD_SPREAD, mean->spread);
+    proto_field_uint(writer, options, PROTO_MEAN_FIELD_ITERATIONS, mean->iterations);
+    proto_field_bool(writer, options, PROTO_MEAN_FIELD_CONVERGED, mean->converged);
+    proto_field_bool(writer, options, PROTO_MEAN_FIELD_CUT_LOCUS, mean->is_cut);
+    proto_write_object_end(writer);
+}
+
+void proto_sampling_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                           const struct gd_point *points, const double *radii, uint32_t count,
+                           double snap, const struct proto_options *options)
+{
+    proto_write_object_begin(writer);
+    if (options->geometry != PROTO_GEOMETRY_NONE &&
+        proto_field(writer, options, PROTO_SAMPLING_FIELD_POINTS)) {
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < count; i++) {
+            if (options->geometry == PROTO_GEOMETRY_XYZ)
+                proto_xyz_encode(writer, gd_point_position(mesh, &points[i]));
+            else
+                proto_point_encode(writer, mesh, &points[i], i ? NAN : snap);
+        }
+        proto_write_array_end(writer);
+    }
+    if (proto_field(writer, options, PROTO_SAMPLING_FIELD_RADII))
+        proto_write_numbers(writer, radii, count);
     proto_write_object_end(writer);
 }

@@ -1,4 +1,4 @@
-#include "proto/queries/limit_trace.h"
+#include "proto/queries/limit_paths.h"
 
 #include <math.h>
 
@@ -86,8 +86,7 @@ void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_
 {
     begin_path(writer, trace->path.length);
     if (geometry != PROTO_GEOMETRY_NONE) {
-        proto_write_key(writer, "points");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "points");
         for (uint32_t i = 0; i < trace->path.count; i++)
             encode_point(writer, fine, &trace->path.points[i], geometry);
         proto_write_array_end(writer);
@@ -121,4 +120,65 @@ void proto_limit_trace_encode_smooth(struct proto_writer *writer, const struct g
         proto_limit_steps_encode(writer, path->steps, path->step_count, geometry);
     }
     encode_end(writer, end, path->direction, reasons[path->end]);
+}
+
+bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
+                             struct proto_limit_pair *out, struct proto_problem *problem)
+{
+    struct proto_limit_pair_request request;
+    struct proto_limit_pair pair;
+    if (!proto_limit_pair_request_decode(document, &request, problem) ||
+        !proto_limit_place_locate(surface, &request.from, "/from", &pair.from, problem) ||
+        !proto_limit_place_locate(surface, &request.to, "/to", &pair.to, problem) ||
+        !proto_limit_level_decode(document, surface, &pair.level, problem))
+        return false;
+    *out = pair;
+    return true;
+}
+
+static void encode_distance(struct proto_writer *writer, const struct gd_limit_shortest *found,
+                            const struct proto_options *options)
+{
+    proto_field_number(writer, options, PROTO_LIMIT_PATH_FIELD_DISTANCE, found->distance);
+    if (!isfinite(found->distance)) {
+        if (options->fields & (PROTO_LIMIT_PATH_FIELD_DISTANCE | PROTO_LIMIT_PATH_FIELD_REASON))
+            proto_member_string(writer, "reason", "no_path");
+        return;
+    }
+    proto_field_number(writer, options, PROTO_LIMIT_PATH_FIELD_ERROR_ESTIMATE,
+                       found->error_estimate);
+    proto_field_bool(writer, options, PROTO_LIMIT_PATH_FIELD_RELAXED, found->relaxed);
+    proto_field_number(writer, options, PROTO_LIMIT_PATH_FIELD_MESH_DISTANCE, found->mesh_distance);
+}
+
+static void encode_path(struct proto_writer *writer, const struct gd_limit_shortest *found,
+                        enum proto_geometry geometry)
+{
+    if (!isfinite(found->distance)) {
+        proto_write_null(writer);
+        return;
+    }
+    proto_write_object_begin(writer);
+    proto_member_number(writer, "length", found->distance);
+    if (geometry != PROTO_GEOMETRY_NONE) {
+        proto_write_key(writer, "points");
+        proto_limit_steps_encode(writer, found->steps, found->step_count, geometry);
+    }
+    proto_write_object_end(writer);
+}
+
+void proto_limit_pair_encode(struct proto_writer *writer, const struct proto_limit_pair *wanted,
+                             const struct gd_vec3 ends[2], const struct gd_limit_shortest *found,
+                             const struct proto_options *options)
+{
+    proto_write_object_begin(writer);
+    encode_distance(writer, found, options);
+    proto_field_uint(writer, options, PROTO_LIMIT_PATH_FIELD_LEVEL, wanted->level);
+    if (proto_field(writer, options, PROTO_LIMIT_PATH_FIELD_FROM))
+        proto_limit_place_encode(writer, &wanted->from, ends[0]);
+    if (proto_field(writer, options, PROTO_LIMIT_PATH_FIELD_TO))
+        proto_limit_place_encode(writer, &wanted->to, ends[1]);
+    if (proto_field(writer, options, PROTO_LIMIT_PATH_FIELD_PATH))
+        encode_path(writer, found, options->geometry);
+    proto_write_object_end(writer);
 }

@@ -1,6 +1,40 @@
-#include "proto/queries/tessellation.h"
+#include "proto/queries/made_mesh.h"
 
-#include "proto/values/mesh.h"
+#include "proto/json/member.h"
+#include "proto/queries/limit_paths.h"
+
+bool proto_discretization_decode(const json_t *document, const struct gd_subdivision *surface,
+                                 uint32_t max_faces, struct proto_discretization *out,
+                                 struct proto_problem *problem)
+{
+    struct proto_discretize_request request;
+    if (!proto_discretize_request_decode(document, &request, problem)) return false;
+    struct proto_discretization wanted = {request.mesh,
+                                          {.max_faces = max_faces, .tolerance = request.tolerance}};
+    if (!request.has_tolerance &&
+        !proto_limit_level_decode(document, surface, &wanted.options.level, problem))
+        return false;
+    *out = wanted;
+    return true;
+}
+
+void proto_vertex_places_encode(struct proto_writer *writer,
+                                const struct proto_vertex_places *places, uint32_t fields)
+{
+    proto_write_object_begin(writer);
+    if (fields & PROTO_VERTEX_PLACES_FIELD_SUBDIVISION)
+        proto_made_of_encode(writer, "subdivision", places->surface, places->etag);
+    if (fields & PROTO_VERTEX_PLACES_FIELD_PLACES) {
+        proto_member_array(writer, "places");
+        for (uint32_t i = 0; i < places->count; i++) {
+            const struct gd_limit_point *place = &places->items[i];
+            proto_write_numbers(writer, (double[]){place->face, place->corner, place->u, place->v},
+                                4);
+        }
+        proto_write_array_end(writer);
+    }
+    proto_write_object_end(writer);
+}
 
 /* --- the request ------------------------------------------------------------------------------ */
 
@@ -35,8 +69,7 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
 
 static void encode_periods(struct proto_writer *writer, const double period[2])
 {
-    proto_write_key(writer, "periods");
-    proto_write_array_begin(writer);
+    proto_member_array(writer, "periods");
     for (int k = 0; k < 2; k++) {
         if (period[k] > 0)
             proto_write_number(writer, period[k]);
@@ -55,8 +88,7 @@ void proto_vertex_parameters_encode(struct proto_writer *writer,
         proto_made_of_encode(writer, "nurbs", parameters->surface, parameters->etag);
     if (fields & PROTO_VERTEX_PARAMETERS_FIELD_PERIODS) encode_periods(writer, parameters->period);
     if (fields & PROTO_VERTEX_PARAMETERS_FIELD_UV) {
-        proto_write_key(writer, "uv");
-        proto_write_array_begin(writer);
+        proto_member_array(writer, "uv");
         for (uint32_t i = 0; i < parameters->count; i++)
             proto_write_numbers(writer, parameters->uv[i], 2);
         proto_write_array_end(writer);

@@ -1,0 +1,24 @@
+/* Point sets: the weighted mean of points of a surface, and points that cover a surface evenly. */
+#ifndef PROTO_POINT_SETS_H
+#define PROTO_POINT_SETS_H
+
+#include "gd/mean.h"
+#include "generated/requests.h"
+#include "proto/http/options.h"
+#include "proto/values/point.h"
+
+/* The weights of a request's points, by malloc; NULL: equal ones. invalid_request,
+ * insufficient_memory. */
+bool proto_mean_weights_decode(const json_t *document, uint32_t count, double **out,
+                               struct proto_problem *problem);
+
+void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                       const struct gd_mean *mean, const struct proto_options *options);
+
+/* Writes the points, by the geometry as elsewhere, [x,y,z] or left out, and their radii; a radius
+ * that is not finite is null. `snap`: how far the first point was moved; NAN: it was not. */
+void proto_sampling_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                           const struct gd_point *points, const double *radii, uint32_t count,
+                           double snap, const struct proto_options *options);
+
+#endif
