@@ -106,8 +106,6 @@ static void watch_deadlines(void *user)
 static void server_tick(struct server *server, uint64_t now_ns)
 {
     server_workers_expire(server->workers, now_ns);
-    server_cache_expire(server->surfaces.cache, now_ns);
-    server_loader_expire(server->surfaces.loader, now_ns);
     server_workers_expire(server->surfaces.writer, now_ns);
     server_workers_expire(server->surfaces.lister, now_ns);
     if (server_workers_cancelled(server->workers)) server_workers_cancel(server->surfaces.writer);

@@ -24,11 +24,11 @@ struct server_relay {
     pthread_mutex_t lock;
     pthread_cond_t room; /* for a writer that blocks */
     struct proto_writer waiting;
-    size_t taken;                    /* bytes of its front that are with the client */
-    const struct server_job *parked; /* the writer's; NULL: it has never been */
-    struct server_packer *packer;    /* the writer's; NULL: the text goes as it is */
-    struct proto_writer packed;      /* the writer's: what the packer made of the text */
-    bool is_ended, is_whole;         /* by the writer */
+    size_t taken;                 /* bytes of its front that are with the client */
+    bool is_parked;               /* the writer's job is, at the relay */
+    struct server_packer *packer; /* the writer's; NULL: the text goes as it is */
+    struct proto_writer packed;   /* the writer's: what the packer made of the text */
+    bool is_ended, is_whole;      /* by the writer */
     atomic_bool is_over;
 };
 
@@ -76,7 +76,8 @@ static size_t left_in(const struct server_relay *relay)
 /* Under the relay's lock: wakes the writer. */
 static void let_go_on(struct server_relay *relay)
 {
-    if (relay->parked) server_workers_unpark(relay->host->workers, relay->parked);
+    if (relay->is_parked) server_workers_unpark(relay->host->workers, relay);
+    relay->is_parked = false;
     pthread_cond_signal(&relay->room);
 }
 
@@ -174,8 +175,7 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
     pthread_mutex_lock(&relay->lock);
     bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
-        relay->parked = job;
-        is_ahead = server_workers_park(relay->host->workers, job);
+        is_ahead = relay->is_parked = server_workers_park(relay->host->workers, job, relay);
         /* the daemon ends, and the client does not read */
         if (!is_ahead) atomic_store(&relay->is_over, true);
     }

@@ -36,7 +36,6 @@ struct server_pending_build {
     LIST_ENTRY(server_pending_build) next;
     struct server_mesh_cache *fields; /* a reference */
     struct field_key key;             /* owned */
-    struct server_job *parked;
 };
 
 struct failure {
@@ -457,10 +456,9 @@ static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
     struct server_pending_build *build = pending_find(fields, key);
     if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
     if (build) {
-        job->next = build->parked;
-        build->parked = job;
         cache->statistics.waits++;
-        return SERVER_CACHE_WAIT;
+        return server_workers_park(cache->workers, job, build) ? SERVER_CACHE_WAIT
+                                                               : SERVER_CACHE_SEARCH;
     }
     if (may_build) build = calloc(1, sizeof *build);
     if (!build || !key_copy(key, &build->key)) {
@@ -499,7 +497,9 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
     bool has_failed = failure->key.hash == key.hash && key_covers(&key, &failure->key) &&
                       gd_now_ns() < failure->until_ns;
     enum server_cache_turn turn = build_claim(fields, &key, job, !has_failed, build);
-    *why = has_failed ? failure->status : GD_NO_MEMORY;
+    *why = has_failed                                         ? failure->status
+           : server_workers_cancelled(fields->cache->workers) ? GD_CANCELLED
+                                                              : GD_NO_MEMORY;
     pthread_mutex_unlock(&fields->cache->lock);
     return turn;
 }
@@ -518,10 +518,7 @@ const struct server_cached *server_cache_find_nearer(struct server_pending_build
 
 bool server_cache_is_awaited(struct server_pending_build *build)
 {
-    pthread_mutex_lock(&build->fields->cache->lock);
-    bool is_awaited = build->parked != NULL;
-    pthread_mutex_unlock(&build->fields->cache->lock);
-    return is_awaited;
+    return server_workers_await(build->fields->cache->workers, build);
 }
 
 /* --- ending a build --------------------------------------------------------------------------- */
@@ -538,10 +535,7 @@ static void pending_remove(struct server_pending_build *build, bool resets_quest
 /* Frees a removed build and resumes its parked jobs. */
 static void pending_free(struct server_pending_build *build)
 {
-    for (struct server_job *job = build->parked, *next; job; job = next) {
-        next = job->next;
-        server_workers_resume(build->fields->cache->workers, job);
-    }
+    server_workers_unpark(build->fields->cache->workers, build);
     server_mesh_cache_release(build->fields);
     key_free(&build->key);
     free(build);
@@ -597,18 +591,4 @@ void server_cache_fail(struct server_pending_build *build, enum gd_status status
                              .status = status};
     pthread_mutex_unlock(&cache->lock);
     pending_free(build);
-}
-
-void server_cache_expire(struct server_cache *cache, uint64_t now_ns)
-{
-    struct server_job *expired = NULL, **end = &expired;
-    struct server_pending_build *build;
-    pthread_mutex_lock(&cache->lock);
-    LIST_FOREACH(build, &cache->builds, next)
-    {
-        *end = server_jobs_expire(&build->parked, now_ns);
-        while (*end) end = &(*end)->next;
-    }
-    pthread_mutex_unlock(&cache->lock);
-    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
 }

@@ -13,7 +13,7 @@
  *
  * DESIGN. A surface owns a *mesh cache*. Of fields with equal seeds it keeps the one of the largest
  * reach; a field of larger reach is resumed from it and replaces it. A *pending build* has one
- * builder and a list of parked jobs, which are resumed when it ends, and look again. A request of
+ * builder; other jobs are parked at it (workers.h) until it ends, and look again. A request of
  * smaller reach does not wait: its own field may take much less time.
  *
  * Built are the fields that a client claims; and for pairs, the field of a point after
@@ -24,8 +24,8 @@
  * the budget until the last pin goes. A field that is published to a closed mesh cache lives as
  * long as its pins.
  *
- * One mutex guards everything. Jobs are resumed or refused and fields freed without it. The
- * budget's reclaim locks it: nothing is taken from the budget under it. All functions are
+ * One mutex guards everything; the workers' lock is taken under it. Fields are freed without it.
+ * The budget's reclaim locks it: nothing is taken from the budget under it. All functions are
  * thread-safe. */
 #ifndef SERVER_FIELDS_CACHE_H
 #define SERVER_FIELDS_CACHE_H
@@ -45,7 +45,7 @@ struct server_cached {
     struct server_evictable worth; /* the cache's own */
 };
 
-/* Becomes a reclaimer of `budget`; `workers` resume parked jobs. Both are borrowed. NULL without
+/* Becomes a reclaimer of `budget`; jobs are parked with `workers`. Both are borrowed. NULL without
  * memory. */
 struct server_cache *server_cache_create(struct server_budget *budget,
                                          struct server_workers *workers);
@@ -119,9 +119,6 @@ bool server_cache_is_awaited(struct server_pending_build *build);
 const struct server_cached *server_cache_publish(struct server_pending_build *build,
                                                  struct gd_field *field);
 void server_cache_fail(struct server_pending_build *build, enum gd_status status);
-
-/* Refuses the parked jobs whose deadline has passed. */
-void server_cache_expire(struct server_cache *cache, uint64_t now_ns);
 
 struct server_cache_statistics {
     uint64_t hits, misses, builds, resumed, waits, evictions, fields;

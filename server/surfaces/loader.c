@@ -21,7 +21,6 @@ struct server_loader {
 
 struct load {
     LIST_ENTRY(load) next;
-    struct server_job *parked;
     struct server_loader *loader;
     struct server_builder builder; /* its `bytes` are unset until they are fetched */
     void *parts[SERVER_PARTS];
@@ -115,18 +114,14 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
     return SERVER_LOADER_LOADED;
 }
 
-/* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is
- * not. */
+/* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is not,
+ * or the workers were cancelled. */
 static bool load_park(struct server_loader *loader, const struct server_record *record,
                       struct server_job *job)
 {
     struct load *load = LIST_FIRST(&loader->loads);
     while (load && load->builder.record != record) load = LIST_NEXT(load, next);
-    if (load && job) {
-        job->next = load->parked;
-        load->parked = job;
-    }
-    return load != NULL;
+    return load && (!job || server_workers_park(loader->parts.workers, job, load));
 }
 
 bool server_loader_join(struct server_loader *loader, const struct server_record *record,
@@ -147,12 +142,9 @@ static void load_end(struct load *load, enum server_loader_outcome outcome)
     pthread_mutex_unlock(&loader->lock);
     if (outcome == SERVER_LOADER_FAILED &&
         load->builder.problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY) {
-        server_jobs_refuse(load->parked, SERVER_REFUSAL_MEMORY);
-        return;
-    }
-    for (struct server_job *job = load->parked, *next; job; job = next) {
-        next = job->next;
-        server_workers_resume(loader->parts.workers, job);
+        server_workers_refuse_parked(loader->parts.workers, load, SERVER_REFUSAL_MEMORY);
+    } else {
+        server_workers_unpark(loader->parts.workers, load);
     }
 }
 
@@ -187,20 +179,6 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
     }
     load_end(&load, outcome);
     return outcome;
-}
-
-void server_loader_expire(struct server_loader *loader, uint64_t now_ns)
-{
-    struct server_job *expired = NULL, **end = &expired;
-    struct load *load;
-    pthread_mutex_lock(&loader->lock);
-    LIST_FOREACH(load, &loader->loads, next)
-    {
-        *end = server_jobs_expire(&load->parked, now_ns);
-        while (*end) end = &(*end)->next;
-    }
-    pthread_mutex_unlock(&loader->lock);
-    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
 }
 
 /* Loads the most used first, until the next one would need memory that is in use. */

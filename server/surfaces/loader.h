@@ -12,7 +12,7 @@
 
 struct server_loader_parts { /* all borrowed */
     struct server_budget *budget;
-    struct server_workers *workers; /* resume jobs; a load ends when they are cancelled */
+    struct server_workers *workers; /* jobs are parked there; a load ends when they are cancelled */
     struct server_cache *cache;
     struct server_registry *registry;
     struct server_field_store *field_store; /* NULL: fields are not restored */
@@ -46,8 +46,5 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
 /* Parks a job if the record is being loaded; false: it is not. */
 bool server_loader_join(struct server_loader *loader, const struct server_record *record,
                         struct server_job *job);
-
-/* Refuses the parked jobs whose deadline has passed. */
-void server_loader_expire(struct server_loader *loader, uint64_t now_ns);
 
 #endif

@@ -267,17 +267,50 @@ bool server_workers_withdraw(struct server_workers *workers, struct server_job *
     return is_found;
 }
 
-bool server_workers_park(struct server_workers *workers, struct server_job *job)
+bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at)
 {
+    job->parked_at = at;
     return workers_list(workers, &workers->parked, job);
 }
 
-void server_workers_unpark(struct server_workers *workers, const struct server_job *job)
+/* Under the lock: the link to the first job that is parked there; it points to NULL: none is. */
+static struct server_job **parked_find(struct server_workers *workers, const void *at)
+{
+    struct server_job **link = &workers->parked;
+    while (*link && (*link)->parked_at != at) link = &(*link)->next;
+    return link;
+}
+
+void server_workers_unpark(struct server_workers *workers, const void *at)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_job *parked = list_remove(&workers->parked, job);
-    if (parked) (void)workers_put(workers, parked, true);
+    for (struct server_job **link, *job; (job = *(link = parked_find(workers, at)));) {
+        *link = job->next;
+        (void)workers_put(workers, job, true);
+    }
     pthread_mutex_unlock(&workers->lock);
+}
+
+void server_workers_refuse_parked(struct server_workers *workers, const void *at,
+                                  enum server_refusal why)
+{
+    struct server_job *refused = NULL;
+    pthread_mutex_lock(&workers->lock);
+    for (struct server_job **link, *job; (job = *(link = parked_find(workers, at)));) {
+        *link = job->next;
+        job->next = refused;
+        refused = job;
+    }
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(refused, why);
+}
+
+bool server_workers_await(struct server_workers *workers, const void *at)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool is_awaited = *parked_find(workers, at) != NULL;
+    pthread_mutex_unlock(&workers->lock);
+    return is_awaited;
 }
 
 void server_workers_yield(struct server_workers *workers)

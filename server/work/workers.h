@@ -39,13 +39,18 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
 /* Queues a background job. Its deadline is checked when it starts. */
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job);
 
-/* Parks a running job until an unpark: the last act of its `run`. It is refused when it gets late
- * or at a cancel. Returns false after a cancel: the job is not parked. */
-bool server_workers_park(struct server_workers *workers, struct server_job *job);
+/* Parks a job at an address, until it is unparked there: the last act of its `run`. It is refused
+ * when it gets late or at a cancel. Returns false after a cancel: the job is not parked. This and
+ * the next function take only the workers' lock. */
+bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at);
 
-/* Queues a parked job ahead of its lane. Ignores a job that is not parked, or no longer exists.
- * Takes only its own lock. */
-void server_workers_unpark(struct server_workers *workers, const struct server_job *job);
+/* Queues the jobs that are parked there, ahead of their lanes; or refuses them. */
+void server_workers_unpark(struct server_workers *workers, const void *at);
+void server_workers_refuse_parked(struct server_workers *workers, const void *at,
+                                  enum server_refusal why);
+
+/* Are jobs parked there? */
+bool server_workers_await(struct server_workers *workers, const void *at);
 
 /* Removes a background job that has not started: the caller owns it again. Returns false when it
  * has started or was refused. The job must still exist. */

@@ -187,7 +187,7 @@ static void who_waits_has_a_deadline(void **state)
     early.job.deadline_ns = 1000;
     wait_for(fixture, &source, &late);
     wait_for(fixture, &source, &early);
-    server_cache_expire(fixture->cache, 1000);
+    server_workers_expire(fixture->workers, 1000);
     assert_int_equal(early.refusals, 1);
     assert_int_equal(early.why, SERVER_REFUSAL_DEADLINE);
     assert_true(server_cache_is_awaited(build));

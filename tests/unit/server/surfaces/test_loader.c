@@ -159,9 +159,9 @@ static void a_waiting_job_has_a_deadline(void **state)
     begin_load(fixture, 0);
     fixture->job.job.deadline_ns = 100;
     assert_true(join(fixture));
-    server_loader_expire(fixture->loader, 99);
+    server_workers_expire(fixture->workers, 99);
     assert_int_equal(fixture->job.refusals, 0);
-    server_loader_expire(fixture->loader, 100);
+    server_workers_expire(fixture->workers, 100);
     assert_int_equal(fixture->job.refusals, 1);
     assert_int_equal(fixture->job.why, SERVER_REFUSAL_DEADLINE);
     end_load(fixture, 0);

@@ -275,17 +275,26 @@ static void the_background_can_be_withdrawn(void **state)
 static void a_parked_job_is_queued_again_or_refused(void **state)
 {
     (void)state;
-    struct test_job back, never, late, left, after;
+    struct test_job back, too, poor, never, late, left, after;
     struct server_workers *workers = server_workers_create(1, 10);
-    struct test_job *jobs[] = {&back, &never, &late, &left, &after};
+    struct test_job *jobs[] = {&back, &too, &poor, &never, &late, &left, &after};
     for (size_t i = 0; i < COUNT(jobs); i++) test_job_init(jobs[i], NULL);
     late.job.deadline_ns = gd_now_ns();
-    assert_true(server_workers_park(workers, &left.job) &&
-                server_workers_park(workers, &late.job) && server_workers_park(workers, &back.job));
+    assert_true(server_workers_park(workers, &left.job, &left) &&
+                server_workers_park(workers, &late.job, &left) &&
+                server_workers_park(workers, &poor.job, &poor) &&
+                server_workers_park(workers, &back.job, &back) &&
+                server_workers_park(workers, &too.job, &back));
     server_workers_unpark(workers, &never.job);
-    server_workers_unpark(workers, &back.job);
-    server_workers_unpark(workers, &back.job);
+    assert_true(server_workers_await(workers, &back));
+    server_workers_unpark(workers, &back);
+    server_workers_unpark(workers, &back);
+    assert_false(server_workers_await(workers, &back));
     sem_wait(&back.done);
+    sem_wait(&too.done);
+    server_workers_refuse_parked(workers, &poor, SERVER_REFUSAL_MEMORY);
+    assert_int_equal(poor.refusals, 1);
+    assert_int_equal(poor.why, SERVER_REFUSAL_MEMORY);
     server_workers_expire(workers, gd_now_ns());
     assert_int_equal(late.refusals, 1);
     assert_int_equal(late.why, SERVER_REFUSAL_DEADLINE);
@@ -293,10 +302,11 @@ static void a_parked_job_is_queued_again_or_refused(void **state)
     server_workers_cancel(workers);
     assert_int_equal(left.refusals, 1);
     assert_int_equal(left.why, SERVER_REFUSAL_DRAINING);
-    assert_false(server_workers_park(workers, &after.job));
-    server_workers_unpark(workers, &left.job);
+    assert_false(server_workers_park(workers, &after.job, &left));
+    server_workers_unpark(workers, &left);
     server_workers_destroy(workers);
     assert_int_equal(back.runs, 1);
+    assert_int_equal(too.runs, 1);
     assert_int_equal(never.runs + late.runs + left.runs + after.runs + after.refusals, 0);
 }
 
