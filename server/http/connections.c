@@ -67,12 +67,9 @@ struct server_connections {
     struct server_connection *first, *last;
     struct server_thread *thread;
     const struct server_budget *budget;
-    uint64_t refused_answers; /* of the budget, at the last look; of the thread */
-    atomic_uint_least64_t open, leaving, cut, refusals;
+    uint64_t refused_answers, checked_ns; /* at the last look of the thread */
+    atomic_uint_least64_t open, leaving, cut, refusals, complained_ns;
     uint32_t most, reserve;
-    struct candidate *candidates; /* `most` of them; under the mutex */
-    atomic_uint_least64_t complained_ns;
-    uint64_t checked_ns; /* of the thread */
 };
 
 static enum phase phase_of(uint64_t deadline_ns)
@@ -180,37 +177,27 @@ static uint32_t connections_excess(struct server_connections *connections, uint3
     return connections->most && open > kept ? (uint32_t)(open - kept) : 0;
 }
 
+enum { RANK_OLD_HEAD, RANK_IDLE, RANK_YOUNG_HEAD, RANKS };
+
 /* Under the mutex: lists the connections that wait for their clients. */
-static size_t candidates_list(struct server_connections *connections)
+static size_t candidates_list(const struct server_connections *connections, uint64_t now_ns,
+                              struct candidate *out)
 {
+    uint32_t waiting[ADDRESSES] = {0}, most = 0;
     size_t count = 0;
     for (struct server_connection *at = connections->first; at && count < connections->most;
          at = at->next) {
         uint64_t deadline_ns = atomic_load(&at->deadline_ns);
         enum phase phase = phase_of(deadline_ns);
-        if (phase == PHASE_HEAD || phase == PHASE_IDLE)
-            connections->candidates[count++] = (struct candidate){at, deadline_ns, 0};
+        if (phase != PHASE_HEAD && phase != PHASE_IDLE) continue;
+        bool is_young = deadline_ns > now_ns + PATIENCE_NS - YOUNG_NS;
+        unsigned rank = is_young ? RANK_YOUNG_HEAD : RANK_OLD_HEAD;
+        out[count++] = (struct candidate){at, deadline_ns, phase == PHASE_IDLE ? RANK_IDLE : rank};
+        if (++waiting[at->address] > most) most = waiting[at->address];
     }
+    for (size_t i = 0; i < count; i++)
+        if (2 * waiting[out[i].connection->address] < most) out[i].rank += RANKS;
     return count;
-}
-
-enum { RANK_OLD_HEAD, RANK_IDLE, RANK_YOUNG_HEAD, RANKS };
-
-static void candidates_rank(struct candidate *candidates, size_t count, uint64_t now_ns)
-{
-    uint32_t waiting[ADDRESSES] = {0}, most = 0;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t *group = &waiting[candidates[i].connection->address];
-        if (++*group > most) most = *group;
-    }
-    for (size_t i = 0; i < count; i++) {
-        struct candidate *candidate = &candidates[i];
-        bool is_young = candidate->deadline_ns > now_ns + PATIENCE_NS - YOUNG_NS;
-        candidate->rank = phase_of(candidate->deadline_ns) == PHASE_IDLE ? RANK_IDLE
-                          : is_young                                     ? RANK_YOUNG_HEAD
-                                                                         : RANK_OLD_HEAD;
-        if (2 * waiting[candidate->connection->address] < most) candidate->rank += RANKS;
-    }
 }
 
 static int candidate_compare(const void *a, const void *b)
@@ -218,15 +205,6 @@ static int candidate_compare(const void *a, const void *b)
     const struct candidate *first = a, *second = b;
     if (first->rank != second->rank) return first->rank < second->rank ? -1 : 1;
     return (first->deadline_ns > second->deadline_ns) - (first->deadline_ns < second->deadline_ns);
-}
-
-/* Under the mutex. Returns how many of them are shut down. */
-static uint32_t candidates_shut(const struct candidate *candidates, uint64_t count)
-{
-    uint32_t done = 0;
-    for (uint64_t i = 0; i < count; i++)
-        done += connection_shut(candidates[i].connection, candidates[i].deadline_ns);
-    return done;
 }
 
 static void connections_complain(struct server_connections *connections, uint64_t now_ns)
@@ -244,21 +222,25 @@ static void connections_complain(struct server_connections *connections, uint64_
  * all of them again. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
-    struct candidate *all = connections->candidates;
-    uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART;
+    uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART, done = 0;
     uint32_t wanted = connections_excess(connections, reserve),
-             needed = connections_excess(connections, scarce);
-    if (!wanted) return;
+             needed = connections_excess(connections, scarce), goal = wanted + reserve / 2;
+    struct candidate *all = wanted ? malloc(connections->most * sizeof *all) : NULL;
+    if (!all) return;
     pthread_mutex_lock(&connections->mutex);
-    size_t count = candidates_list(connections), ordinary = 0;
-    candidates_rank(all, count, now_ns);
+    size_t count = candidates_list(connections, now_ns, all);
     qsort(all, count, sizeof *all, candidate_compare);
-    while (ordinary < count && all[ordinary].rank <= RANK_IDLE) ordinary++;
-    uint32_t done = candidates_shut(all, deadline_earlier(ordinary, wanted + reserve / 2));
-    if (done < needed)
-        done += candidates_shut(all + ordinary,
-                                deadline_earlier(count - ordinary, needed - done + scarce));
+    bool is_ordinary = true;
+    for (size_t i = 0; i < count && done < goal; i++) {
+        if (is_ordinary && all[i].rank > RANK_IDLE) {
+            is_ordinary = false;
+            if (done >= needed) break;
+            goal = needed + scarce;
+        }
+        done += connection_shut(all[i].connection, all[i].deadline_ns);
+    }
     pthread_mutex_unlock(&connections->mutex);
+    free(all);
     if (done) connections_complain(connections, now_ns);
 }
 
@@ -325,18 +307,13 @@ void server_connections_destroy(struct server_connections *connections)
     if (!connections) return;
     server_thread_stop(connections->thread);
     pthread_mutex_destroy(&connections->mutex);
-    free(connections->candidates);
     free(connections);
 }
 
-bool server_connections_limit(struct server_connections *connections, uint32_t most)
+void server_connections_limit(struct server_connections *connections, uint32_t most)
 {
-    struct candidate *candidates = realloc(connections->candidates, most * sizeof *candidates);
-    if (most && !candidates) return false;
-    connections->candidates = candidates;
     connections->most = most;
     connections->reserve = (most + RESERVE_PART - 1) / RESERVE_PART;
-    return true;
 }
 
 uint32_t server_connections_active(struct server_connections *connections)
@@ -381,19 +358,6 @@ static unsigned address_group(const struct sockaddr *client)
                       54); /* Fibonacci hashing: 10 bits */
 }
 
-static void connection_insert(struct server_connections *connections,
-                              struct server_connection *connection)
-{
-    pthread_mutex_lock(&connections->mutex);
-    connection->previous = connections->last;
-    *(connection->previous ? &connection->previous->next : &connections->first) = connection;
-    connections->last = connection;
-    pthread_mutex_unlock(&connections->mutex);
-    if (atomic_fetch_add(&connections->open, 1) == 0 ||
-        connections_excess(connections, connections->reserve))
-        server_thread_wake(connections->thread);
-}
-
 struct server_connection *server_connection_open(struct server_connections *connections,
                                                  int descriptor, const struct sockaddr *client)
 {
@@ -403,7 +367,14 @@ struct server_connection *server_connection_open(struct server_connections *conn
     connection->descriptor = descriptor;
     connection->address = address_group(client);
     connection_set(connection, PHASE_HEAD, gd_now_ns() + PATIENCE_NS);
-    connection_insert(connections, connection);
+    pthread_mutex_lock(&connections->mutex);
+    connection->previous = connections->last;
+    *(connection->previous ? &connection->previous->next : &connections->first) = connection;
+    connections->last = connection;
+    pthread_mutex_unlock(&connections->mutex);
+    if (atomic_fetch_add(&connections->open, 1) == 0 ||
+        connections_excess(connections, connections->reserve))
+        server_thread_wake(connections->thread);
     return connection;
 }
 

@@ -12,8 +12,7 @@
  * An eighth of all places is a reserve for new clients. While less is free, the thread shuts down
  * connections that wait for their clients, of the addresses that have most of them: heads older
  * than a second, the oldest first, then the connections that have been idle for longest. While less
- * than half of the reserve is free, younger heads and connections of other addresses go, too. A
- * connection with a request under way is never shut down for this. */
+ * than half of the reserve is free, younger heads and connections of other addresses go, too. */
 #ifndef SERVER_HTTP_CONNECTIONS_H
 #define SERVER_HTTP_CONNECTIONS_H
 
@@ -41,19 +40,19 @@ struct server_connections_statistics {
 struct server_connections *server_connections_create(const struct server_budget *budget);
 
 /* Sets how many connections there can be at a time, before the first is opened. 0, as at first: any
- * number. False without memory. */
-bool server_connections_limit(struct server_connections *connections, uint32_t most);
+ * number. */
+void server_connections_limit(struct server_connections *connections, uint32_t most);
 
 /* When no connection is open. NULL is harmless. */
 void server_connections_destroy(struct server_connections *connections);
 
 /* Shuts down the connections whose deadline is before that time, and the receiving side of those
  * whose client has ended its own: the library overlooks an end that arrives with the last bytes.
- * The thread does it every second. Thread-safe. */
+ * Called every second by the thread. Thread-safe. */
 void server_connections_check(struct server_connections *connections, uint64_t now_ns);
 
-/* Shuts down connections that wait for their clients until the reserve is free. The thread does it
- * whenever a connection is opened while the reserve is not. Thread-safe. */
+/* Shuts down connections that wait for their clients until the reserve is free. Called by the thread
+ * when a connection is opened while the reserve is not. Thread-safe. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
 
 /* Connections between a request line and the last byte of its answer. Thread-safe.

@@ -20,6 +20,8 @@
 #include "server/http/http.h"
 
 #include <microhttpd.h>
+#include <netdb.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -35,7 +37,6 @@
 #include "server/exchange/events.h"
 #include "server/exchange/metrics.h"
 #include "server/exchange/reply.h"
-#include "server/http/request_log.h"
 #include "server/http/tls.h"
 #include "server/work/thread_priority.h"
 
@@ -48,6 +49,7 @@
 #define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
 #define STREAM_BLOCK       1024               /* bytes that are read from a stream at a time */
 #define LARGE_ANSWER       ((size_t)1 << 20)
+#define PEER_TEXT          64
 #define LARGE_BLOCK        ((size_t)128 << 10) /* bytes of a large answer that are sent at a time */
 
 /* Level 1 refuses HTTP/1.1 without a Host and blanks in targets; from 1.0 on also bare LFs, folded
@@ -106,8 +108,9 @@ static const struct sockaddr *peer_of(struct MHD_Connection *connection)
 }
 
 /* A client that waits for an answer does not close its side. */
-static bool client_has_hung_up(const struct client *client)
+static bool client_has_hung_up(void *user)
 {
+    const struct client *client = user;
     struct pollfd state = {.fd = socket_of(client->connection), .events = POLLRDHUP};
     return poll(&state, 1, 0) == 1 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR));
 }
@@ -208,23 +211,63 @@ static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char
     return MHD_YES;
 }
 
+/* --- the log ---------------------------------------------------------------------------------- */
+
+static bool is_suspicious(unsigned status)
+{
+    return status == 400 || status == 401 || status == 403 || status == 429;
+}
+
+static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
+{
+    if (!peer || (peer->sa_family != AF_INET && peer->sa_family != AF_INET6)) return NULL;
+    socklen_t size =
+        peer->sa_family == AF_INET6 ? sizeof(struct sockaddr_in6) : sizeof(struct sockaddr_in);
+    return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
+}
+
+/* Logs an answered exchange. The client's address is for requests that were malformed or refused;
+ * of its key only the name. */
+static void client_log(const struct client *client, uint64_t nanoseconds)
+{
+    const struct server_exchange *exchange = &client->exchange;
+    const struct server_response *response = &exchange->response;
+    uint64_t slow_ms = exchange->host->slow_ms;
+    bool is_slow = slow_ms && nanoseconds >= slow_ms * 1000000, is_error = response->status == 500;
+    struct server_log_line line;
+    char text[PEER_TEXT];
+    if (!server_log_begin(&line,
+                          is_error  ? SERVER_LOG_ERROR
+                          : is_slow ? SERVER_LOG_WARN
+                                    : SERVER_LOG_INFO,
+                          is_slow && !is_error ? "slow_request" : "request"))
+        return;
+    server_log_text(&line, "method", exchange->method);
+    server_log_text(&line, "path", exchange->path);
+    server_log_text(&line, "route", exchange->match.route ? exchange->match.route->path : NULL);
+    server_log_integer(&line, "status", response->status);
+    server_log_text(&line, "code", server_exchange_code(exchange));
+    server_log_text(&line, "key", server_grant_name(&exchange->grant));
+    if (is_suspicious(response->status))
+        server_log_text(&line, "peer", print_peer(peer_of(client->connection), text));
+    server_log_integer(&line, "bytes", (int64_t)response->size);
+    server_log_milliseconds(&line, "ms", nanoseconds);
+    server_log_text(&line, "lane", exchange->work ? "worker" : "inline");
+    server_log_text(&line, "request_id", exchange->request_id);
+    server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
+    server_log_end_soon(&line);
+}
+
 /* --- from the exchange to the library --------------------------------------------------------- */
 
 static void client_pause(void *user)
 {
-    const struct client *client = user;
-    MHD_suspend_connection(client->connection);
+    MHD_suspend_connection(((const struct client *)user)->connection);
 }
 
 static void client_resume(void *user)
 {
-    const struct client *client = user;
-    MHD_resume_connection(client->connection);
-}
-
-static bool client_has_left(void *user)
-{
-    return client_has_hung_up(user);
+    MHD_resume_connection(((const struct client *)user)->connection);
 }
 
 static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
@@ -234,16 +277,6 @@ static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
     ptrdiff_t read = server_stream_read(client->exchange.response.stream, bytes, size);
     if (read == SERVER_STREAM_CUT) return MHD_CONTENT_READER_END_WITH_ERROR;
     return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
-}
-
-static struct MHD_Response *response_streamed(struct client *client)
-{
-    server_stream_attach(
-        client->exchange.response.stream,
-        (struct server_stream_reader){client_pause, client_resume, client_has_left, client});
-    size_t size = client->exchange.response.size; /* 0: it is not known */
-    return MHD_create_response_from_callback(
-        size ? size : MHD_SIZE_UNKNOWN, size ? LARGE_BLOCK : STREAM_BLOCK, on_read, client, NULL);
 }
 
 /* Copies the body from `position` on: its own text, then the lent bytes, then their tail. */
@@ -272,14 +305,19 @@ static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
 
 /* A large body goes to the kernel in blocks: a system call that copies several MiB would delay the
  * thread's other connections by milliseconds. The exchange keeps the body. */
-static struct MHD_Response *response_large(struct server_response *reply)
+static struct MHD_Response *response_create(struct client *client)
 {
-    return MHD_create_response_from_callback(reply->size, LARGE_BLOCK, on_body, reply, NULL);
-}
-
-static struct MHD_Response *response_whole(struct server_response *reply)
-{
-    if (reply->lent.bytes || reply->size >= LARGE_ANSWER) return response_large(reply);
+    struct server_response *reply = &client->exchange.response;
+    if (reply->stream) {
+        server_stream_attach(
+            reply->stream,
+            (struct server_stream_reader){client_pause, client_resume, client_has_hung_up, client});
+        return MHD_create_response_from_callback(reply->size ? reply->size : MHD_SIZE_UNKNOWN,
+                                                 reply->size ? LARGE_BLOCK : STREAM_BLOCK, on_read,
+                                                 client, NULL);
+    }
+    if (reply->lent.bytes || reply->size >= LARGE_ANSWER)
+        return MHD_create_response_from_callback(reply->size, LARGE_BLOCK, on_body, reply, NULL);
     struct MHD_Response *response =
         reply->owned
             ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
@@ -299,28 +337,21 @@ static bool response_add_headers(struct MHD_Response *response, const struct ser
     return is_added;
 }
 
-static struct MHD_Response *response_make(struct client *client)
-{
-    struct server_response *reply = &client->exchange.response;
-    struct MHD_Response *response =
-        reply->stream ? response_streamed(client) : response_whole(reply);
-    if (!response || response_add_headers(response, reply)) return response;
-    MHD_destroy_response(response);
-    return NULL;
-}
-
 static enum MHD_Result client_answer(struct client *client)
 {
     struct server_exchange *exchange = &client->exchange;
     const struct server_response *reply = &exchange->response;
     uint64_t now_ns = gd_now_ns(), nanoseconds = now_ns - exchange->started_ns;
     client->phase = PHASE_ANSWERED;
-    struct MHD_Response *response = response_make(client);
-    if (!response) return MHD_NO;
+    struct MHD_Response *response = response_create(client);
+    if (!response || !response_add_headers(response, reply)) {
+        if (response) MHD_destroy_response(response);
+        return MHD_NO;
+    }
     server_metrics_count(exchange->host->metrics, exchange->match.route, reply->status,
                          nanoseconds);
     server_metrics_count_problem(exchange->host->metrics, reply->problem);
-    server_request_log(exchange, peer_of(client->connection), nanoseconds);
+    client_log(client, nanoseconds);
     server_connection_answer(client->deadlines, reply->size, reply->stream && !reply->size, now_ns);
     enum MHD_Result result = MHD_queue_response(client->connection, reply->status, response);
     MHD_destroy_response(response);
@@ -430,20 +461,8 @@ static void on_library_log(void *user, const char *format, va_list arguments)
     server_log_message(SERVER_LOG_DEBUG, "http", "%s", sentence);
 }
 
-static struct server_http *http_create(const struct server_http_parts *parts, int listening)
-{
-    struct server_http *http = calloc(1, sizeof *http);
-    if (!http) return NULL;
-    http->parts = *parts;
-    http->listening = listening;
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, http->silent) == 0) return http;
-    free(http);
-    return NULL;
-}
-
 static void http_destroy(struct server_http *http)
 {
-    if (!http) return;
     close(http->silent[0]);
     close(http->silent[1]);
     free(http);
@@ -462,7 +481,7 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
                      MHD_USE_ERROR_LOG | (http->parts.tls ? MHD_USE_TLS : 0);
     unsigned most = connection_limit(config), threads = (unsigned)config->http_threads;
     unsigned silence = config->listen.socket.ss_family == AF_UNIX ? SILENCE_SECONDS : 0;
-    if (!server_connections_limit(http->parts.connections, most)) return NULL;
+    server_connections_limit(http->parts.connections, most);
     return MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
         MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE,
@@ -478,11 +497,17 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
 struct server_http *server_http_start(const struct server_http_parts *parts, int listening,
                                       char *error, size_t error_size)
 {
-    struct server_http *http = http_create(parts, listening);
-    if (http) http->daemon = http_start_library(http);
-    if (http && http->daemon) return http;
+    struct server_http *http = calloc(1, sizeof *http);
+    if (http && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, http->silent) == 0) {
+        http->parts = *parts;
+        http->listening = listening;
+        http->daemon = http_start_library(http);
+        if (http->daemon) return http;
+        http_destroy(http);
+    } else {
+        free(http);
+    }
     snprintf(error, error_size, "the HTTP library could not be started");
-    http_destroy(http);
     close(listening);
     return NULL;
 }

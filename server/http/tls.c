@@ -46,50 +46,34 @@ static void identity_free(struct identity *identity)
     free(identity);
 }
 
-static bool refuse_file(char *error, size_t error_size, const char *path, int code)
-{
-    snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
-    return false;
-}
-
-/* The caller frees `text->data`. */
-static bool file_read(const char *path, gnutls_datum_t *text, char *error, size_t error_size)
+/* Reads the certificate with its issuers, or the private key. */
+static bool identity_load_file(struct identity *identity, const char *path, bool is_key,
+                               char *error, size_t error_size)
 {
     void *bytes;
     size_t size;
-    if (server_disk_read(path, &bytes, &size) == SERVER_STORE_DONE && size <= UINT_MAX) {
-        *text = (gnutls_datum_t){bytes, (unsigned)size};
-        return true;
+    int code;
+    if (server_disk_read(path, &bytes, &size) != SERVER_STORE_DONE || size > UINT_MAX) {
+        snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, server_disk_why());
+        return false;
     }
-    snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, server_disk_why());
-    return false;
-}
-
-static bool identity_load_chain(struct identity *identity, const char *path, char *error,
-                                size_t error_size)
-{
-    gnutls_datum_t text;
-    unsigned count = CHAIN_MOST;
-    if (!file_read(path, &text, error, error_size)) return false;
-    int code =
-        gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
-    free(text.data);
-    if (code < 0) return refuse_file(error, error_size, path, code);
-    identity->count = count;
-    return true;
-}
-
-static bool identity_load_key(struct identity *identity, const char *path, char *error,
-                              size_t error_size)
-{
-    gnutls_datum_t text;
-    if (!file_read(path, &text, error, error_size)) return false;
-    int code = gnutls_privkey_init(&identity->key);
-    if (code == 0)
-        code = gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
-    gnutls_memset(text.data, 0, text.size);
-    free(text.data);
-    return code == 0 || refuse_file(error, error_size, path, code);
+    const gnutls_datum_t text = {bytes, (unsigned)size};
+    if (is_key) {
+        code = gnutls_privkey_init(&identity->key);
+        if (code == 0)
+            code =
+                gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
+    } else {
+        unsigned count = CHAIN_MOST;
+        code = gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text,
+                                                 GNUTLS_X509_FMT_PEM, 0);
+        if (code >= 0) identity->count = count;
+    }
+    gnutls_memset(bytes, 0, size);
+    free(bytes);
+    if (code < 0)
+        snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
+    return code >= 0;
 }
 
 /* The private key belongs to the certificate's public key. */
@@ -112,8 +96,8 @@ static struct identity *identity_load(const struct server_tls *tls, char *error,
 {
     struct identity *identity = calloc(1, sizeof *identity);
     if (!identity) return NULL;
-    bool ok = identity_load_chain(identity, tls->certificate, error, error_size) &&
-              identity_load_key(identity, tls->key, error, error_size);
+    bool ok = identity_load_file(identity, tls->certificate, false, error, error_size) &&
+              identity_load_file(identity, tls->key, true, error, error_size);
     if (ok && !identity_is_pair(identity)) {
         snprintf(error, error_size, "the key of '%s' is not that of the certificate of '%s'",
                  tls->key, tls->certificate);
