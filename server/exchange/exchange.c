@@ -9,7 +9,6 @@
 #include <strings.h>
 
 #include "server/exchange/events.h"
-#include "server/exchange/reply.h"
 
 #define TARGET_MOST 8192  /* bytes */
 #define HEAD_MOST   12288 /* bytes of all parts: leaves the library room for the answer (http.c) */
@@ -80,21 +79,35 @@ static const char *split_query(struct server_exchange *exchange, char *query)
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-static void drop_state(struct server_exchange *exchange)
+void server_exchange_drop_state(struct server_exchange *exchange)
 {
     if (exchange->free_state) exchange->free_state(exchange->state);
     exchange->free_state = NULL;
     exchange->state = NULL;
 }
 
+void server_exchange_drop_body(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    server_stream_close(response->stream);
+    free(response->owned);
+    if (response->lent.bytes) response->lent.release(response->lent.lender);
+    server_budget_give(exchange->host->budget, SERVER_BUDGET_ANSWERS, response->held);
+    response->stream = NULL;
+    response->owned = NULL;
+    response->body = NULL;
+    response->lent = (struct server_lent){0};
+    response->size = response->held = 0;
+}
+
 void server_exchange_end(struct server_exchange *exchange)
 {
-    drop_state(exchange);
+    server_exchange_drop_state(exchange);
     if (exchange->surface) exchange->release_surface(exchange->surface);
     server_body_drop(&exchange->body);
     server_budget_give(exchange->host->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_grant_end(&exchange->grant);
-    server_reply_drop_body(exchange);
+    server_exchange_drop_body(exchange);
     free(exchange->copies);
     free(exchange->target);
 }
@@ -135,57 +148,6 @@ void server_exchange_defer(struct server_exchange *exchange,
     exchange->join = join;
 }
 
-static void exchange_finish(struct server_exchange *exchange)
-{
-    struct server_host *host = exchange->host;
-    drop_state(exchange); /* now: others may wait for what it holds */
-    exchange->transport->finish(exchange);
-    atomic_fetch_sub(&host->deferred, 1);
-}
-
-static void exchange_job_run(struct server_job *job)
-{
-    struct server_exchange *exchange = server_exchange_of(job);
-    if (exchange->transport->begin) exchange->transport->begin(exchange);
-    do {
-        if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
-    } while (!exchange->response.status);
-    exchange_finish(exchange);
-}
-
-static void exchange_job_refuse(struct server_job *job, enum server_refusal why)
-{
-    struct server_exchange *exchange = server_exchange_of(job);
-    struct proto_problem problem;
-    bool is_late = why == SERVER_REFUSAL_DEADLINE && !atomic_load(&job->is_unwanted);
-    if (why == SERVER_REFUSAL_MEMORY)
-        (void)server_budget_refuse(exchange->host->budget, "the mesh", 0, &problem);
-    else
-        (void)proto_problem_from_status(&problem, is_late ? GD_DEADLINE : GD_CANCELLED, NULL);
-    server_reply_problem(exchange, &problem);
-    exchange_finish(exchange);
-}
-
-void server_exchange_count_deferred(struct server_host *host)
-{
-    if (atomic_fetch_add(&host->deferred, 1) == 0) host->watch(host->watcher);
-}
-
-void server_exchange_submit(struct server_exchange *exchange)
-{
-    struct server_host *host = exchange->host;
-    server_exchange_count_deferred(host);
-    exchange->job.tenant = exchange->tenant;
-    if (exchange->join && exchange->join(exchange)) return;
-    if (server_workers_submit(host->workers, &exchange->job)) return;
-    server_reply_refusal(
-        exchange, PROTO_PROBLEM_OVERLOADED,
-        "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
-        "try again in a moment",
-        (unsigned long long)host->queue_length);
-    exchange_finish(exchange);
-}
-
 static bool on_progress(void *user, double fraction)
 {
     struct server_monitor *monitor = user;
@@ -214,8 +176,8 @@ static void exchange_clear(struct server_exchange *exchange, struct server_host 
     exchange->transport = transport;
     exchange->tenant = "";
     exchange->started_ns = gd_now_ns();
-    exchange->job.run = exchange_job_run;
-    exchange->job.refuse = exchange_job_refuse;
+    exchange->job.run = server_exchange_job_run;
+    exchange->job.refuse = server_exchange_job_refuse;
 }
 
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,

@@ -173,6 +173,10 @@ struct server_exchange *server_exchange_create(struct server_host *host,
                                                const char *target);
 void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
 
+/* Free the handler's state; the answer's body, or return it to its lender. */
+void server_exchange_drop_state(struct server_exchange *exchange);
+void server_exchange_drop_body(struct server_exchange *exchange);
+
 /* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of
  * the request. */
 void server_exchange_add_header(struct server_exchange *exchange, const char *name,
@@ -197,12 +201,12 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
 void server_exchange_run(struct server_exchange *exchange);
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
-/* Counts an exchange as deferred, before it is submitted. */
-void server_exchange_count_deferred(struct server_host *host);
-
-/* Hands a deferred exchange to the workers; it is not the caller's any more. A full queue answers
- * it with overloaded. */
+/* Hands a deferred exchange to the workers (reply.c); it is not the caller's any more. A full queue
+ * answers it with overloaded. The exchange counts as deferred before that. */
 void server_exchange_submit(struct server_exchange *exchange);
+void server_exchange_count_deferred(struct server_host *host);
+void server_exchange_job_run(struct server_job *job);
+void server_exchange_job_refuse(struct server_job *job, enum server_refusal why);
 
 /* --- for handlers ----------------------------------------------------------------------------- */
 

@@ -2,6 +2,7 @@
 #include "server/exchange/reply.h"
 
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,20 +70,6 @@ void server_reply_tag(struct server_exchange *exchange, const char *etag, const 
     add_header(&exchange->response, "ETag", quoted);
 }
 
-void server_reply_drop_body(struct server_exchange *exchange)
-{
-    struct server_response *response = &exchange->response;
-    server_stream_close(response->stream);
-    free(response->owned);
-    if (response->lent.bytes) response->lent.release(response->lent.lender);
-    server_budget_give(exchange->host->budget, SERVER_BUDGET_ANSWERS, response->held);
-    response->stream = NULL;
-    response->owned = NULL;
-    response->body = NULL;
-    response->lent = (struct server_lent){0};
-    response->size = response->held = 0;
-}
-
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer)
 {
     const struct server_budget *budget = exchange->host->budget;
@@ -115,7 +102,7 @@ void *server_reply_allocate(struct server_exchange *exchange, size_t size)
     if (hold_answer(exchange, size, &problem)) {
         void *bytes = malloc(size ? size : 1);
         if (bytes) return bytes;
-        server_reply_drop_body(exchange);
+        server_exchange_drop_body(exchange);
         (void)proto_problem_from_status(&problem, GD_NO_MEMORY, NULL);
     }
     server_reply_problem(exchange, &problem);
@@ -284,7 +271,7 @@ static void reply_known(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     uint32_t kept = 0;
-    server_reply_drop_body(exchange);
+    server_exchange_drop_body(exchange);
     for (uint32_t i = 0; i < response->header_count; i++)
         if (strncmp(response->headers[i].name, "Content-", strlen("Content-")) != 0)
             response->headers[kept++] = response->headers[i];
@@ -307,7 +294,7 @@ static void apply_conditions(struct server_exchange *exchange)
     const struct server_precondition precondition = server_precondition_read(exchange);
     enum server_etag_form known = server_precondition_known(&precondition, tag);
     if (!server_precondition_matches(&precondition, tag)) {
-        server_reply_drop_body(exchange);
+        server_exchange_drop_body(exchange);
         server_reply_refusal(
             exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
             "the resource is not in the version that If-Match names; get its ETag and try again");
@@ -335,7 +322,7 @@ static void compress(struct server_exchange *exchange)
         proto_writer_free(&packed); /* it goes as it is */
         return;
     }
-    server_reply_drop_body(exchange);
+    server_exchange_drop_body(exchange);
     set_text(exchange, response->status, response->media_type, &packed);
     add_header(response, "Content-Encoding", "gzip");
 }
@@ -368,4 +355,57 @@ void server_reply_seal(struct server_exchange *exchange)
     add_header(response, "Cache-Control", tag ? "no-cache" : "no-store");
     if (atomic_load_explicit(&exchange->host->is_draining, memory_order_relaxed))
         response->close = true;
+}
+
+/* --- deferred exchanges ------------------------------------------------------------------------ */
+
+static void exchange_finish(struct server_exchange *exchange)
+{
+    struct server_host *host = exchange->host;
+    server_exchange_drop_state(exchange); /* now: others may wait for what it holds */
+    exchange->transport->finish(exchange);
+    atomic_fetch_sub(&host->deferred, 1);
+}
+
+void server_exchange_job_run(struct server_job *job)
+{
+    struct server_exchange *exchange = server_exchange_of(job);
+    if (exchange->transport->begin) exchange->transport->begin(exchange);
+    do {
+        if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
+    } while (!exchange->response.status);
+    exchange_finish(exchange);
+}
+
+void server_exchange_job_refuse(struct server_job *job, enum server_refusal why)
+{
+    struct server_exchange *exchange = server_exchange_of(job);
+    struct proto_problem problem;
+    bool is_late = why == SERVER_REFUSAL_DEADLINE && !atomic_load(&job->is_unwanted);
+    if (why == SERVER_REFUSAL_MEMORY)
+        (void)server_budget_refuse(exchange->host->budget, "the mesh", 0, &problem);
+    else
+        (void)proto_problem_from_status(&problem, is_late ? GD_DEADLINE : GD_CANCELLED, NULL);
+    server_reply_problem(exchange, &problem);
+    exchange_finish(exchange);
+}
+
+void server_exchange_count_deferred(struct server_host *host)
+{
+    if (atomic_fetch_add(&host->deferred, 1) == 0) host->watch(host->watcher);
+}
+
+void server_exchange_submit(struct server_exchange *exchange)
+{
+    struct server_host *host = exchange->host;
+    server_exchange_count_deferred(host);
+    exchange->job.tenant = exchange->tenant;
+    if (exchange->join && exchange->join(exchange)) return;
+    if (server_workers_submit(host->workers, &exchange->job)) return;
+    server_reply_refusal(
+        exchange, PROTO_PROBLEM_OVERLOADED,
+        "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
+        "try again in a moment",
+        (unsigned long long)host->queue_length);
+    exchange_finish(exchange);
 }

@@ -50,9 +50,6 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
 void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *head, const struct server_lent *lent);
 
-/* Frees the body, or gives it back to its lender, and gives its memory back. */
-void server_reply_drop_body(struct server_exchange *exchange);
-
 void server_reply_empty(struct server_exchange *exchange, unsigned status);
 void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem);
 

@@ -309,7 +309,7 @@ static void answer_save(struct server_deferred_job *job, struct server_exchange 
     struct server_response *response = &exchange->response;
     size_t bytes = response->owned ? response->size : 0;
     if (answer_reserve(job, bytes) && answer_take(job, response)) return;
-    server_reply_drop_body(exchange);
+    server_exchange_drop_body(exchange);
     server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                          "the answer of %zu bytes is more than can be kept for jobs at this "
                          "moment; ask for less of it, "
