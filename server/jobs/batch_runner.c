@@ -241,7 +241,7 @@ static void runner_wake_waiters(struct server_batch_runner *runner)
         if (!waiter->is_due && !may_have_news && now_ns < waiter->until_ns) continue;
         waiter->is_waiting = false;
         LIST_REMOVE(waiter, list);
-        server_workers_unpark(runner->host->workers, waiter->job);
+        server_workers_unpark(runner->host->workers, waiter);
     }
     pthread_mutex_unlock(&runner->lock);
 }
@@ -261,7 +261,7 @@ bool server_batch_runner_wait(struct server_batch_runner *runner,
     waiter->runner = runner;
     waiter->is_due = false;
     waiter->is_waiting = waiter->news == runner->news && !atomic_load(&runner->is_draining) &&
-                         server_workers_park(runner->host->workers, waiter->job);
+                         server_workers_park(runner->host->workers, waiter->job, waiter);
     bool is_waiting = waiter->is_waiting;
     if (is_waiting) LIST_INSERT_HEAD(&runner->waiters, waiter, list);
     pthread_mutex_unlock(&runner->lock);
