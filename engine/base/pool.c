@@ -26,9 +26,9 @@ static void adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)
     pool->end = (char *)chunk + chunk->size;
 }
 
-void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__purse *purse)
+void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__budget *budget)
 {
-    *pool = (struct gd__pool){.item_size = item_size, .purse = purse};
+    *pool = (struct gd__pool){.item_size = item_size, .budget = budget};
 }
 
 static void free_chunks(struct gd__pool_chunk *chunk)
@@ -46,7 +46,7 @@ void gd__pool_destroy(struct gd__pool *pool)
     *pool = (struct gd__pool){0};
 }
 
-void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse)
+void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget *budget)
 {
     struct gd__pool_chunk *kept = pool->chunks; /* the newest: the largest */
     size_t before = pool->bytes;
@@ -58,10 +58,10 @@ void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse 
         free_chunks(kept);
         kept = NULL;
     }
-    gd__pool_init(pool, item_size, purse);
+    gd__pool_init(pool, item_size, budget);
     pool->before = before;
     if (kept) adopt(pool, kept);
-    if (purse) purse->held += pool->bytes;
+    if (budget) budget->held += pool->bytes;
 }
 
 /* Large ones lie on huge pages, which saves most page faults. */
@@ -73,19 +73,19 @@ static size_t chunk_size(size_t wanted, size_t need)
 }
 
 /* What is not needed for sure may not be missed elsewhere. */
-static bool is_small_beside_budget(const struct gd__purse *purse, size_t bytes)
+static bool is_small_beside_budget(const struct gd__budget *budget, size_t bytes)
 {
-    size_t budget = purse && purse->control ? purse->control->budget_bytes : 0;
-    return !budget || bytes <= budget / BUDGET_PART;
+    size_t limit = budget && budget->control ? budget->control->budget_bytes : 0;
+    return !limit || bytes <= limit / BUDGET_PART;
 }
 
 /* Each chunk is as large as all before it together, within bounds; the first one as all of the last
  * time. */
 static enum gd_status grow(struct gd__pool *pool, size_t need)
 {
-    bool again = !pool->bytes && is_small_beside_budget(pool->purse, pool->before);
+    bool again = !pool->bytes && is_small_beside_budget(pool->budget, pool->before);
     size_t size = chunk_size(again ? pool->before : pool->bytes, need);
-    enum gd_status status = gd__purse_take(pool->purse, size);
+    enum gd_status status = gd__budget_take(pool->budget, size);
     if (status) return status;
     struct gd__pool_chunk *chunk = gd__large_array(1, size);
     if (!chunk) return GD_NO_MEMORY;

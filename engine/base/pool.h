@@ -9,15 +9,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/purse.h"
+#include "base/budget.h"
 
 #define GD__POOL_CLASSES 32
 
 struct gd__pool_chunk;
 
 struct gd__pool {
-    size_t item_size;        /* >= sizeof(void *) */
-    struct gd__purse *purse; /* pays for the chunks; may be NULL */
+    size_t item_size;          /* >= sizeof(void *) */
+    struct gd__budget *budget; /* pays for the chunks; may be NULL */
     struct gd__pool_chunk *chunks;
     char *cursor, *end; /* the unused rest of the newest chunk */
     void *free_blocks[GD__POOL_CLASSES];
@@ -26,14 +26,14 @@ struct gd__pool {
     enum gd_status status; /* why the last request failed */
 };
 
-void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
+void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 void gd__pool_destroy(struct gd__pool *pool);
 
 /* Takes all blocks back and begins anew as gd__pool_init does, but keeps the chunk if it is the
- * only one, or one of the largest; the purse is charged with it unasked. After several the next one
+ * only one, or one of the largest; the budget is charged with it unasked. After several the next one
  * is as large as all of them were, so that who does the same for the third time has one chunk,
  * without page faults. An all-zero pool will do. */
-void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
+void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 
 /* Items of a block: 1 to 16 of them, then powers of two. */
 static inline uint32_t gd__pool_items(uint32_t size_class)

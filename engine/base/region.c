@@ -103,13 +103,13 @@ static char *reserve(size_t size)
     return base;
 }
 
-enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd__purse *purse)
+enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd__budget *budget)
 {
     struct gd__kept have = {
         .base = region->base, .bytes = region->touched, .reserved = region->reserved};
     if (!have.base) have = take_spare(up(most, HUGE_PAGE));
     *region = (struct gd__region){
-        .base = have.base, .touched = have.bytes, .reserved = have.reserved, .purse = purse};
+        .base = have.base, .touched = have.bytes, .reserved = have.reserved, .budget = budget};
     for (size_t size = up(most < LEAST ? LEAST : most, HUGE_PAGE); !region->base; size /= 2) {
         if (size < LEAST) return GD_NO_MEMORY;
         region->reserved = size & ~(HUGE_PAGE - 1);
@@ -146,8 +146,8 @@ enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes)
     size_t need = region->used + bytes;
     if (need <= region->granted) return GD_OK;
     size_t granted = up(need + region->granted / 8, STEP);
-    enum gd_status status = gd__purse_take(region->purse, granted - region->granted);
-    if (status) status = gd__purse_take(region->purse, (granted = need) - region->granted);
+    enum gd_status status = gd__budget_take(region->budget, granted - region->granted);
+    if (status) status = gd__budget_take(region->budget, (granted = need) - region->granted);
     if (!status && granted > region->reserved) status = extend(region, granted);
     if (status) return status;
     region->granted = granted;

@@ -9,24 +9,24 @@
 
 #include <stddef.h>
 
-#include "base/purse.h"
+#include "base/budget.h"
 
 #define GD__REGION_MOST ((size_t)32 << 30)
 
 struct gd__region {
     char *base;     /* 64-byte aligned; NULL: not open */
     size_t used;    /* bytes, counted by the owner */
-    size_t granted; /* bytes that the purse was asked for */
+    size_t granted; /* bytes that the budget was asked for */
     /* bytes that were in use at some time, by earlier owners too: they are memory */
     size_t touched;
-    struct gd__purse *purse; /* may be NULL */
+    struct gd__budget *budget; /* may be NULL */
     size_t reserved;
 };
 
 /* Begins anew; an all-zero region, or one that was used before and keeps its memory. GD_NO_MEMORY:
  * not even a few megabytes of address space are left. */
 GD_MUST_USE enum gd_status gd__region_open(struct gd__region *region, size_t most,
-                                           struct gd__purse *purse);
+                                           struct gd__budget *budget);
 
 /* Room for that many bytes behind those in use. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes);

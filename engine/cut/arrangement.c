@@ -20,13 +20,13 @@ void gd__arrangement_free(struct gd__arrangement *arrangement)
 }
 
 /* Makes room for one more item of `size` bytes. */
-static enum gd_status reserve(struct gd__purse *purse, void **items, uint32_t count,
+static enum gd_status reserve(struct gd__budget *budget, void **items, uint32_t count,
                               uint32_t *capacity, size_t size)
 {
     if (count < *capacity) return GD_OK;
     uint32_t more = *capacity ? 2 * *capacity : FIRST_CAPACITY;
     if (more > MOST_SEGMENTS) return GD_TOO_LARGE;
-    enum gd_status status = gd__purse_take(purse, (more - *capacity) * size);
+    enum gd_status status = gd__budget_take(budget, (more - *capacity) * size);
     void *grown = status ? NULL : realloc(*items, more * size);
     if (!grown) return status ? status : GD_NO_MEMORY;
     *items = grown;
@@ -41,7 +41,7 @@ static enum gd_status push(struct gd__arrangement *arrangement, uint32_t face, u
 {
     if (a == b) return GD_OK;
     void *items = arrangement->segments;
-    enum gd_status status = reserve(arrangement->nodes.purse, &items, arrangement->segment_count,
+    enum gd_status status = reserve(arrangement->nodes.budget, &items, arrangement->segment_count,
                                     &arrangement->segment_capacity, sizeof *arrangement->segments);
     arrangement->segments = items;
     if (status) return status;
@@ -196,7 +196,7 @@ static enum gd_status add_run(struct gd__arrangement *arrangement,
 {
     uint32_t k = sides & 1 ? 0 : sides & 2 ? 1 : 2;
     void *items = arrangement->runs;
-    enum gd_status status = reserve(arrangement->nodes.purse, &items, arrangement->run_count,
+    enum gd_status status = reserve(arrangement->nodes.budget, &items, arrangement->run_count,
                                     &arrangement->run_capacity, sizeof *arrangement->runs);
     arrangement->runs = items;
     if (status) return status;
@@ -244,7 +244,7 @@ static enum gd_status settle_all(struct gd__arrangement *arrangement, uint32_t p
     while (arrangement->waiting != GD_NONE && !status) {
         status = settle(arrangement);
         if (!status && ++arrangement->work > most) status = GD_RUNAWAY;
-        if (!status) status = gd_control_check(arrangement->nodes.purse->control, 0);
+        if (!status) status = gd_control_check(arrangement->nodes.budget->control, 0);
     }
     return status;
 }
@@ -267,10 +267,10 @@ static enum gd_status push_segment(struct gd__arrangement *arrangement,
 }
 
 static enum gd_status prepare(struct gd__arrangement *arrangement, const struct gd_mesh *mesh,
-                              double snap, struct gd__purse *purse)
+                              double snap, struct gd__budget *budget)
 {
-    enum gd_status status = gd__nodes_init(&arrangement->nodes, mesh, snap, purse);
-    if (!status) status = gd__purse_take(purse, mesh->face_count * sizeof *arrangement->of_face);
+    enum gd_status status = gd__nodes_init(&arrangement->nodes, mesh, snap, budget);
+    if (!status) status = gd__budget_take(budget, mesh->face_count * sizeof *arrangement->of_face);
     if (status) return status;
     arrangement->waiting = GD_NONE;
     arrangement->of_face = malloc(mesh->face_count * sizeof *arrangement->of_face);
@@ -280,11 +280,11 @@ static enum gd_status prepare(struct gd__arrangement *arrangement, const struct 
 }
 
 enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve, double snap,
-                           struct gd__purse *purse, struct gd__arrangement *out,
+                           struct gd__budget *budget, struct gd__arrangement *out,
                            struct gd_detail *detail)
 {
     struct gd__arrangement arrangement = {0};
-    enum gd_status status = prepare(&arrangement, mesh, snap, purse);
+    enum gd_status status = prepare(&arrangement, mesh, snap, budget);
     uint32_t segments = curve->closed ? curve->count : curve->count - 1;
     for (uint32_t i = 0; i < segments && !status; i++)
         status = push_segment(&arrangement, curve, i, detail);

@@ -43,7 +43,7 @@ struct gd__arrangement { /* all zero: none */
  * GD_RUNAWAY (it did not end: a larger snap may help), GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE. On failure nothing is held. */
 GD_MUST_USE enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *curve,
-                                       double snap, struct gd__purse *purse,
+                                       double snap, struct gd__budget *budget,
                                        struct gd__arrangement *out, struct gd_detail *detail);
 /* of one that is all zero: harmless */
 void gd__arrangement_free(struct gd__arrangement *arrangement);

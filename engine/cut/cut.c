@@ -68,12 +68,12 @@ static void clear(struct attempt *attempt)
 }
 
 static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
-                          const struct gd_curve *curve, double snap, struct gd__purse *purse,
+                          const struct gd_curve *curve, double snap, struct gd__budget *budget,
                           struct gd_detail *detail)
 {
     clear(attempt);
-    purse->held = 0;
-    enum gd_status status = gd__arrange(mesh, curve, snap, purse, &attempt->arrangement, detail);
+    budget->held = 0;
+    enum gd_status status = gd__arrange(mesh, curve, snap, budget, &attempt->arrangement, detail);
     if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->seam);
     if (!status && attempt->seam.cuts == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -85,13 +85,13 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
 
 /* With a larger snap each time, until one does. */
 static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *mesh,
-                                const struct gd_curve *curve, struct gd__purse *purse,
+                                const struct gd_curve *curve, struct gd__budget *budget,
                                 struct gd_detail *detail)
 {
     enum gd_status status = GD_RUNAWAY;
     for (double snap = GD_TOL_SEAM; snap < GD_TOL_SEAM_MOST && status == GD_RUNAWAY;
          snap *= GD_TOL_SEAM_STEP)
-        status = try(attempt, mesh, curve, snap, purse, detail);
+        status = try(attempt, mesh, curve, snap, budget, detail);
     if (status != GD_RUNAWAY) return status;
     if (attempt->flat_face == GD_NONE)
         return gd_fail(detail, GD_TOO_LARGE,
@@ -109,13 +109,13 @@ enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_requ
 {
     struct reporting reporting = {.control = control};
     const struct gd_control own = control_of(&reporting);
-    struct gd__purse purse = {.control = &own};
+    struct gd__budget budget = {.control = &own};
     struct attempt attempt = {0};
     struct gd_cut cut = {0};
     enum gd_status status = check_ends(mesh, request->curve, detail);
-    if (!status) status = try_snaps(&attempt, mesh, request->curve, &purse, detail);
+    if (!status) status = try_snaps(&attempt, mesh, request->curve, &budget, detail);
     double shift = attempt.arrangement.nodes.shift * mesh->unit;
-    if (!status) status = gd__pieces_make(&attempt.refined, request, &purse, &cut, detail);
+    if (!status) status = gd__pieces_make(&attempt.refined, request, &budget, &cut, detail);
     clear(&attempt);
     if (status) return status;
     *out = cut;

@@ -16,12 +16,12 @@ static uint32_t *array_of_none(size_t count)
 }
 
 enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh, double snap,
-                              struct gd__purse *purse)
+                              struct gd__budget *budget)
 {
     enum gd_status status =
-        gd__purse_take(purse, ((size_t)mesh->edge_count + mesh->face_count) * sizeof(uint32_t));
+        gd__budget_take(budget, ((size_t)mesh->edge_count + mesh->face_count) * sizeof(uint32_t));
     if (status) return status;
-    *nodes = (struct gd__nodes){.mesh = mesh, .purse = purse, .snap = snap};
+    *nodes = (struct gd__nodes){.mesh = mesh, .budget = budget, .snap = snap};
     nodes->of_edge = array_of_none(mesh->edge_count);
     nodes->of_face = array_of_none(mesh->face_count);
     if (nodes->of_edge && nodes->of_face) return GD_OK;
@@ -68,7 +68,7 @@ static enum gd_status grow(struct gd__nodes *nodes)
     uint32_t capacity = nodes->capacity ? 2 * nodes->capacity : FIRST_CAPACITY;
     if (capacity > MOST_NODES) return GD_TOO_LARGE;
     enum gd_status status =
-        gd__purse_take(nodes->purse, (capacity - nodes->capacity) * sizeof *nodes->items);
+        gd__budget_take(nodes->budget, (capacity - nodes->capacity) * sizeof *nodes->items);
     if (status) return status;
     struct gd__node *items = realloc(nodes->items, capacity * sizeof *items);
     if (!items) return GD_NO_MEMORY;

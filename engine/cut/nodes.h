@@ -7,7 +7,7 @@
 #ifndef GD_CUT_NODES_H
 #define GD_CUT_NODES_H
 
-#include "base/purse.h"
+#include "base/budget.h"
 #include "cut/lattice.h"
 #include "mesh/local.h"
 
@@ -19,7 +19,7 @@ struct gd__node {
 
 struct gd__nodes {
     const struct gd_mesh *mesh;
-    struct gd__purse *purse;
+    struct gd__budget *budget;
     double snap;
     double shift; /* the farthest that a point was moved */
     struct gd__node *items;
@@ -28,7 +28,7 @@ struct gd__nodes {
 };
 
 GD_MUST_USE enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh,
-                                          double snap, struct gd__purse *purse);
+                                          double snap, struct gd__budget *budget);
 void gd__nodes_free(struct gd__nodes *nodes); /* of one that is all zero: harmless */
 
 /* The node where a point is, which may be a new one. GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE. */

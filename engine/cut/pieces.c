@@ -7,7 +7,7 @@
 struct cutting {
     struct gd__refined *refined;
     const struct gd_cut_request *request;
-    struct gd__purse *purse;
+    struct gd__budget *budget;
     struct gd_detail *detail;
     struct gd_cut cut;
     uint32_t *piece; /* per triangle */
@@ -36,7 +36,7 @@ void gd_cut_free(struct gd_cut *cut)
 static void *take(struct cutting *cutting, size_t count, size_t size, enum gd_status *status)
 {
     if (*status) return NULL;
-    *status = gd__purse_take(cutting->purse, count * size);
+    *status = gd__budget_take(cutting->budget, count * size);
     void *array = *status ? NULL : calloc(count ? count : 1, size);
     if (!array && !*status) *status = GD_NO_MEMORY;
     if (!*status) cutting->cut.bytes += count * size;
@@ -176,8 +176,8 @@ static enum gd_status select_faces(struct cutting *cutting)
 {
     const struct gd_mesh *mesh = cutting->refined->mesh;
     uint32_t indices = mesh->summary.face_index_count;
-    enum gd_status status = gd__purse_take(
-        cutting->purse, indices * sizeof(uint32_t) + cutting->cut.piece_count * sizeof(double));
+    enum gd_status status = gd__budget_take(
+        cutting->budget, indices * sizeof(uint32_t) + cutting->cut.piece_count * sizeof(double));
     if (status) return status;
     uint32_t *owner = malloc(indices * sizeof *owner);
     double *area = calloc(cutting->cut.piece_count, sizeof *area);
@@ -291,7 +291,7 @@ static enum gd_status make_meshes(struct cutting *cutting)
            keys = refined->mesh->summary.index_count + (size_t)refined->nodes->count;
     enum gd_status status = allocate_pieces(cutting);
     if (!status)
-        status = gd__purse_take(cutting->purse, (2 * corners + keys + 1) * sizeof(uint32_t));
+        status = gd__budget_take(cutting->budget, (2 * corners + keys + 1) * sizeof(uint32_t));
     if (status) return status;
     uint32_t *begin = calloc(keys + 1, sizeof *begin), *sorted = malloc(corners * sizeof *sorted);
     cutting->number = malloc(corners * sizeof *cutting->number);
@@ -312,15 +312,15 @@ static enum gd_status make_meshes(struct cutting *cutting)
 /* --- the whole -------------------------------------------------------------------------------- */
 
 enum gd_status gd__pieces_make(struct gd__refined *refined, const struct gd_cut_request *request,
-                               struct gd__purse *purse, struct gd_cut *out,
+                               struct gd__budget *budget, struct gd_cut *out,
                                struct gd_detail *detail)
 {
     struct cutting cutting = {.refined = refined,
                               .request = request,
-                              .purse = purse,
+                              .budget = budget,
                               .detail = detail,
                               .wanted = GD_NONE};
-    enum gd_status status = gd__purse_take(purse, refined->count * sizeof *cutting.piece);
+    enum gd_status status = gd__budget_take(budget, refined->count * sizeof *cutting.piece);
     if (status) return status;
     cutting.piece = malloc(refined->count * sizeof *cutting.piece);
     status = cutting.piece ? number_regions(&cutting) : GD_NO_MEMORY;

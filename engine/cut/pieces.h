@@ -9,7 +9,7 @@
  * (`inside` lies on the curve), GD_NO_MEMORY, GD_BUDGET. Linear. */
 GD_MUST_USE enum gd_status gd__pieces_make(struct gd__refined *refined,
                                            const struct gd_cut_request *request,
-                                           struct gd__purse *purse, struct gd_cut *out,
+                                           struct gd__budget *budget, struct gd_cut *out,
                                            struct gd_detail *detail);
 
 #endif

@@ -38,11 +38,11 @@ static size_t bytes_of(uint32_t capacity)
 
 static enum gd_status reserve(struct gd__planar *planar, uint32_t capacity)
 {
-    struct gd__purse *purse = planar->purse;
-    enum gd_status status = gd__purse_take(purse, bytes_of(capacity));
+    struct gd__budget *budget = planar->budget;
+    enum gd_status status = gd__budget_take(budget, bytes_of(capacity));
     if (status) return status;
     gd__planar_free(planar);
-    planar->purse = purse;
+    planar->budget = budget;
     planar->site_capacity = capacity;
     planar->sites = malloc(capacity * sizeof *planar->sites);
     planar->places = malloc(capacity * sizeof *planar->places);
@@ -194,7 +194,7 @@ enum gd_status gd__planar_triangulate(struct gd__planar *planar)
         (struct border[]){inner(GD_NONE), inner(GD_NONE), inner(GD_NONE)});
     for (uint32_t s = 3; s < planar->site_count && !status; s++) {
         status = insert(planar, s);
-        if (!status) status = gd_control_check(planar->purse->control, 0);
+        if (!status) status = gd_control_check(planar->budget->control, 0);
     }
     return status;
 }

@@ -17,7 +17,7 @@
 
 #include <stdbool.h>
 
-#include "base/purse.h"
+#include "base/budget.h"
 #include "cut/lattice.h"
 #include "mesh/local.h"
 
@@ -28,7 +28,7 @@ struct gd__planar_triangle {
 };
 
 struct gd__planar { /* all zero: empty. Kept from face to face */
-    struct gd__purse *purse;
+    struct gd__budget *budget;
     uint32_t site_count, site_capacity, triangle_count;
     struct gd__site *sites;
     struct gd__local *places;

@@ -266,8 +266,8 @@ static enum gd_status prepare(struct refining *refining)
     size_t triangles = triangle_count(nodes),
            pieces = (size_t)nodes->mesh->edge_count + nodes->count;
     if (3 * triangles > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status = gd__purse_take(
-        nodes->purse,
+    enum gd_status status = gd__budget_take(
+        nodes->budget,
         (8 * triangles + 2 * (size_t)nodes->mesh->face_count + pieces) * sizeof(uint32_t));
     if (status) return status;
     return allocate(refining, triangles, pieces) ? GD_OK : GD_NO_MEMORY;
@@ -289,7 +289,7 @@ static enum gd_status refine_faces(struct refining *refining, uint32_t *flat_fac
             keep_face(refining, face);
         }
         if (!status && (i + 1) % FACES_BETWEEN_CHECKS == 0)
-            status = gd_control_check(refining->planar.purse->control, (double)i / indices);
+            status = gd_control_check(refining->planar.budget->control, (double)i / indices);
     }
     return status;
 }
@@ -300,7 +300,7 @@ enum gd_status gd__refine(const struct gd__arrangement *arrangement, const struc
     const struct gd__nodes *nodes = &arrangement->nodes;
     struct refining refining = {.arrangement = arrangement, .seam = seam};
     refining.refined = (struct gd__refined){.mesh = nodes->mesh, .nodes = nodes};
-    refining.planar.purse = nodes->purse;
+    refining.planar.budget = nodes->budget;
     enum gd_status status = prepare(&refining);
     if (!status) status = refine_faces(&refining, flat_face);
     gd__planar_free(&refining.planar);

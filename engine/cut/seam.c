@@ -198,7 +198,7 @@ enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct g
 {
     struct gd__seam seam = {.nodes = &arrangement->nodes};
     struct pruning pruning = {.seam = &seam, .arrangement = arrangement};
-    enum gd_status status = gd__purse_take(arrangement->nodes.purse, bytes_of(arrangement));
+    enum gd_status status = gd__budget_take(arrangement->nodes.budget, bytes_of(arrangement));
     if (!status && !allocate(&seam, &pruning, arrangement)) status = GD_NO_MEMORY;
     if (!status) {
         number_pieces(&seam);

@@ -22,7 +22,8 @@ static enum gd_status check_request(const struct gd_field_request *request,
 size_t gd__field_bytes(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
-    return sizeof *field + mesh->vertex_count * (sizeof *field->distance + sizeof *field->birth) +
+    return sizeof *field +
+           mesh->vertex_count * (sizeof *field->distance + sizeof *field->predecessor) +
            mesh->edge_count * sizeof *field->newest + field->wedge_bytes +
            field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
 }
@@ -72,7 +73,8 @@ static bool mend_edge(struct gd_field *field, uint32_t side)
     if (field->distance[far] < field->distance[near]) near = far, far = mesh->origin[side];
     if (mesh->side[side].length > GD_TOL_LOST * field->distance[near]) return false;
     field->distance[far] = field->distance[near] + mesh->side[side].length;
-    if (field->birth) field->birth[far] = (struct gd__birth){.side = GD_NONE, .source = near};
+    if (field->predecessor)
+        field->predecessor[far] = (struct gd__predecessor){.side = GD_NONE, .source = near};
     return true;
 }
 
@@ -110,13 +112,13 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front,
         return GD_OK;
     }
     field->distance = work->distance;
-    field->birth = work->birth;
+    field->predecessor = work->predecessor;
     field->newest = work->newest;
     field->wedge_bytes = work->wedges.used;
     field->kept = gd__region_close(&work->wedges);
     field->wedges = field->kept.base;
     work->distance = NULL;
-    work->birth = NULL;
+    work->predecessor = NULL;
     work->newest = NULL;
     return GD_OK;
 }
@@ -231,7 +233,7 @@ struct gd_field *gd__field_create(const struct gd_mesh *mesh)
 static void free_arrays(struct gd_field *field)
 {
     free(field->distance);
-    free(field->birth);
+    free(field->predecessor);
     free(field->newest);
     gd__region_release(&field->kept);
     free(field->seeds);
@@ -263,7 +265,7 @@ static void share(struct gd_field *to, const struct gd_field *from)
 {
     to->shown = gd_field_retain(from);
     to->distance = from->distance;
-    to->birth = from->birth;
+    to->predecessor = from->predecessor;
     to->newest = from->newest;
     to->wedges = from->wedges;
     to->wedge_bytes = from->wedge_bytes;

@@ -82,16 +82,16 @@ static struct direction along_edge(const struct gd_field *field, uint32_t vertex
     return (struct direction){side ^ 1, -1, 0};
 }
 
-/* The last leg to a vertex, by its birth. */
+/* The last leg to a vertex, by its predecessor. */
 static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
 {
-    struct gd__birth birth = field->birth[vertex];
-    if (birth.side == GD_NONE) return along_edge(field, vertex, birth.source);
-    const struct gd_side *s = &field->mesh->side[birth.side];
-    if (birth.source != GD_NONE && gd__source_is_linear(birth.source))
-        return (struct direction){birth.side, -birth.x, birth.y};
-    return (struct direction){birth.side, s->left_length * s->left_x - birth.x,
-                              s->left_length * s->left_y + birth.y};
+    struct gd__predecessor predecessor = field->predecessor[vertex];
+    if (predecessor.side == GD_NONE) return along_edge(field, vertex, predecessor.source);
+    const struct gd_side *s = &field->mesh->side[predecessor.side];
+    if (predecessor.source != GD_NONE && gd__source_is_linear(predecessor.source))
+        return (struct direction){predecessor.side, -predecessor.x, predecessor.y};
+    return (struct direction){predecessor.side, s->left_length * s->left_x - predecessor.x,
+                              s->left_length * s->left_y + predecessor.y};
 }
 
 static struct direction from_close_seed(const struct gd_field *field, const struct gd__leg *leg,

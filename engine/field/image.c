@@ -22,7 +22,7 @@ struct header {
 
 /* Where the arrays begin, and the size of the whole. */
 struct layout {
-    size_t distance, birth, newest, wedges, seeds, size;
+    size_t distance, predecessor, newest, wedges, seeds, size;
 };
 
 static size_t place(size_t *end, size_t count, size_t item)
@@ -37,7 +37,7 @@ static struct layout layout_of(size_t vertices, size_t edges, size_t wedge_bytes
     struct layout l;
     size_t end = sizeof(struct header);
     l.distance = place(&end, vertices, sizeof(double));
-    l.birth = place(&end, vertices, sizeof(struct gd__birth));
+    l.predecessor = place(&end, vertices, sizeof(struct gd__predecessor));
     l.newest = place(&end, edges, sizeof(uint32_t));
     l.wedges = place(&end, wedge_bytes, 1);
     l.seeds = place(&end, seeds, sizeof(struct gd__seed));
@@ -72,7 +72,8 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
                             .statistics = field->statistics};
     memcpy(image, &header, sizeof header);
     memcpy(image + l.distance, field->distance, mesh->vertex_count * sizeof *field->distance);
-    memcpy(image + l.birth, field->birth, mesh->vertex_count * sizeof *field->birth);
+    memcpy(image + l.predecessor, field->predecessor,
+           mesh->vertex_count * sizeof *field->predecessor);
     memcpy(image + l.newest, field->newest, mesh->edge_count * sizeof *field->newest);
     memcpy(image + l.wedges, field->wedges, field->wedge_bytes);
     memcpy(image + l.seeds, field->seeds, field->seed_count * sizeof *field->seeds);
@@ -132,17 +133,19 @@ static bool is_seed(const struct gd_mesh *mesh, const struct gd__seed *seed)
 
 /* A vertex that was reached from its face knows a side with a face; one that was reached along an
  * edge is next to its source. Only one that was not reached knows neither. */
-static bool is_birth(const struct gd_field *field, uint32_t vertex)
+static bool is_predecessor(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
-    const struct gd__birth *birth = &field->birth[vertex];
-    if (!is_source(field, birth->source)) return false;
-    if (birth->side != GD_NONE)
-        return birth->side < 2 * mesh->edge_count && !gd__side_is_boundary(mesh, birth->side) &&
-               gd__side_apex(mesh, birth->side) == vertex;
-    if (birth->source == GD_NONE) return field->distance[vertex] >= GD__FAR;
-    if (birth->source >= mesh->vertex_count) return !gd__source_is_linear(birth->source);
-    return gd__side_between(mesh, vertex, birth->source) != GD_NONE;
+    const struct gd__predecessor *predecessor = &field->predecessor[vertex];
+    if (!is_source(field, predecessor->source)) return false;
+    if (predecessor->side != GD_NONE)
+        return predecessor->side < 2 * mesh->edge_count &&
+               !gd__side_is_boundary(mesh, predecessor->side) &&
+               gd__side_apex(mesh, predecessor->side) == vertex;
+    if (predecessor->source == GD_NONE) return field->distance[vertex] >= GD__FAR;
+    if (predecessor->source >= mesh->vertex_count)
+        return !gd__source_is_linear(predecessor->source);
+    return gd__side_between(mesh, vertex, predecessor->source) != GD_NONE;
 }
 
 /* A chunk that lies within the wedges and whose sources exist; takes its bytes from *left. */
@@ -177,7 +180,7 @@ static bool are_indices_sound(const struct gd_field *field)
     for (uint32_t i = 0; i < field->seed_count; i++)
         if (!is_seed(mesh, &field->seeds[i])) return false;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        if (!is_birth(field, v)) return false;
+        if (!is_predecessor(field, v)) return false;
     return are_chains_sound(field);
 }
 
@@ -192,7 +195,7 @@ static void point_into(struct gd_field *field, const char *image, const struct h
     field->statistics = header->statistics;
     field->wedge_bytes = header->wedge_bytes;
     field->distance = (double *)(image + l.distance);
-    field->birth = (struct gd__birth *)(image + l.birth);
+    field->predecessor = (struct gd__predecessor *)(image + l.predecessor);
     field->newest = (uint32_t *)(image + l.newest);
     field->wedges = (char *)image + l.wedges;
     field->seeds = (struct gd__seed *)(image + l.seeds);

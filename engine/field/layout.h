@@ -20,9 +20,9 @@ struct gd__face_seed {
 struct gd_field {
     atomic_uint references;
     const struct gd_mesh *mesh;
-    double reach;            /* inside unit; GD__FAR: complete */
-    double *distance;        /* per vertex */
-    struct gd__birth *birth; /* per vertex */
+    double reach;                        /* inside unit; GD__FAR: complete */
+    double *distance;                    /* per vertex */
+    struct gd__predecessor *predecessor; /* per vertex */
     /* per edge: its newest chunk, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
     uint32_t *newest;
     char *wedges; /* chunks */
@@ -75,7 +75,7 @@ static inline const struct gd__chunk *gd__field_chunk(const struct gd_field *fie
     return (const struct gd__chunk *)(field->wedges + (size_t)at * GD__CHUNK_UNIT);
 }
 
-/* field.c: the sink that keeps all: the wavefront's wedges, distances and births become the
+/* field.c: the sink that keeps all: the wavefront's wedges, distances and predecessors become the
  * field's. */
 enum gd_status gd__field_take(void *field, struct gd__wavefront *front,
                               const struct gd_executor *executor);
@@ -148,7 +148,7 @@ struct gd__way {
 void gd__field_way(const struct gd_field *field, const struct gd_point *point, struct gd__way *out);
 
 /* nearest.c: the pseudo-source in which the last leg of the way to a vertex begins, which a path
- * reaches; GD_NONE where the births of a damaged image lead nowhere. */
+ * reaches; GD_NONE where the predecessors of a damaged image lead nowhere. */
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 
 /* The leg by which the best way ends. */

@@ -1,5 +1,5 @@
 #include "field/close.h"
-#include "field/sight.h"
+#include "field/wedge_view.h"
 #include "mesh/segment.h"
 
 enum { CACHE_LINE = 64 };
@@ -9,7 +9,7 @@ enum { CACHE_LINE = 64 };
  * reaches the point through another edge or through a corner). The search finds which of them it
  * is; the leg is made of that one alone. */
 
-/* --- sights ----------------------------------------------------------------------------------- */
+/* --- views ----------------------------------------------------------------------------------- */
 
 /* A face from a point of it. */
 struct view {
@@ -18,9 +18,9 @@ struct view {
     uint32_t newest[3];     /* chunk of each side's edge */
 };
 
-enum { SIGHTS = 8 }; /* that are looked at together: mostly there are one or two */
+enum { WEDGE_VIEWS = 8 }; /* that are looked at together: mostly there are one or two */
 
-/* Where taking sights has got to: a side of the view, and a chunk of its edge. */
+/* Where taking views has got to: a side of the view, and a chunk of its edge. */
 struct cursor {
     int k; /* 3: there are no more */
     uint32_t chunk;
@@ -64,25 +64,25 @@ static inline bool comes_from_across(const struct gd__chunk *chunk, uint32_t sid
     return first < chunk->count && (signbit(wedges.y[first]) != 0) != (side & 1);
 }
 
-/* The next sights of a view, at most SIGHTS. Each chunk is written as one; one that is none is then
+/* The next views of a view, at most WEDGE_VIEWS. Each chunk is written as one; one that is none is then
  * written over. */
-static inline uint32_t take_sights(const struct gd_field *field, const struct view *view,
-                                   struct cursor *cursor, struct gd__sight *sights)
+static inline uint32_t take_views(const struct gd_field *field, const struct view *view,
+                                  struct cursor *cursor, struct gd__wedge_view *wedge_views)
 {
     uint32_t count = 0;
-    while (cursor->k < 3 && count < SIGHTS) {
+    while (cursor->k < 3 && count < WEDGE_VIEWS) {
         int k = cursor->k;
         if (cursor->chunk == GD_NONE) {
             cursor->chunk = ++cursor->k < 3 ? view->newest[cursor->k] : GD_NONE;
             continue;
         }
         const struct gd__chunk *chunk = gd__field_chunk(field, cursor->chunk);
-        struct gd__sight *sight = &sights[count];
-        sight->chunk = chunk;
-        sight->length = field->mesh->side[view->side[k]].length;
-        sight->x = view->at[k].x;
-        sight->y = view->at[k].y;
-        sight->side = view->side[k];
+        struct gd__wedge_view *wedge_view = &wedge_views[count];
+        wedge_view->chunk = chunk;
+        wedge_view->length = field->mesh->side[view->side[k]].length;
+        wedge_view->x = view->at[k].x;
+        wedge_view->y = view->at[k].y;
+        wedge_view->side = view->side[k];
         count += comes_from_across(chunk, view->side[k]);
         cursor->chunk = chunk->previous;
     }
@@ -157,7 +157,7 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
 static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face,
                        const double weight[3])
 {
-    uint32_t source = field->birth[vertex].source;
+    uint32_t source = field->predecessor[vertex].source;
     struct gd__polar polar;
     const struct gd_point point = {GD_POINT_FACE, face, {weight[0], weight[1], weight[2]}};
     if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source))
@@ -194,16 +194,16 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
         try_seeds(field, face, weight, &best);
         margin = margin_of(field, face, weight, &best);
     }
-    gd__sight_kernel *kernel = gd__sight_kernel_in_use(field->has_segments);
-    struct gd__sight sights[SIGHTS];
+    gd__wedge_view_kernel *kernel = gd__wedge_view_kernel_in_use(field->has_segments);
+    struct gd__wedge_view wedge_views[WEDGE_VIEWS];
     struct cursor cursor = {0, view.newest[0]};
     for (uint32_t passed = 0; cursor.k < 3;) {
-        uint32_t count = take_sights(field, &view, &cursor, sights);
-        struct gd__seen seen = kernel(field, sights, count, best.distance - margin);
+        uint32_t count = take_views(field, &view, &cursor, wedge_views);
+        struct gd__seen seen = kernel(field, wedge_views, count, best.distance - margin);
         if (margin > 0 && seen.place == GD_NONE) seen.distance = best.distance;
         offer(&best, seen.distance, GD__LEG_WEDGE, passed + seen.place);
         margin = best.kind == GD__LEG_WEDGE ? 0 : margin;
-        for (uint32_t s = 0; s < count && cursor.k < 3; s++) passed += sights[s].chunk->count;
+        for (uint32_t s = 0; s < count && cursor.k < 3; s++) passed += wedge_views[s].chunk->count;
     }
     out->distance = best.distance;
     out->kind = best.kind;
@@ -252,16 +252,18 @@ void gd__field_way(const struct gd_field *field, const struct gd_point *point, s
 /* --- its leg ---------------------------------------------------------------------------------- */
 
 /* Where the way through a wedge crosses its side, and the source in the side's frame. */
-static void complete_wedge(const struct gd__sight *sight, uint32_t wedge, struct gd__leg *leg)
+static void complete_wedge(const struct gd__wedge_view *wedge_view, uint32_t wedge,
+                           struct gd__leg *leg)
 {
-    struct gd__wedges wedges = gd__chunk_wedges(sight->chunk);
-    struct gd__window w = gd__wedge_window(wedges, sight->chunk->count, wedge, sight->length);
-    if (sight->side & 1) w = gd__window_mirrored(&w, sight->length);
-    leg->side = sight->side;
+    struct gd__wedges wedges = gd__chunk_wedges(wedge_view->chunk);
+    struct gd__window w =
+        gd__wedge_window(wedges, wedge_view->chunk->count, wedge, wedge_view->length);
+    if (wedge_view->side & 1) w = gd__window_mirrored(&w, wedge_view->length);
+    leg->side = wedge_view->side;
     leg->source = w.source;
     leg->x = w.x;
     leg->y = w.y;
-    leg->parameter = gd__sight_crossing(sight, &w);
+    leg->parameter = gd__wedge_view_crossing(wedge_view, &w);
 }
 
 /* Finds the wedge at its place again. */
@@ -272,16 +274,16 @@ static void find_wedge(const struct gd_field *field, const struct gd_point *poin
     gd__point_weights(field->mesh, point, leg->face, weight);
     struct view view;
     look_around(field, leg->face, weight, &view);
-    struct gd__sight sights[SIGHTS];
+    struct gd__wedge_view wedge_views[WEDGE_VIEWS];
     struct cursor cursor = {0, view.newest[0]};
     while (cursor.k < 3) {
-        uint32_t count = take_sights(field, &view, &cursor, sights);
+        uint32_t count = take_views(field, &view, &cursor, wedge_views);
         for (uint32_t s = 0; s < count; s++) {
-            if (place < sights[s].chunk->count) {
-                complete_wedge(&sights[s], place, leg);
+            if (place < wedge_views[s].chunk->count) {
+                complete_wedge(&wedge_views[s], place, leg);
                 return;
             }
-            place -= sights[s].chunk->count;
+            place -= wedge_views[s].chunk->count;
         }
     }
 }
@@ -302,7 +304,8 @@ struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point
 /* The path to `to` comes from `vertex`, along an edge, or is that vertex. */
 static bool leads_back(const struct gd_field *field, uint32_t to, uint32_t vertex)
 {
-    return to == vertex || (field->birth[to].side == GD_NONE && field->birth[to].source == vertex);
+    return to == vertex ||
+           (field->predecessor[to].side == GD_NONE && field->predecessor[to].source == vertex);
 }
 
 struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend,

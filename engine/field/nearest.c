@@ -2,7 +2,7 @@
 
 #include "mesh/canonical.h"
 
-/* Which seed a point's distance is of: from pseudo-source to pseudo-source by the births, without
+/* Which seed a point's distance is of: from pseudo-source to pseudo-source by the predecessors, without
  * the crossings in between. */
 
 /* The pseudo-source in which a leg begins. */
@@ -19,10 +19,11 @@ static uint32_t behind_leg(const struct gd_field *field, const struct gd__leg *l
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
-    struct gd__birth birth = field->birth[vertex];
-    if (birth.source != GD_NONE || birth.side == GD_NONE) return birth.source;
-    double t = birth.x / mesh->side[birth.side].length;
-    struct gd_point bend = gd__point_of_edge(mesh, birth.side >> 1, birth.side & 1 ? 1 - t : t);
+    struct gd__predecessor predecessor = field->predecessor[vertex];
+    if (predecessor.source != GD_NONE || predecessor.side == GD_NONE) return predecessor.source;
+    double t = predecessor.x / mesh->side[predecessor.side].length;
+    struct gd_point bend =
+        gd__point_of_edge(mesh, predecessor.side >> 1, predecessor.side & 1 ? 1 - t : t);
     struct gd__leg leg = gd__field_leg_onward(field, &bend, vertex);
     return leg.kind == GD__LEG_NONE ? GD_NONE : behind_leg(field, &leg);
 }

@@ -176,7 +176,7 @@ static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray r
 /* The error of a ray grows with the length of its leg, not with the size of the face that it
  * crosses. In faces much smaller than the leg, rounding can take the ray past the wrong side of a
  * vertex, or past its source. A careful ray passes through such a vertex instead: the detour is of
- * second order, and the birth of the vertex is as exact as the vertex is near to the source. */
+ * second order, and the predecessor of the vertex is as exact as the vertex is near to the source. */
 
 /* The vertex within the margin of the crossing at which a ray leaves its face, or GD_NONE. The
  * crossing is `gone` behind the leg's beginning and `rest` before its source. Each vertex must be
@@ -202,9 +202,9 @@ static bool leads_back(const struct gd__trail *trail, const struct gd_point *at)
     if (at->kind != GD_POINT_VERTEX) return false;
     if (trail->field->distance[at->element] >= GD__FAR) return true;
     if (trail->vertex == GD_NONE) return false;
-    const struct gd__birth *birth = &trail->field->birth[at->element];
+    const struct gd__predecessor *predecessor = &trail->field->predecessor[at->element];
     return at->element == trail->vertex ||
-           (birth->side == GD_NONE && birth->source == trail->vertex);
+           (predecessor->side == GD_NONE && predecessor->source == trail->vertex);
 }
 
 /* Appends the point at which a careful ray leaves its face. *is_end: the leg ends there, at a

@@ -69,7 +69,7 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
     if (status) return status;
     const struct gd__begun begun = {.bound = partial->reach,
                                     .distance = partial->distance,
-                                    .birth = partial->birth,
+                                    .predecessor = partial->predecessor,
                                     .newest = partial->newest,
                                     .wedges = partial->wedges,
                                     .wedge_bytes = partial->wedge_bytes,
@@ -79,7 +79,7 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
                                           .radius =
                                               radius > 0 ? radius / field->mesh->unit : GD__FAR};
     bool pays = executor && executor->width > 1 && has_little(partial) &&
-                gd__domain_is_worth_it(field->mesh, &propagation, control);
+                gd__partition_is_worth_it(field->mesh, &propagation, control);
     bool anew = pays || is_coarse(partial);
     if (!anew) propagation.begun = &begun;
     status = gd__field_propagate(field, &propagation, control, executor);

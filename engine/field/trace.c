@@ -7,7 +7,7 @@
 #include "mesh/segment.h"
 
 /* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by
- * the births, until a seed is reached. */
+ * the predecessors, until a seed is reached. */
 
 /* --- from stop to stop ------------------------------------------------------------------------ */
 
@@ -41,41 +41,50 @@ static bool is_along(const struct gd__trail *trail, uint32_t source, uint32_t ed
 
 /* From a vertex at right angles towards a segment, which may lie in the face that the leg came
  * through. */
-static struct gd__stop go_to_segment(struct gd__trail *trail, struct gd__birth birth)
+static struct gd__stop go_to_segment(struct gd__trail *trail, struct gd__predecessor predecessor)
 {
     const struct gd_mesh *mesh = trail->mesh;
-    const struct gd_side *s = &mesh->side[birth.side];
-    uint32_t face = mesh->side_face[birth.side];
-    if (is_along(trail, birth.source, GD_NONE, face))
-        return gd__ray_arrive_at_chord(trail, gd__field_seed_of(trail->field, birth.source), face);
-    double t = s->left_length * s->left_x + birth.x * (s->left_length * s->left_y / birth.y);
-    return gd__ray_follow(
-        trail, (struct gd__ray){
-                   .side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
+    const struct gd_side *s = &mesh->side[predecessor.side];
+    uint32_t face = mesh->side_face[predecessor.side];
+    if (is_along(trail, predecessor.source, GD_NONE, face))
+        return gd__ray_arrive_at_chord(trail, gd__field_seed_of(trail->field, predecessor.source),
+                                       face);
+    double t =
+        s->left_length * s->left_x + predecessor.x * (s->left_length * s->left_y / predecessor.y);
+    return gd__ray_follow(trail, (struct gd__ray){.side = predecessor.side,
+                                                  .source = predecessor.source,
+                                                  .t = t,
+                                                  .x = predecessor.x,
+                                                  .y = predecessor.y});
 }
 
-/* From a vertex by its birth. */
+/* From a vertex by its predecessor. */
 static struct gd__stop go_from_vertex(struct gd__trail *trail, uint32_t vertex)
 {
     const struct gd_mesh *mesh = trail->mesh;
-    struct gd__birth birth = trail->field->birth[vertex];
-    if (birth.side == GD_NONE) return go_along_edge(trail, vertex, birth.source);
-    const struct gd_side *s = &mesh->side[birth.side];
-    if (birth.source == GD_NONE) {
-        struct gd_point bend = gd__trail_side_point(trail, birth.side, birth.x);
-        gd__trail_append_in_face(trail, bend, mesh->side_face[birth.side]);
+    struct gd__predecessor predecessor = trail->field->predecessor[vertex];
+    if (predecessor.side == GD_NONE) return go_along_edge(trail, vertex, predecessor.source);
+    const struct gd_side *s = &mesh->side[predecessor.side];
+    if (predecessor.source == GD_NONE) {
+        struct gd_point bend = gd__trail_side_point(trail, predecessor.side, predecessor.x);
+        gd__trail_append_in_face(trail, bend, mesh->side_face[predecessor.side]);
         return gd__stop_at(bend);
     }
-    if (gd__source_is_linear(birth.source)) return go_to_segment(trail, birth);
-    if (gd__ray_has_arrived(trail, birth.side, birth.x, -birth.y, birth.source))
-        return gd__ray_arrive(trail, mesh->side_face[birth.side], birth.source);
-    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, height = birth.y + py;
-    double across = px - birth.x, t = birth.x;
+    if (gd__source_is_linear(predecessor.source)) return go_to_segment(trail, predecessor);
+    if (gd__ray_has_arrived(trail, predecessor.side, predecessor.x, -predecessor.y,
+                            predecessor.source))
+        return gd__ray_arrive(trail, mesh->side_face[predecessor.side], predecessor.source);
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y,
+           height = predecessor.y + py;
+    double across = px - predecessor.x, t = predecessor.x;
     if (height > 0)
-        t = birth.y < py ? birth.x + across * (birth.y / height) : px - across * (py / height);
-    return gd__ray_follow(
-        trail, (struct gd__ray){
-                   .side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
+        t = predecessor.y < py ? predecessor.x + across * (predecessor.y / height)
+                               : px - across * (py / height);
+    return gd__ray_follow(trail, (struct gd__ray){.side = predecessor.side,
+                                                  .source = predecessor.source,
+                                                  .t = t,
+                                                  .x = predecessor.x,
+                                                  .y = predecessor.y});
 }
 
 static struct gd__stop go_to_close_seed(struct gd__trail *trail, const struct gd__leg *leg)

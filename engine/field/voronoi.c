@@ -58,11 +58,11 @@ static enum gd_status open_diagram(struct gd__diagram *diagram)
 /* Is it a seed's, whose member has the tie with all that begin there? */
 static bool is_seed(const struct gd_field *field, uint32_t vertex)
 {
-    struct gd__birth birth = field->birth[vertex];
-    if (birth.side != GD_NONE || birth.source == GD_NONE ||
-        birth.source < field->mesh->vertex_count)
+    struct gd__predecessor predecessor = field->predecessor[vertex];
+    if (predecessor.side != GD_NONE || predecessor.source == GD_NONE ||
+        predecessor.source < field->mesh->vertex_count)
         return false;
-    return field->seeds[gd__field_seed_of(field, birth.source)].point.kind == GD_POINT_VERTEX;
+    return field->seeds[gd__field_seed_of(field, predecessor.source)].point.kind == GD_POINT_VERTEX;
 }
 
 /* Vertices to those whose pseudo-sources they are. */

@@ -127,8 +127,9 @@ static bool is_needless(const struct gd__diagram *diagram, const struct gd__sour
     uint32_t vertices = diagram->mesh->vertex_count;
     if (source->has_sector || source->pseudo >= vertices) return false;
     if (diagram->mesh->vertex_kind[source->pseudo] != GD_VERTEX_CONVEX) return false;
-    const struct gd__birth *birth = &diagram->field->birth[source->pseudo];
-    return birth->side != GD_NONE || birth->source < vertices; /* else it may be a seed */
+    const struct gd__predecessor *predecessor = &diagram->field->predecessor[source->pseudo];
+    return predecessor->side != GD_NONE ||
+           predecessor->source < vertices; /* else it may be a seed */
 }
 
 static void drop_needless(const struct gd__diagram *diagram, struct gd__sources *sources)

@@ -19,7 +19,7 @@
 struct gd__apex {
     double distance; /* in: what the apex has; out: shorter, if a way is */
     bool improved;
-    double x, y; /* struct gd__birth */
+    double x, y; /* struct gd__predecessor */
     uint32_t source;
     /* out: the last window to its left, the first one to its right; GD_NONE: none */
     uint32_t last_left, first_right;

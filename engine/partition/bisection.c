@@ -84,20 +84,20 @@ static struct gd_vec3 find_plane(const struct gd_mesh *mesh, struct gd_vec3 sour
     return best;
 }
 
-void gd__halves_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_half,
-                       uint8_t *vertex_halves)
+void gd__bisection_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_part,
+                          uint8_t *vertex_parts)
 {
     struct gd_vec3 normal = find_plane(mesh, source);
-    memset(vertex_halves, 0, mesh->vertex_count);
+    memset(vertex_parts, 0, mesh->vertex_count);
     for (uint32_t face = 0; face < mesh->face_count; face++) {
         struct sample place = sample_face(mesh, face, source);
         uint8_t half = height_of(&place, normal) > 0;
         for (int k = 0; k < 3; k++) {
             uint32_t side = mesh->face_side[face][k];
-            side_half[side] = half;
+            side_part[side] = half;
             /* boundary; its record would be a cache line more */
-            if (mesh->side_face[side ^ 1] == GD_NONE) side_half[side ^ 1] = half;
-            vertex_halves[mesh->origin[side]] |= (uint8_t)(1 << half);
+            if (mesh->side_face[side ^ 1] == GD_NONE) side_part[side ^ 1] = half;
+            vertex_parts[mesh->origin[side]] |= (uint8_t)(1 << half);
         }
     }
 }

@@ -9,7 +9,7 @@
  * other side. Of vertices bit 1 << half is set for each half that has a face there. Finds the plane
  * by a thousand faces, whatever the surface's size: 0.3 ms; what follows is linear, some 10 ns a
  * face. Depends on nothing but the surface and the source. */
-void gd__halves_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_half,
-                       uint8_t *vertex_halves);
+void gd__bisection_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_part,
+                          uint8_t *vertex_parts);
 
 #endif

@@ -102,8 +102,8 @@ static enum gd_status take_wedges(struct gd__wavefront *front, const struct gd__
 {
     struct gd__region *own = &front->work->wedges;
     const struct gd__region *from = &other->work->wedges;
-    front->work->purse.control = front->monitor;
-    front->work->purse.held += other->work->purse.held;
+    front->work->budget.control = front->monitor;
+    front->work->budget.held += other->work->budget.held;
     enum gd_status status = gd__region_reserve(own, from->used);
     if (status) return status;
     uint32_t shift = (uint32_t)(own->used / GD__CHUNK_UNIT);
@@ -120,7 +120,7 @@ static void take_vertices(struct gd__wavefront *front, const struct gd__wavefron
         if (front->distance[v] >= GD__FAR)
             gd__workspace_touch(front->work, 2 * front->work->edges + v, true);
         front->distance[v] = other->distance[v];
-        front->birth[v] = other->birth[v];
+        front->predecessor[v] = other->predecessor[v];
     }
 }
 
@@ -131,7 +131,7 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
     front->effort.windows_propagated += other->effort.windows_propagated;
     front->effort.sides_propagated += other->effort.sides_propagated;
     front->effort.vertices_emitted += other->effort.vertices_emitted;
-    front->effort.wedges_recalled += other->effort.wedges_recalled;
+    front->effort.wedges_compared += other->effort.wedges_compared;
     front->wedge_count += other->wedge_count;
     front->bound = fmin(front->bound, other->bound);
     return take_wedges(front, other);
@@ -143,7 +143,7 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
  * one reads. */
 struct part {
     alignas(128) struct gd__wavefront front;
-    struct gd__domain domain;
+    struct gd__partition partition;
     struct gd__mail inbox; /* from the other part */
 };
 
@@ -164,8 +164,8 @@ static void deliver(struct pair *pair)
 {
     for (int i = 0; i < 2; i++) {
         struct gd__mail read = pair->part[i].inbox;
-        pair->part[i].inbox = pair->part[1 - i].domain.mail;
-        pair->part[1 - i].domain.mail = read;
+        pair->part[i].inbox = pair->part[1 - i].partition.mail;
+        pair->part[1 - i].partition.mail = read;
     }
 }
 
@@ -236,7 +236,7 @@ static enum gd_status open_pair(struct pair *pair, const struct gd__propagation 
         struct part *part = &pair->part[i];
         part->front.monitor = &share[i];
         part->front.work = share[i].workspace;
-        part->front.domain = &part->domain;
+        part->front.partition = &part->partition;
         status = gd__wavefront_open(&part->front, propagation);
     }
     return status;
@@ -251,28 +251,31 @@ static enum gd_status propagate_pair(struct gd__wavefront *front,
     if (!partner) return GD_NO_MEMORY;
     struct gd_control share[2] = {share_of(front->monitor, front->work),
                                   share_of(front->monitor, partner)};
-    struct gd__domain domain = {.side_part = side_part, .vertex_parts = vertex_parts, .part = 0},
-                      second = domain;
+    struct gd__partition partition = {.side_part = side_part,
+                                      .vertex_parts = vertex_parts,
+                                      .part = 0},
+                         second = partition;
     second.part = 1;
-    struct pair pair = {
-        .part = {{.front = *front, .domain = domain}, {.front = *front, .domain = second}}};
+    struct pair pair = {.part = {{.front = *front, .partition = partition},
+                                 {.front = *front, .partition = second}}};
     enum gd_status status = open_pair(&pair, propagation, share);
     if (!status) status = propagate(&pair, front->monitor, executor);
     struct part *first = &pair.part[0];
     first->front.monitor = front->monitor;
     if (!status) status = take_all(&first->front, &pair.part[1].front);
     for (int i = 0; i < 2; i++) {
-        gd__mail_destroy(&pair.part[i].domain.mail);
+        gd__mail_destroy(&pair.part[i].partition.mail);
         gd__mail_destroy(&pair.part[i].inbox);
     }
     gd__workspace_clean(partner);
-    first->front.domain = NULL;
+    first->front.partition = NULL;
     *front = first->front;
     return status;
 }
 
-bool gd__domain_is_worth_it(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
-                            const struct gd_control *monitor)
+bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
+                               const struct gd__propagation *propagation,
+                               const struct gd_control *monitor)
 {
     return mesh->face_count >= FACES_LEAST && propagation->seed_count == 1 &&
            !propagation->seeds[0].is_segment && !propagation->target && !propagation->guide &&
@@ -281,17 +284,17 @@ bool gd__domain_is_worth_it(const struct gd_mesh *mesh, const struct gd__propaga
             monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
 }
 
-enum gd_status gd__domain_propagate(struct gd__wavefront *front,
-                                    const struct gd__propagation *propagation,
-                                    const struct gd_executor *executor)
+enum gd_status gd__partition_propagate(struct gd__wavefront *front,
+                                       const struct gd__propagation *propagation,
+                                       const struct gd_executor *executor)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint8_t *side_part = malloc(2 * (size_t)mesh->edge_count),
             *vertex_parts = malloc(mesh->vertex_count);
     enum gd_status status = side_part && vertex_parts ? GD_OK : GD_NO_MEMORY;
     if (!status) {
-        gd__halves_divide(mesh, gd__anchor(mesh, &propagation->seeds[0].point).position, side_part,
-                          vertex_parts);
+        gd__bisection_divide(mesh, gd__anchor(mesh, &propagation->seeds[0].point).position,
+                             side_part, vertex_parts);
         status = propagate_pair(front, propagation, side_part, vertex_parts, executor);
     }
     free(side_part);

@@ -1,4 +1,4 @@
-/* Domain: one of the two parts into which a surface is cut by a plane through the source, each with
+/* Partition: one of the two parts into which a surface is cut by a plane through the source, each with
  * a wavefront of its own.
  *
  * DESIGN
@@ -21,14 +21,15 @@
 
 /* Whether a propagation is worth two wavefronts: a large surface, one seed, the whole of it, and
  * memory enough. */
-bool gd__domain_is_worth_it(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
-                            const struct gd_control *monitor);
+bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
+                               const struct gd__propagation *propagation,
+                               const struct gd_control *monitor);
 
 /* Propagates by two wavefronts. `front` is not open yet; in the end it holds all as if it had
  * worked alone. Errors: those of gd__wavefront_run; GD_BUDGET where one wavefront may still have
  * enough. */
-GD_MUST_USE enum gd_status gd__domain_propagate(struct gd__wavefront *front,
-                                                const struct gd__propagation *propagation,
-                                                const struct gd_executor *executor);
+GD_MUST_USE enum gd_status gd__partition_propagate(struct gd__wavefront *front,
+                                                   const struct gd__propagation *propagation,
+                                                   const struct gd_executor *executor);
 
 #endif

@@ -21,7 +21,7 @@ static enum gd_status propagate_together(struct gd__wavefront *front,
                                          const struct gd_executor *executor)
 {
     struct gd__wavefront fresh = *front;
-    enum gd_status status = gd__domain_propagate(front, propagation, executor);
+    enum gd_status status = gd__partition_propagate(front, propagation, executor);
     if (status != GD_BUDGET) return status;
     gd__workspace_clean(front->work);
     *front = fresh;
@@ -40,7 +40,7 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
                                   .guide = propagation->guide,
                                   .monitor = monitor};
     bool together = executor && executor->width > 1 && !propagation->begun &&
-                    gd__domain_is_worth_it(mesh, propagation, monitor);
+                    gd__partition_is_worth_it(mesh, propagation, monitor);
     enum gd_status status = together ? propagate_together(&front, propagation, executor)
                                      : propagate_alone(&front, propagation);
     if (!status) status = sink->take(sink->user, &front, executor);

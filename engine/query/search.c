@@ -34,7 +34,7 @@ static enum gd_status view(const struct search *search, const struct gd_workspac
     *field = (struct gd_field){.mesh = search->mesh,
                                .reach = GD__FAR,
                                .distance = work->distance,
-                               .birth = work->birth,
+                               .predecessor = work->predecessor,
                                .newest = work->newest,
                                .wedges = work->wedges.base,
                                .wedge_bytes = work->wedges.used,

@@ -48,7 +48,7 @@ struct gd__paint {
 /* `control` may be NULL; who is to stop finds GD_CANCELLED or GD_DEADLINE in the canvas' status.
  * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
-                                          struct gd__purse *purse,
+                                          struct gd__budget *budget,
                                           const struct gd_control *control);
 void gd__paint_close(struct gd__paint *paint); /* also after a failure */
 
@@ -56,14 +56,14 @@ void gd__paint_close(struct gd__paint *paint); /* also after a failure */
 
 struct gd__svg {
     struct gd__canvas canvas; /* first */
-    struct gd__purse *purse;
+    struct gd__budget *budget;
     char *text;
     size_t used, capacity;
 };
 
 /* Begins a file of that size over an image, a PNG file. */
 void gd__svg_open(struct gd__svg *svg, uint32_t width, uint32_t height, const void *png,
-                  size_t size, struct gd__purse *purse);
+                  size_t size, struct gd__budget *budget);
 
 /* The whole file, the caller's; or the failure that stayed. It is closed either way. */
 GD_MUST_USE enum gd_status gd__svg_close(struct gd__svg *svg, void **bytes, size_t *size);

@@ -20,7 +20,7 @@ enum gd_status gd__cover_open(struct gd__cover *cover, const struct gd__raster *
                                 .width = raster->width,
                                 .height = raster->height};
     enum gd_status status =
-        gd__purse_take(raster->purse, pixels * (sizeof *cover->depth + sizeof *cover->face));
+        gd__budget_take(raster->budget, pixels * (sizeof *cover->depth + sizeof *cover->face));
     if (status) return status;
     cover->depth = gd__large_array(pixels, sizeof *cover->depth);
     cover->face = gd__large_array(pixels, sizeof *cover->face);

@@ -6,11 +6,11 @@
 #include "base/large.h"
 
 enum gd_status gd__image_open(struct gd__image *image, uint32_t width, uint32_t height,
-                              struct gd__purse *purse)
+                              struct gd__budget *budget)
 {
     size_t pixels = (size_t)width * height;
     *image = (struct gd__image){.width = width, .height = height};
-    enum gd_status status = gd__purse_take(purse, pixels * sizeof *image->pixel);
+    enum gd_status status = gd__budget_take(budget, pixels * sizeof *image->pixel);
     if (status) return status;
     image->pixel = gd__large_array(pixels, sizeof *image->pixel);
     return image->pixel ? GD_OK : GD_NO_MEMORY;

@@ -135,12 +135,12 @@ static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture 
 }
 
 enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
-                              struct gd__purse *purse, const struct gd_control *control)
+                              struct gd__budget *budget, const struct gd_control *control)
 {
     size_t pixels = (size_t)image->width * image->height;
     *paint = (struct gd__paint){
         .canvas = {stroke, disc, text, scale, GD_OK}, .image = image, .control = control};
-    enum gd_status status = gd__purse_take(purse, pixels);
+    enum gd_status status = gd__budget_take(budget, pixels);
     if (status) return status;
     paint->coverage = calloc(pixels, 1);
     return paint->coverage ? GD_OK : GD_NO_MEMORY;

@@ -20,7 +20,7 @@ struct studio {
     const struct gd_picture *picture;
     const struct gd_mesh *mesh;
     const struct gd__palette *palette;
-    struct gd__purse purse;
+    struct gd__budget budget;
     uint32_t part, parts; /* in work, and all of them, which count as equally long */
     double told;          /* of the whole */
     struct gd__legend legend;
@@ -41,7 +41,7 @@ struct studio {
 static bool report(void *user, double fraction)
 {
     struct studio *studio = user;
-    const struct gd_control *control = studio->purse.control;
+    const struct gd_control *control = studio->budget.control;
     studio->told = fmax(studio->told, (studio->part + fraction) / studio->parts);
     return control->progress(control->user, studio->told);
 }
@@ -49,9 +49,9 @@ static bool report(void *user, double fraction)
 /* The control of a long call that is within the part in work. */
 static struct gd_control control_of(struct studio *studio)
 {
-    const struct gd_control *control = studio->purse.control;
+    const struct gd_control *control = studio->budget.control;
     struct gd_control own = control ? *control : (struct gd_control){0};
-    size_t held = studio->purse.held;
+    size_t held = studio->budget.held;
     /* 0: no limit */
     if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
     own.progress = own.progress ? report : NULL;
@@ -99,7 +99,7 @@ static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, 
         studio->picture->field && gd_field_single_seed(studio->picture->field, &source);
     uint32_t points = path ? path->count : has_source ? 1 : 0;
     enum gd_status status =
-        gd__purse_take(&studio->purse, points * (sizeof **out + sizeof(struct gd__spot)));
+        gd__budget_take(&studio->budget, points * (sizeof **out + sizeof(struct gd__spot)));
     *out = status ? NULL : malloc((points + 1) * sizeof **out);
     if (!*out) return status ? status : GD_NO_MEMORY;
     for (uint32_t i = 0; i < points; i++)
@@ -117,7 +117,7 @@ static enum gd_status aim(struct studio *studio, const struct gd_vec3 *subject, 
     struct gd_control control = control_of(studio);
     enum gd_status status = GD_OK;
     if (picture->view == GD_VIEW_CHOSEN && count)
-        status = gd__view_choose(studio->mesh, picture->up, subject, count, &studio->purse,
+        status = gd__view_choose(studio->mesh, picture->up, subject, count, &studio->budget,
                                  &control, &direction);
     if (status) return status;
     struct gd__window_of_picture window = gd__legend_window(&studio->legend);
@@ -137,7 +137,7 @@ static enum gd_status open_surface(struct studio *studio)
                                          .height = studio->legend.height,
                                          .grid = GRID,
                                          .rows = gd__raster_rows(studio->legend.width),
-                                         .purse = &studio->purse};
+                                         .budget = &studio->budget};
     studio->shade = (struct gd__shade){.raster = &studio->raster,
                                        .camera = &studio->camera,
                                        .palette = studio->palette,
@@ -150,7 +150,7 @@ static enum gd_status open_surface(struct studio *studio)
     if (!status) status = gd__cover_open(&studio->cover, &studio->raster);
     if (!status)
         status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height,
-                                &studio->purse);
+                                &studio->budget);
     studio->image.is_opaque = !studio->palette->is_transparent;
     return status;
 }
@@ -159,7 +159,7 @@ static enum gd_status draw_surface(struct studio *studio)
 {
     const struct gd_mesh *mesh = studio->mesh;
     enum gd_status status =
-        gd__purse_take(&studio->purse, mesh->vertex_count * sizeof *studio->spots);
+        gd__budget_take(&studio->budget, mesh->vertex_count * sizeof *studio->spots);
     studio->spots = status ? NULL : malloc(mesh->vertex_count * sizeof *studio->spots);
     if (!studio->spots) return status ? status : GD_NO_MEMORY;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
@@ -275,11 +275,11 @@ static enum gd_status finish_png(struct studio *studio, void **bytes, size_t *si
 {
     struct gd__paint paint;
     struct gd_control control = control_of(studio);
-    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->purse, &control);
+    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->budget, &control);
     if (!status) draw_lines(studio, &paint.canvas);
     if (!status) status = paint.canvas.status;
     gd__paint_close(&paint);
-    return status ? status : gd__image_png(&studio->image, &studio->purse, &control, bytes, size);
+    return status ? status : gd__image_png(&studio->image, &studio->budget, &control, bytes, size);
 }
 
 static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *size)
@@ -289,9 +289,9 @@ static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *si
     void *png;
     size_t png_size;
     enum gd_status status =
-        gd__image_png(&studio->image, &studio->purse, &control, &png, &png_size);
+        gd__image_png(&studio->image, &studio->budget, &control, &png, &png_size);
     if (status) return status;
-    gd__svg_open(&svg, studio->legend.width, studio->legend.height, png, png_size, &studio->purse);
+    gd__svg_open(&svg, studio->legend.width, studio->legend.height, png, png_size, &studio->budget);
     free(png);
     draw_lines(studio, &svg.canvas);
     return gd__svg_close(&svg, bytes, size);
@@ -307,7 +307,7 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
     studio->picture = picture;
     studio->mesh = picture->mesh;
     studio->palette = gd__palette(picture->background);
-    studio->purse = (struct gd__purse){.control = control};
+    studio->budget = (struct gd__budget){.control = control};
     studio->legend = gd__legend_plan(picture, studio->palette, width, height);
     if (picture->field)
         studio->scale = gd__scale_of(gd__field_range(picture->field),

@@ -135,14 +135,15 @@ static enum gd_status put_rows(struct encoder *encoder, const struct gd_control 
 
 /* --- the file --------------------------------------------------------------------------------- */
 
-static enum gd_status open_encoder(struct encoder *encoder, struct gd__purse *purse)
+static enum gd_status open_encoder(struct encoder *encoder, struct gd__budget *budget)
 {
     enum { FRAME = 128, ZLIB = 300 << 10 };
     size_t line = encoder->row_bytes + 1 + encoder->channels, rows = (size_t)encoder->image->height;
     encoder->stream = (z_stream){0};
     if (deflateInit(&encoder->stream, LEVEL) != Z_OK) return GD_NO_MEMORY;
     encoder->capacity = deflateBound(&encoder->stream, (encoder->row_bytes + 1) * rows) + FRAME;
-    enum gd_status status = gd__purse_take(purse, encoder->capacity + (2 + FILTERS) * line + ZLIB);
+    enum gd_status status =
+        gd__budget_take(budget, encoder->capacity + (2 + FILTERS) * line + ZLIB);
     if (status) return status;
     encoder->file = malloc(encoder->capacity);
     encoder->row = calloc(2 + FILTERS, line);
@@ -152,12 +153,12 @@ static enum gd_status open_encoder(struct encoder *encoder, struct gd__purse *pu
     return GD_OK;
 }
 
-enum gd_status gd__image_png(const struct gd__image *image, struct gd__purse *purse,
+enum gd_status gd__image_png(const struct gd__image *image, struct gd__budget *budget,
                              const struct gd_control *control, void **bytes, size_t *size)
 {
     struct encoder encoder = {.image = image, .channels = image->is_opaque ? 3 : 4};
     encoder.row_bytes = encoder.channels * image->width;
-    enum gd_status status = open_encoder(&encoder, purse);
+    enum gd_status status = open_encoder(&encoder, budget);
     void *rows = encoder.row;
     if (!status) {
         put_head(&encoder);

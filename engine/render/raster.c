@@ -181,7 +181,7 @@ static enum gd_status list_faces(struct gd__raster *raster, const struct gd_cont
     uint32_t *next = raster->first;
     uint64_t total = 0;
     enum gd_status status = count_faces(raster, control, &total);
-    if (!status) status = gd__purse_take(raster->purse, (total + 1) * sizeof *raster->faces);
+    if (!status) status = gd__budget_take(raster->budget, (total + 1) * sizeof *raster->faces);
     if (status) return status;
     raster->faces = total <= UINT32_MAX ? malloc((total + 1) * sizeof *raster->faces) : NULL;
     if (!raster->faces) return GD_NO_MEMORY;
@@ -202,8 +202,8 @@ enum gd_status gd__raster_open(struct gd__raster *raster, const struct gd_contro
     size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
     raster->bands = (raster->height + raster->rows - 1) / raster->rows;
     enum gd_status status =
-        gd__purse_take(raster->purse, samples * (sizeof *raster->depth + sizeof *raster->face) +
-                                          (raster->bands + 1) * sizeof *raster->first);
+        gd__budget_take(raster->budget, samples * (sizeof *raster->depth + sizeof *raster->face) +
+                                            (raster->bands + 1) * sizeof *raster->first);
     if (status) return status;
     raster->first = malloc((raster->bands + 1) * sizeof *raster->first);
     raster->depth = gd__large_array(samples, sizeof *raster->depth);

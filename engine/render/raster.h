@@ -8,7 +8,7 @@
 #ifndef GD_RENDER_RASTER_H
 #define GD_RENDER_RASTER_H
 
-#include "base/purse.h"
+#include "base/budget.h"
 #include "render/camera.h"
 
 /* Rows of pixels of a band: as many as keep its samples in the cache, and the work between two
@@ -27,8 +27,8 @@ struct gd__raster {
     uint32_t grid;                /* a power of two, at most 4 */
     uint32_t rows;                /* of pixels in a band; the last one may be lower */
     uint32_t bands;
-    uint32_t *first, *faces; /* of each band; bands + 1 */
-    struct gd__purse *purse; /* pays for it all; may be NULL */
+    uint32_t *first, *faces;   /* of each band; bands + 1 */
+    struct gd__budget *budget; /* pays for it all; may be NULL */
     /* of the band that was filled last, rows of width * grid samples; INFINITY: nothing is seen */
     float *depth;
     uint32_t *face; /* likewise; GD_NONE */

@@ -51,8 +51,8 @@ enum gd_status gd__shade_open(struct gd__shade *shade, const struct gd_control *
     shade->fragment_count = 0;
     for (int i = 0; i <= GD__SHADE_COLOURS; i++)
         shade->colours[i] = gd__colour_of_part((double)i / GD__SHADE_COLOURS);
-    enum gd_status status = gd__purse_take(
-        shade->raster->purse, batch + normals + band_pixels(shade) * sizeof *shade->sum);
+    enum gd_status status = gd__budget_take(
+        shade->raster->budget, batch + normals + band_pixels(shade) * sizeof *shade->sum);
     if (status) return status;
     shade->fragments = malloc(BATCH * sizeof *shade->fragments);
     shade->points = malloc(BATCH * sizeof *shade->points);

@@ -20,7 +20,7 @@ static bool reserve(struct gd__svg *svg, size_t more)
     if (svg->canvas.status) return false;
     if (svg->used + more <= svg->capacity) return true;
     size_t capacity = 2 * svg->capacity > svg->used + more ? 2 * svg->capacity : svg->used + more;
-    svg->canvas.status = gd__purse_take(svg->purse, capacity - svg->capacity);
+    svg->canvas.status = gd__budget_take(svg->budget, capacity - svg->capacity);
     if (svg->canvas.status) return false;
     char *text = realloc(svg->text, capacity);
     if (!text) {
@@ -166,9 +166,9 @@ static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture 
 /* --- the file --------------------------------------------------------------------------------- */
 
 void gd__svg_open(struct gd__svg *svg, uint32_t width, uint32_t height, const void *png,
-                  size_t size, struct gd__purse *purse)
+                  size_t size, struct gd__budget *budget)
 {
-    *svg = (struct gd__svg){.canvas = {stroke, disc, text, scale, GD_OK}, .purse = purse};
+    *svg = (struct gd__svg){.canvas = {stroke, disc, text, scale, GD_OK}, .budget = budget};
     put(svg,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"");
     put_length(svg, "width", width);

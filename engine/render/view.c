@@ -23,7 +23,7 @@ struct chooser {
     struct gd_vec3 up;
     const struct gd_vec3 *path;
     uint32_t count;
-    struct gd__purse *purse;
+    struct gd__budget *budget;
     struct gd__spot *spots, *line;
 };
 
@@ -51,7 +51,7 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
 {
     const struct gd_mesh *mesh = chooser->mesh;
     struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
-    struct gd__purse purse = *chooser->purse; /* what a sketch takes it gives back */
+    struct gd__budget budget = *chooser->budget; /* what a sketch takes it gives back */
     gd__camera_fit(&camera, mesh, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         chooser->spots[v] = gd__camera_project(&camera, mesh->position[v]);
@@ -63,7 +63,7 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
                                 .height = (uint32_t)(sketch.height + 2 * sketch.top),
                                 .grid = 1,
                                 .rows = UINT32_MAX,
-                                .purse = &purse};
+                                .budget = &budget};
     enum gd_status status = sketch_view(chooser, control, &raster, seen);
     gd__raster_close(&raster);
     return status;
@@ -89,13 +89,15 @@ static enum gd_status choose(const struct chooser *chooser, const struct gd_cont
 }
 
 enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
-                               const struct gd_vec3 *path, uint32_t count, struct gd__purse *purse,
-                               const struct gd_control *control, struct gd_vec3 *out)
+                               const struct gd_vec3 *path, uint32_t count,
+                               struct gd__budget *budget, const struct gd_control *control,
+                               struct gd_vec3 *out)
 {
-    struct chooser chooser = {.mesh = mesh, .up = up, .path = path, .count = count, .purse = purse};
+    struct chooser chooser = {
+        .mesh = mesh, .up = up, .path = path, .count = count, .budget = budget};
     struct gd_vec3 direction;
     enum gd_status status =
-        gd__purse_take(purse, ((size_t)mesh->vertex_count + count) * sizeof(struct gd__spot));
+        gd__budget_take(budget, ((size_t)mesh->vertex_count + count) * sizeof(struct gd__spot));
     if (status) return status;
     chooser.spots = malloc(mesh->vertex_count * sizeof *chooser.spots);
     chooser.line = malloc(count * sizeof *chooser.line);

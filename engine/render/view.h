@@ -10,7 +10,7 @@
  * times O(faces). */
 GD_MUST_USE enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
                                            const struct gd_vec3 *path, uint32_t count,
-                                           struct gd__purse *purse,
+                                           struct gd__budget *budget,
                                            const struct gd_control *control, struct gd_vec3 *out);
 
 #endif

@@ -12,7 +12,7 @@
  * leaves the point as that vertex does. Of one that is seen straight the sight is walked back only
  * until it crosses an edge with an end that is seen straight as well, and over the same strip of
  * faces: then the two directions at the point differ by the angle between the two ends, which the
- * birth of the sight tells. */
+ * predecessor of the sight tells. */
 
 struct map {
     const struct gd_field *field;
@@ -22,7 +22,7 @@ struct map {
 };
 
 /* On the way back from a vertex: the source lies `rest` ahead. */
-struct sight {
+struct wedge_view {
     struct gd__flight flight;
     double rest;
 };
@@ -63,13 +63,13 @@ static enum gd_status look_beside(struct map *map, uint32_t vertex)
 }
 
 /* In the frame of the flight's side. */
-static struct gd__local source_of(const struct sight *sight)
+static struct gd__local source_of(const struct wedge_view *sight)
 {
     return (struct gd__local){sight->flight.t + sight->rest * sight->flight.dx,
                               sight->rest * sight->flight.dy};
 }
 
-static bool has_arrived(const struct map *map, const struct sight *sight)
+static bool has_arrived(const struct map *map, const struct wedge_view *sight)
 {
     const struct gd_mesh *mesh = map->mesh;
     uint32_t side = sight->flight.side, face = mesh->side_face[side];
@@ -85,25 +85,26 @@ static bool has_arrived(const struct map *map, const struct sight *sight)
     return w[0] + w[1] + w[2] > 0 && hypot(at.x - source.x, at.y - source.y) <= tolerance;
 }
 
-/* Turn at a vertex seen straight to the source, as its birth has it. */
+/* Turn at a vertex seen straight to the source, as its predecessor has it. */
 static double back_of(const struct map *map, uint32_t vertex)
 {
     const struct gd_mesh *mesh = map->mesh;
-    struct gd__birth birth = map->field->birth[vertex];
-    const struct gd_side *s = &mesh->side[birth.side];
+    struct gd__predecessor predecessor = map->field->predecessor[vertex];
+    const struct gd_side *s = &mesh->side[predecessor.side];
     struct gd_point point = gd__point_of_vertex(vertex);
-    return gd__turn_in_face(mesh, &point, birth.side, birth.x - s->left_length * s->left_x,
-                            -birth.y - s->left_length * s->left_y);
+    return gd__turn_in_face(mesh, &point, predecessor.side,
+                            predecessor.x - s->left_length * s->left_x,
+                            -predecessor.y - s->left_length * s->left_y);
 }
 
 /* Is the end of the edge that the sight crosses seen over the same strip? Then its direction tells
  * the vertex'. */
-static bool lean_on(struct map *map, const struct sight *sight, uint32_t end, double x,
+static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t end, double x,
                     double *ahead)
 {
     const struct gd_mesh *mesh = map->mesh;
-    struct gd__birth birth = map->field->birth[end];
-    if (isnan(map->ahead[end]) || birth.side == GD_NONE || !is_root(map, birth.source))
+    struct gd__predecessor predecessor = map->field->predecessor[end];
+    if (isnan(map->ahead[end]) || predecessor.side == GD_NONE || !is_root(map, predecessor.source))
         return false;
     struct gd__local source = source_of(sight), to = {x - source.x, -source.y};
     double distance = map->field->distance[end];
@@ -119,7 +120,7 @@ static bool lean_on(struct map *map, const struct sight *sight, uint32_t end, do
 }
 
 /* By the farther end of the edge: there the angle is better told. */
-static bool lean(struct map *map, const struct sight *sight, double *ahead)
+static bool lean(struct map *map, const struct wedge_view *sight, double *ahead)
 {
     uint32_t side = sight->flight.side,
              ends[2] = {map->mesh->origin[side], map->mesh->origin[side ^ 1]};
@@ -130,22 +131,22 @@ static bool lean(struct map *map, const struct sight *sight, double *ahead)
 }
 
 /* Over the side opposite to the vertex. */
-static struct sight sight_from(const struct map *map, uint32_t vertex)
+static struct wedge_view sight_from(const struct map *map, uint32_t vertex)
 {
-    struct gd__birth birth = map->field->birth[vertex];
-    const struct gd_side *s = &map->mesh->side[birth.side];
+    struct gd__predecessor predecessor = map->field->predecessor[vertex];
+    const struct gd_side *s = &map->mesh->side[predecessor.side];
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-    double dx = birth.x - px, dy = -birth.y - py, length = hypot(dx, dy),
-           gone = length * py / (py + birth.y);
+    double dx = predecessor.x - px, dy = -predecessor.y - py, length = hypot(dx, dy),
+           gone = length * py / (py + predecessor.y);
     double t = px + dx / length * gone;
-    return (struct sight){{birth.side ^ 1, s->length - t, -dx / length, -dy / length},
-                          length - gone};
+    return (struct wedge_view){{predecessor.side ^ 1, s->length - t, -dx / length, -dy / length},
+                               length - gone};
 }
 
 static enum gd_status look_back(struct map *map, uint32_t vertex)
 {
     const struct gd_mesh *mesh = map->mesh;
-    struct sight sight = sight_from(map, vertex);
+    struct wedge_view sight = sight_from(map, vertex);
     while (sight.rest > 0 && !gd__side_is_boundary(mesh, sight.flight.side)) {
         const struct gd_side *s = &mesh->side[sight.flight.side];
         if (has_arrived(map, &sight)) {
@@ -163,15 +164,15 @@ static enum gd_status look_back(struct map *map, uint32_t vertex)
 
 static enum gd_status look_from(struct map *map, uint32_t vertex)
 {
-    struct gd__birth birth = map->field->birth[vertex];
+    struct gd__predecessor predecessor = map->field->predecessor[vertex];
     /* it bends on an edge */
-    if (birth.source == GD_NONE && birth.side != GD_NONE) return trace_it(map, vertex);
-    if (is_root(map, birth.source)) {
-        bool is_beside = birth.side == GD_NONE || birth.y < 0;
+    if (predecessor.source == GD_NONE && predecessor.side != GD_NONE) return trace_it(map, vertex);
+    if (is_root(map, predecessor.source)) {
+        bool is_beside = predecessor.side == GD_NONE || predecessor.y < 0;
         return is_beside ? look_beside(map, vertex) : look_back(map, vertex);
     }
-    if (birth.source == GD_NONE) return GD_INTERNAL;
-    map->ahead[vertex] = map->ahead[birth.source];
+    if (predecessor.source == GD_NONE) return GD_INTERNAL;
+    map->ahead[vertex] = map->ahead[predecessor.source];
     return GD_OK;
 }
 

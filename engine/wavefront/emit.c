@@ -34,26 +34,26 @@ static bool is_beside(const struct gd__wavefront *front, uint32_t vertex, uint32
 static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
-    struct gd__birth birth = *gd__wavefront_birth(front, vertex);
+    struct gd__predecessor predecessor = *gd__wavefront_predecessor(front, vertex);
     struct gd__polar beside;
-    if (is_beside(front, vertex, birth.source, &beside)) return beside.angle;
+    if (is_beside(front, vertex, predecessor.source, &beside)) return beside.angle;
     /* between p -> origin and p -> destination of the side opposite to p = vertex */
-    if (birth.side != GD_NONE) {
-        const struct gd_side *s = &mesh->side[birth.side];
+    if (predecessor.side != GD_NONE) {
+        const struct gd_side *s = &mesh->side[predecessor.side];
         double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-        double rx = birth.x - px, ry = -birth.y - py, ox = -px, oy = -py;
-        if (birth.source != GD_NONE && gd__source_is_linear(birth.source))
-            rx = birth.x, ry = -birth.y;
-        uint32_t entry = mesh->fan_first[vertex], first = gd__side_previous(mesh, birth.side);
+        double rx = predecessor.x - px, ry = -predecessor.y - py, ox = -px, oy = -py;
+        if (predecessor.source != GD_NONE && gd__source_is_linear(predecessor.source))
+            rx = predecessor.x, ry = -predecessor.y;
+        uint32_t entry = mesh->fan_first[vertex], first = gd__side_previous(mesh, predecessor.side);
         while (mesh->fan[entry].side != first) entry++;
         return mesh->fan[entry].angle + atan2(ox * ry - oy * rx, ox * rx + oy * ry);
     }
     uint32_t edge = GD_NONE;
-    if (birth.source >= mesh->vertex_count)
-        edge = front->seeds[birth.source - mesh->vertex_count].point.element;
+    if (predecessor.source >= mesh->vertex_count)
+        edge = front->seeds[predecessor.source - mesh->vertex_count].point.element;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
         uint32_t side = mesh->fan[i].side;
-        if (edge != GD_NONE ? side >> 1 == edge : mesh->fan[i].tip == birth.source)
+        if (edge != GD_NONE ? side >> 1 == edge : mesh->fan[i].tip == predecessor.source)
             return mesh->fan[i].angle;
     }
     return mesh->total_angle[vertex]; /* the last boundary edge of the fan */
@@ -61,8 +61,8 @@ static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
 
 static void reach_along_edge(struct gd__wavefront *front, uint32_t from, uint32_t to, double length)
 {
-    struct gd__birth birth = {.side = GD_NONE, .source = from};
-    gd__wavefront_reach(front, to, front->distance[from] + length, birth);
+    struct gd__predecessor predecessor = {.side = GD_NONE, .source = from};
+    gd__wavefront_reach(front, to, front->distance[from] + length, predecessor);
 }
 
 /* Where the ray from the vertex at an angle meets the far edge of an entry's face, from the
@@ -141,10 +141,11 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
 /* The vertex is a seed, and none comes nearer to it. */
 static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
 {
-    const struct gd__birth *birth = gd__wavefront_birth(front, vertex);
+    const struct gd__predecessor *predecessor = gd__wavefront_predecessor(front, vertex);
     uint32_t vertices = front->mesh->vertex_count;
-    return birth->source >= vertices && birth->source != GD_NONE && birth->side == GD_NONE &&
-           front->seeds[birth->source - vertices].point.kind == GD_POINT_VERTEX;
+    return predecessor->source >= vertices && predecessor->source != GD_NONE &&
+           predecessor->side == GD_NONE &&
+           front->seeds[predecessor->source - vertices].point.kind == GD_POINT_VERTEX;
 }
 
 static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
@@ -170,20 +171,20 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The other wavefront of a domain emits from common vertices itself. Of the others it has to know
+/* The other wavefront of a partition emits from common vertices itself. Of the others it has to know
  * the distance, as windows of theirs may come to it. */
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
-    struct gd__domain *domain = front->domain;
-    if (!domain) {
+    struct gd__partition *partition = front->partition;
+    if (!partition) {
         emit_vertex(front, vertex);
         return;
     }
-    if (!gd__domain_has_vertex(domain, vertex)) return;
-    domain->is_common = gd__domain_shares_vertex(domain, vertex);
-    if (!domain->is_common) gd__wavefront_tell(front, vertex);
+    if (!gd__partition_has_vertex(partition, vertex)) return;
+    partition->is_common = gd__partition_shares_vertex(partition, vertex);
+    if (!partition->is_common) gd__wavefront_tell(front, vertex);
     if (!front->status) emit_vertex(front, vertex);
-    domain->is_common = false;
+    partition->is_common = false;
 }
 
 /* --- seeds beside a vertex -------------------------------------------------------------------- */
@@ -232,9 +233,10 @@ static void store_edge(struct gd__wavefront *front, const struct beside *b, uint
 static void reach_neighbour(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                             struct gd__local at, struct gd__local way)
 {
-    struct gd__birth birth = {.x = at.x, .y = -at.y, .side = side, .source = b->emitter.source};
+    struct gd__predecessor predecessor = {
+        .x = at.x, .y = -at.y, .side = side, .source = b->emitter.source};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
-                        b->emitter.sigma + sqrt(way.x * way.x + way.y * way.y), birth);
+                        b->emitter.sigma + sqrt(way.x * way.x + way.y * way.y), predecessor);
 }
 
 /* Emits into the face of a fan's entry that begins `ahead` radians counter-clockwise of the

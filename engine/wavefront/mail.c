@@ -13,20 +13,20 @@ static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity
     return GD_OK;
 }
 
-enum gd_status gd__domain_send_vertex(struct gd__domain *domain,
-                                      const struct gd__vertex_letter *letter)
+enum gd_status gd__partition_send_vertex(struct gd__partition *partition,
+                                         const struct gd__vertex_letter *letter)
 {
-    struct gd__mail *mail = &domain->mail;
+    struct gd__mail *mail = &partition->mail;
     enum gd_status status = make_room((void **)&mail->vertices, mail->vertex_count,
                                       &mail->vertex_capacity, sizeof *mail->vertices);
     if (!status) mail->vertices[mail->vertex_count++] = *letter;
     return status;
 }
 
-enum gd_status gd__domain_send_windows(struct gd__domain *domain, uint32_t side,
-                                       const struct gd__children *children)
+enum gd_status gd__partition_send_windows(struct gd__partition *partition, uint32_t side,
+                                          const struct gd__children *children)
 {
-    struct gd__mail *mail = &domain->mail;
+    struct gd__mail *mail = &partition->mail;
     enum gd_status status = make_room((void **)&mail->lists, mail->list_count, &mail->list_capacity,
                                       sizeof *mail->lists);
     if (!status) status = gd__stack_reserve(&mail->windows, mail->windows.count + children->count);

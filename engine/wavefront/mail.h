@@ -12,7 +12,7 @@ struct gd__mail {
         uint32_t vertex;
         bool has_emitted; /* before: windows are on their way that began with a longer distance */
         double distance;
-        struct gd__birth birth;
+        struct gd__predecessor predecessor;
     } * vertices;
     uint32_t vertex_count, vertex_capacity;
     struct gd__list_letter {
@@ -22,7 +22,7 @@ struct gd__mail {
     struct gd__stack windows;
 };
 
-struct gd__domain {
+struct gd__partition {
     /* per side: the part of its face, 0 or 1; a boundary side has that of its other side */
     const uint8_t *side_part;
     const uint8_t *vertex_parts; /* per vertex: bits 1 << part of its faces */
@@ -31,26 +31,28 @@ struct gd__domain {
     struct gd__mail mail; /* to the other part */
 };
 
-static inline bool gd__domain_has_side(const struct gd__domain *domain, uint32_t side)
+static inline bool gd__partition_has_side(const struct gd__partition *partition, uint32_t side)
 {
-    return domain->side_part[side] == domain->part;
+    return partition->side_part[side] == partition->part;
 }
 
-static inline bool gd__domain_has_vertex(const struct gd__domain *domain, uint32_t vertex)
+static inline bool gd__partition_has_vertex(const struct gd__partition *partition, uint32_t vertex)
 {
-    return domain->vertex_parts[vertex] >> domain->part & 1;
+    return partition->vertex_parts[vertex] >> partition->part & 1;
 }
 
-static inline bool gd__domain_shares_vertex(const struct gd__domain *domain, uint32_t vertex)
+static inline bool gd__partition_shares_vertex(const struct gd__partition *partition,
+                                               uint32_t vertex)
 {
-    return domain->vertex_parts[vertex] == 3;
+    return partition->vertex_parts[vertex] == 3;
 }
 
 /* Writes to the other part. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__domain_send_vertex(struct gd__domain *domain,
-                                                  const struct gd__vertex_letter *letter);
-GD_MUST_USE enum gd_status gd__domain_send_windows(struct gd__domain *domain, uint32_t side,
-                                                   const struct gd__children *children);
+GD_MUST_USE enum gd_status gd__partition_send_vertex(struct gd__partition *partition,
+                                                     const struct gd__vertex_letter *letter);
+GD_MUST_USE enum gd_status gd__partition_send_windows(struct gd__partition *partition,
+                                                      uint32_t side,
+                                                      const struct gd__children *children);
 
 void gd__mail_destroy(struct gd__mail *mail);
 

@@ -5,7 +5,8 @@
 
 #include "base/large.h"
 
-#define SIDES_MADE_MOST 4 /* then the visits of its sides are counted for good, see gd__remind */
+#define SIDES_MADE_MOST                                                                            \
+    4 /* then the visits of its sides are counted for good, see gd__prune_by_stored */
 
 static uint32_t pages_of(uint32_t count, uint32_t records)
 {
@@ -13,9 +14,9 @@ static uint32_t pages_of(uint32_t count, uint32_t records)
 }
 
 static enum gd_status open_distances(struct gd__near *near, uint32_t vertices,
-                                     struct gd__purse *purse)
+                                     struct gd__budget *budget)
 {
-    enum gd_status status = gd__purse_take(purse, vertices * sizeof *near->distance);
+    enum gd_status status = gd__budget_take(budget, vertices * sizeof *near->distance);
     if (status) return status;
     near->distance = gd__large_array(vertices, sizeof *near->distance);
     if (!near->distance) return GD_NO_MEMORY;
@@ -24,17 +25,17 @@ static enum gd_status open_distances(struct gd__near *near, uint32_t vertices,
 }
 
 enum gd_status gd__near_open(struct gd__near *near, const struct gd_mesh *mesh,
-                             struct gd__purse *purse)
+                             struct gd__budget *budget)
 {
     uint32_t sides = pages_of(2 * mesh->edge_count, GD__PAGE_SIDES),
              vertices = pages_of(mesh->vertex_count, GD__PAGE_VERTICES);
-    enum gd_status status = open_distances(near, mesh->vertex_count, purse);
+    enum gd_status status = open_distances(near, mesh->vertex_count, budget);
     if (!status)
         status = gd__pages_open(&near->sides, sides, sizeof(struct gd__side_page), SIDES_MADE_MOST,
-                                purse);
+                                budget);
     if (!status)
         status = gd__pages_open(&near->vertices, vertices, sizeof(struct gd__vertex_page),
-                                UINT8_MAX, purse);
+                                UINT8_MAX, budget);
     if (status) gd__near_close(near);
     return status;
 }

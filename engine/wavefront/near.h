@@ -26,7 +26,7 @@ struct gd__vertex_page {
     uint32_t waiting[GD__PAGE_VERTICES];
     uint32_t since[GD__PAGE_VERTICES];
     double emitted[GD__PAGE_VERTICES];
-    struct gd__birth birth[GD__PAGE_VERTICES];
+    struct gd__predecessor predecessor[GD__PAGE_VERTICES];
 };
 
 struct gd__near {
@@ -36,7 +36,7 @@ struct gd__near {
 
 /* All zero before. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__near_open(struct gd__near *near, const struct gd_mesh *mesh,
-                                         struct gd__purse *purse);
+                                         struct gd__budget *budget);
 
 /* Frees all; all zero then. */
 void gd__near_close(struct gd__near *near);

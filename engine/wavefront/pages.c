@@ -12,13 +12,13 @@ struct gd__page_slab {
 };
 
 enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
-                              uint32_t made_most, struct gd__purse *purse)
+                              uint32_t made_most, struct gd__budget *budget)
 {
     enum gd_status status =
-        gd__purse_take(purse, count * (sizeof *pages->page + sizeof *pages->made));
+        gd__budget_take(budget, count * (sizeof *pages->page + sizeof *pages->made));
     if (status) return status;
     *pages =
-        (struct gd__pages){.count = count, .size = size, .made_most = made_most, .purse = purse};
+        (struct gd__pages){.count = count, .size = size, .made_most = made_most, .budget = budget};
     pages->page = calloc(count, sizeof *pages->page);
     pages->made = calloc(count, sizeof *pages->made);
     if (pages->page && pages->made) return GD_OK;
@@ -77,7 +77,7 @@ static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
 static enum gd_status add_slab(struct gd__pages *pages)
 {
     size_t bytes = sizeof(struct gd__page_slab) + SLAB_PAGES * pages->size;
-    enum gd_status status = gd__purse_take(pages->purse, bytes);
+    enum gd_status status = gd__budget_take(pages->budget, bytes);
     struct gd__page_slab *slab = status ? NULL : malloc(bytes);
     if (!slab) return status ? status : GD_NO_MEMORY;
     slab->next = pages->slab;

@@ -5,7 +5,7 @@
  * of them is first asked for. A page on which nothing has waited for some buckets is used again for
  * another place; should the front come back there, its records begin anew. What must not be
  * forgotten keeps its page: wedges that were stored, and places that the front comes back to again
- * and again, where the visits of a side have to be counted for gd__remind. One owner, one
+ * and again, where the visits of a side have to be counted for gd__prune_by_stored. One owner, one
  * thread. */
 #ifndef GD_WAVEFRONT_PAGES_H
 #define GD_WAVEFRONT_PAGES_H
@@ -14,7 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/purse.h"
+#include "base/budget.h"
 
 struct gd__page {
     uint32_t number;  /* of the page among all */
@@ -37,14 +37,14 @@ struct gd__pages {
     uint32_t fresh; /* pages of the newest slab that were not used yet */
     /* the line: pages that rest, or did when they entered; the first came first */
     struct gd__page *first, *last;
-    struct gd__purse *purse;
+    struct gd__budget *budget;
 };
 
-/* None are made yet; the purse pays for those that will be. A page that is made more than
+/* None are made yet; the budget pays for those that will be. A page that is made more than
  * `made_most` times stays; from UINT8_MAX on: however often. All zero before. GD_NO_MEMORY,
  * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
-                                          uint32_t made_most, struct gd__purse *purse);
+                                          uint32_t made_most, struct gd__budget *budget);
 
 /* Frees all; all zero then. */
 void gd__pages_close(struct gd__pages *pages);

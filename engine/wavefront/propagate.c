@@ -2,8 +2,8 @@
 #include "wavefront/wavefront.h"
 
 /* visits of a side: on meshes of any sense few sides have more than three */
-#define REMIND_AFTER 8
-#define STORE_AFTER  4 /* where wedges are not wanted, but for the reminding */
+#define PRUNE_AFTER 8
+#define STORE_AFTER 4 /* where wedges are not wanted, but for the pruning */
 /* of the edge's length: a ray that passes the apex farther off did not lose it by rounding */
 #define BESIDE       0.01
 #define LINE         64 /* bytes */
@@ -54,7 +54,7 @@ void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct g
 {
     struct gd__window_builder *one = &front->work->scratch.tail;
     bool is_wanted = !front->near && front->inner == 0 &&
-                     (!front->domain || gd__domain_has_side(front->domain, side));
+                     (!front->partition || gd__partition_has_side(front->partition, side));
     if (front->status || !is_wanted) return;
     front->status = gd__window_builder_reserve(one, 1);
     if (front->status) return;
@@ -135,8 +135,9 @@ static inline __attribute__((always_inline)) void cast(struct gd__wavefront *fro
     if (apex.first_right != GD_NONE)
         bend(&apex, s, windows, apex.first_right, windows->b0[apex.first_right]);
     if (apex.improved) {
-        struct gd__birth birth = {.x = apex.x, .y = apex.y, .side = side, .source = apex.source};
-        gd__wavefront_reach(front, vertex, apex.distance, birth);
+        struct gd__predecessor predecessor = {
+            .x = apex.x, .y = apex.y, .side = side, .source = apex.source};
+        gd__wavefront_reach(front, vertex, apex.distance, predecessor);
     }
     double rest = gd__wavefront_rest(front, vertex);
     hand_on(front,
@@ -165,7 +166,7 @@ static bool is_stale(const struct gd__wavefront *front, const struct gd__windows
     return w->sigma[i] - front->distance[w->source[i]] > GD_TOL_STALE * reach;
 }
 
-/* Drops windows that are cast again from nearer. See remind.c. */
+/* Drops windows that are cast again from nearer. See prune.c. */
 static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__windows *w,
                            uint32_t count, double length)
 {
@@ -194,10 +195,10 @@ static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiv
         d1 = fmin(d1, front->bound - at->l1);
     }
     if (list->falls != front->falls) *count = drop_stale(front, windows, *count, at->length);
-    bool own = list->visits > (front->methods.no_filter ? 1 : REMIND_AFTER),
+    bool own = list->visits > (front->methods.no_filter ? 1 : PRUNE_AFTER),
          twin = front->methods.one_list;
     enum gd_status status =
-        own || twin ? gd__remind(front, at->side, own, twin, windows, count) : GD_OK;
+        own || twin ? gd__prune_by_stored(front, at->side, own, twin, windows, count) : GD_OK;
     if (!status && !front->methods.no_filter)
         *count = front->kernel->filter(windows, *count, at->length, d0, d1);
     return status;

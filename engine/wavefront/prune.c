@@ -1,7 +1,7 @@
 #include "window/contest.h"
 #include "wavefront/wavefront.h"
 
-/* Reminding: windows are compared with the wedges that their edge has already (the paper's merged
+/* Pruning: windows are compared with the wedges that their edge has already (the paper's merged
  * list of an edge, Property 3). Wedges keep their ends to 2^-32 of the edge only; pieces that
  * narrow are left out, as the windows beside them cover what they would see.
  *
@@ -13,8 +13,8 @@
 
 #define NARROW (4 * GD__WEDGE_UNIT)
 
-void gd__recall(const struct gd__wavefront *front, const struct gd__chunk *chunk, uint32_t side,
-                bool own, struct gd__stack *out)
+void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
+                        uint32_t side, bool own, struct gd__stack *out)
 {
     double length = front->mesh->side[side].length;
     struct gd__wedges wedges = gd__chunk_wedges(chunk);
@@ -75,7 +75,7 @@ static enum gd_status cut_by_chunk(const struct gd__wavefront *front, const stru
     if (status) return status;
     uint32_t first = 0;
     stored->count = out->count = 0;
-    gd__recall(front, chunk, side, own, stored);
+    gd__stored_windows(front, chunk, side, own, stored);
     for (uint32_t i = 0; i < list->count; i++)
         cut(&list->windows[i], stored, own, NARROW * front->mesh->side[side].length, &first, out);
     return GD_OK;
@@ -89,8 +89,8 @@ static bool is_of_side(const struct gd__chunk *chunk, uint32_t side)
     return (signbit(wedges.y[i]) != 0) == !(side & 1);
 }
 
-enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own, bool twin,
-                          struct gd__windows *windows, uint32_t *count)
+enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, bool own, bool twin,
+                                   struct gd__windows *windows, uint32_t *count)
 {
     struct gd__stack *list = &front->work->scratch.stack[0],
                      *stored = &front->work->scratch.stack[1],
@@ -104,7 +104,7 @@ enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own, 
             (const struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
         bool is_own = is_of_side(chunk, side);
         at = chunk->previous;
-        front->effort.wedges_recalled += chunk->count;
+        front->effort.wedges_compared += chunk->count;
         if (!(is_own ? own : twin)) continue;
         status = cut_by_chunk(front, chunk, side, is_own, list, stored, out);
         struct gd__stack swap = *list;

@@ -2,7 +2,7 @@
 
 #include "wavefront/wavefront.h"
 
-/* Resuming: a propagation that ended at a bound goes on from there (doc 022). Its distances, births
+/* Resuming: a propagation that ended at a bound goes on from there (doc 022). Its distances, predecessors
  * and wedges are taken over as they are; all of them are paths that exist, those up to the bound
  * final. What the bound kept back is made again from what is stored: children of wedges, windows of
  * vertices that emitted, and the vertices behind the bound, which have not emitted yet.
@@ -71,7 +71,8 @@ static void take_over(struct gd__wavefront *front, const struct gd__begun *begun
     struct gd_workspace *work = front->work;
     work->touched_count = work->touched_capacity + 1;
     copy(front, front->distance, begun->distance, mesh->vertex_count * sizeof *front->distance);
-    copy(front, front->birth, begun->birth, mesh->vertex_count * sizeof *front->birth);
+    copy(front, front->predecessor, begun->predecessor,
+         mesh->vertex_count * sizeof *front->predecessor);
     copy(front, front->newest, begun->newest, mesh->edge_count * sizeof *front->newest);
     if (!front->status) front->status = gd__region_reserve(&work->wedges, begun->wedge_bytes);
     if (front->status) return;
@@ -126,7 +127,7 @@ static uint32_t unpack(struct gd__wavefront *front, uint32_t side, const struct 
     if (!front->status) front->status = gd__window_builder_reserve(tail, chunk->count + 1);
     if (front->status) return 0;
     stack->count = 0;
-    gd__recall(front, chunk, side, true, stack);
+    gd__stored_windows(front, chunk, side, true, stack);
     double length = front->mesh->side[side].length;
     for (uint32_t i = 0; i + 1 < stack->count; i++)
         mend_end(&stack->windows[i], &stack->windows[i + 1], length);

@@ -69,10 +69,11 @@ static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                       struct gd__local at, struct gd__local way, const struct gd__spread *spread)
 {
     if (gd__is_ahead(spread, way)) return;
-    struct gd__birth birth = {
+    struct gd__predecessor predecessor = {
         .x = at.x, .y = -at.y, .side = side, .source = front->mesh->vertex_count + seed};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
-                        front->seeds[seed].offset + sqrt(way.x * way.x + way.y * way.y), birth);
+                        front->seeds[seed].offset + sqrt(way.x * way.x + way.y * way.y),
+                        predecessor);
 }
 
 /* No segment ends at the seed. */
@@ -139,9 +140,11 @@ static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t 
 static void seed_corners(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
                          const struct gd__spread *spread)
 {
-    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
+    struct gd__predecessor predecessor = {.side = GD_NONE,
+                                          .source = front->mesh->vertex_count + seed};
     if (!gd__is_ahead(spread, (struct gd__local){-t, 0}))
-        gd__wavefront_reach(front, front->mesh->origin[side], front->seeds[seed].offset + t, birth);
+        gd__wavefront_reach(front, front->mesh->origin[side], front->seeds[seed].offset + t,
+                            predecessor);
     if (gd__side_is_boundary(front->mesh, side)) return;
     const struct gd__local at = {t, 0};
     seed_apex(front, seed, side, at, to_apex(&front->mesh->side[side], at), spread);
@@ -169,8 +172,10 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
 
 static void reach_vertex(struct gd__wavefront *front, uint32_t seed)
 {
-    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
-    gd__wavefront_reach(front, front->seeds[seed].point.element, front->seeds[seed].offset, birth);
+    struct gd__predecessor predecessor = {.side = GD_NONE,
+                                          .source = front->mesh->vertex_count + seed};
+    gd__wavefront_reach(front, front->seeds[seed].point.element, front->seeds[seed].offset,
+                        predecessor);
 }
 
 /* A seed at a vertex makes the vertex a pseudo-source, whatever its kind, unless another is
@@ -179,7 +184,7 @@ static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 {
     uint32_t vertex = front->seeds[seed].point.element;
     if (front->distance[vertex] < GD__FAR &&
-        gd__wavefront_birth(front, vertex)->source == front->mesh->vertex_count + seed)
+        gd__wavefront_predecessor(front, vertex)->source == front->mesh->vertex_count + seed)
         gd__emit_vertex(front, vertex);
 }
 
@@ -248,12 +253,12 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
         GD_TOL_ONWARD * fabs(height) + GD_TOL_ONWARD_ROUNDING * (s->length + s->left_length);
     bool is_seen = (foot > -beside) & (foot < chord->length + beside) & (height != 0);
     if (!is_seen || is_end(front, seed, gd__side_apex(front->mesh, side))) return;
-    struct gd__birth birth = {.x = left * chord->along.y,
-                              .y = left * chord->along.x,
-                              .side = side,
-                              .source = linear_source(front, seed)};
+    struct gd__predecessor predecessor = {.x = left * chord->along.y,
+                                          .y = left * chord->along.x,
+                                          .side = side,
+                                          .source = linear_source(front, seed)};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
-                        front->seeds[seed].offset + fabs(height), birth);
+                        front->seeds[seed].offset + fabs(height), predecessor);
 }
 
 static void seed_segment(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
@@ -322,12 +327,12 @@ static void emit_seed(struct gd__wavefront *front, struct gd__laying *laying, ui
         seed_segment(front, laying, seed);
         return;
     }
-    if (front->domain) front->domain->is_common = true;
+    if (front->partition) front->partition->is_common = true;
     if (front->seeds[seed].point.kind == GD_POINT_EDGE)
         seed_edge(front, laying, seed);
     else
         seed_face(front, laying, seed);
-    if (front->domain) front->domain->is_common = false;
+    if (front->partition) front->partition->is_common = false;
 }
 
 static bool is_at_vertex(const struct gd__seed *seed)

@@ -62,7 +62,7 @@ static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distanc
 /* A distance that is shorter. Vertices that windows are on their way from already are noted: see
  * prune.c. */
 static void settle(struct gd__wavefront *front, uint32_t vertex, double distance,
-                   const struct gd__birth *birth, bool has_emitted)
+                   const struct gd__predecessor *predecessor, bool has_emitted)
 {
     if (!front->near && front->distance[vertex] >= GD__FAR)
         gd__workspace_touch(front->work, 2 * front->work->edges + vertex, true);
@@ -71,7 +71,7 @@ static void settle(struct gd__wavefront *front, uint32_t vertex, double distance
         front->falls++;
     }
     front->distance[vertex] = distance;
-    *gd__wavefront_birth(front, vertex) = *birth;
+    *gd__wavefront_predecessor(front, vertex) = *predecessor;
     shrink_bound(front, vertex);
     if (front->mesh->vertex_kind[vertex] != GD_VERTEX_CONVEX &&
         distance + gd__wavefront_rest(front, vertex) <= front->bound)
@@ -79,17 +79,18 @@ static void settle(struct gd__wavefront *front, uint32_t vertex, double distance
 }
 
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance,
-                         struct gd__birth birth)
+                         struct gd__predecessor predecessor)
 {
     if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
-    struct gd__domain *domain = front->domain;
-    if (domain && !gd__domain_has_vertex(domain, vertex)) return;
+    struct gd__partition *partition = front->partition;
+    if (partition && !gd__partition_has_vertex(partition, vertex)) return;
     if (front->near && !front->status)
         front->status =
             gd__near_need_vertex(front->near, front->mesh, vertex, front->queue->current);
     if (front->status) return;
-    settle(front, vertex, distance, &birth, *gd__wavefront_emitted(front, vertex) < GD__FAR);
-    if (domain && gd__domain_shares_vertex(domain, vertex)) gd__wavefront_tell(front, vertex);
+    settle(front, vertex, distance, &predecessor, *gd__wavefront_emitted(front, vertex) < GD__FAR);
+    if (partition && gd__partition_shares_vertex(partition, vertex))
+        gd__wavefront_tell(front, vertex);
 }
 
 void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex)
@@ -97,14 +98,14 @@ void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex)
     struct gd__vertex_letter letter = {.vertex = vertex,
                                        .has_emitted = front->emitted[vertex] < GD__FAR,
                                        .distance = front->distance[vertex],
-                                       .birth = front->birth[vertex]};
-    if (!front->status) front->status = gd__domain_send_vertex(front->domain, &letter);
+                                       .predecessor = front->predecessor[vertex]};
+    if (!front->status) front->status = gd__partition_send_vertex(front->partition, &letter);
 }
 
 void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_letter *letter)
 {
     if (letter->distance < front->distance[letter->vertex])
-        settle(front, letter->vertex, letter->distance, &letter->birth,
+        settle(front, letter->vertex, letter->distance, &letter->predecessor,
                letter->has_emitted || front->emitted[letter->vertex] < GD__FAR);
 }
 
@@ -129,8 +130,8 @@ static double key_of_list(const struct gd__receiver *to, const struct gd__list *
 /* What crosses the cut. */
 static void send(struct gd__wavefront *front, uint32_t side, const struct gd__children *children)
 {
-    if (children->count && !front->domain->is_common && !front->status)
-        front->status = gd__domain_send_windows(front->domain, side, children);
+    if (children->count && !front->partition->is_common && !front->status)
+        front->status = gd__partition_send_windows(front->partition, side, children);
 }
 
 /* The list of a side that is about to get windows; NULL: front->status says why not. */
@@ -160,7 +161,7 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
                            struct gd__children *children)
 {
-    bool is_ours = !front->domain || gd__domain_has_side(front->domain, to->side);
+    bool is_ours = !front->partition || gd__partition_has_side(front->partition, to->side);
     if (!is_ours) send(front, to->side, children);
     if (!is_ours || !keep_wanted(front, to, children)) {
         gd__children_close(children, &front->work->pool);
@@ -260,14 +261,14 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front,
     front->emitted = work->emitted;
     front->waiting = work->waiting;
     front->newest = work->newest;
-    front->birth = work->birth;
+    front->predecessor = work->predecessor;
     front->queue = work->queue;
     front->kernel = has_segments(front) ? gd__kernel_in_use_linear() : gd__kernel_in_use();
     front->work->scratch.apart = front->methods.no_coalescing;
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
-    front->takes_all = !front->domain && !front->guide && !front->near && !propagation->begun &&
+    front->takes_all = !front->partition && !front->guide && !front->near && !propagation->begun &&
                        !propagation->target && propagation->radius >= GD__FAR;
     aim(front, propagation->target);
     return status;
@@ -317,7 +318,7 @@ GD__ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
         if (!front->near) __builtin_prefetch(&front->newest[node >> 1]);
     } else if (node != GD_NONE) {
         __builtin_prefetch(&front->distance[node - sides]);
-        if (!front->near) __builtin_prefetch(&front->birth[node - sides]);
+        if (!front->near) __builtin_prefetch(&front->predecessor[node - sides]);
         __builtin_prefetch(&mesh->fan_first[node - sides]);
     }
 }
@@ -336,7 +337,7 @@ GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
     } else if (node != GD_NONE) {
         if (front->near && !gd__near_vertex(front->near, node - sides)) return;
         uint32_t first = mesh->fan_first[node - sides],
-                 side = gd__wavefront_birth(front, node - sides)->side;
+                 side = gd__wavefront_predecessor(front, node - sides)->side;
         for (uint32_t i = first; i < first + 8; i += 4) __builtin_prefetch(&mesh->fan[i]);
         if (side != GD_NONE) __builtin_prefetch(&mesh->side[side]);
     }
@@ -373,7 +374,7 @@ static void check(struct gd__wavefront *front)
     double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
     if (!front->status) front->status = gd_control_check(front->monitor, part);
     if (!front->status &&
-        front->effort.windows_propagated + front->effort.wedges_recalled > front->work_limit)
+        front->effort.windows_propagated + front->effort.wedges_compared > front->work_limit)
         front->status = GD_RUNAWAY;
 }
 

@@ -8,7 +8,7 @@
  *   the face, forgotten. What arrives on that side later is a list of its own.
  * - Work is label-correcting: a vertex may emit again when its distance falls, a side may be
  *   propagated again when new windows reach it. The queue orders the work by distance; order costs
- *   time, never exactness. A side that is propagated again and again is reminded of its stored
+ *   time, never exactness. A side that is propagated again and again is compared with its stored
  *   wedges, so that only what is strictly better goes on.
  * - Invariants: the windows of a list are sorted and disjoint; each of them is a path that exists,
  *   so distances are upper bounds at any time; a window is dropped only where an existing path is
@@ -55,7 +55,7 @@ struct gd__methods {
 struct gd__begun {
     double bound; /* inside unit, below GD__FAR: distances up to here are final */
     const double *distance;
-    const struct gd__birth *birth;
+    const struct gd__predecessor *predecessor;
     const uint32_t *newest;
     const char *wedges;
     size_t wedge_bytes;
@@ -73,7 +73,7 @@ struct gd__propagation {
     /* towards one target: only its distance and path are final. NULL: none */
     struct gd__guide *guide;
     /* distances only, in little memory: the sink finds front->distance; what is stored is for
-       gd__remind. One wavefront; no guide, nothing begun */
+       gd__prune_by_stored. One wavefront; no guide, nothing begun */
     bool without_wedges;
     /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
     uint64_t work_limit;
@@ -83,7 +83,8 @@ struct gd__propagation {
 /* What a propagation did. */
 struct gd__effort {
     uint64_t windows_created, windows_propagated, sides_propagated, vertices_emitted;
-    uint64_t wedges_recalled; /* stored ones that windows were compared with, see gd__remind */
+    uint64_t
+        wedges_compared; /* stored ones that windows were compared with, see gd__prune_by_stored */
 };
 
 struct gd__wavefront {
@@ -99,7 +100,7 @@ struct gd__wavefront {
     struct gd__list *lists; /* the workspace's arrays; in full in workspace.h */
     double *distance, *emitted;
     uint32_t *waiting, *newest;
-    struct gd__birth *birth;
+    struct gd__predecessor *predecessor;
     struct gd__queue *queue;
     uint64_t wedge_count;
     uint32_t falls; /* how often a distance fell with which windows are on their way already */
@@ -115,7 +116,7 @@ struct gd__wavefront {
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
     double target_leg[4];      /* and their distances from the target within a face */
 
-    struct gd__domain *domain; /* the part of the surface that is its own; NULL: all of it */
+    struct gd__partition *partition; /* the part of the surface that is its own; NULL: all of it */
 
     const struct gd_control *monitor;
     enum gd_status status;  /* sticky: the first failure */
@@ -125,7 +126,7 @@ struct gd__wavefront {
 };
 
 /* What happens to the windows in the end: called once, with everything final. It may keep the
- * workspace's distance, birth, newest and wedges (leaving NULL, and the region closed); the rest is
+ * workspace's distance, predecessor, newest and wedges (leaving NULL, and the region closed); the rest is
  * used again. */
 struct gd__sink {
     enum gd_status (*take)(void *user, struct gd__wavefront *front,
@@ -141,7 +142,7 @@ GD_MUST_USE enum gd_status gd__wavefront_open(struct gd__wavefront *front,
  * front->status tells of failure, */
 void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most);
 
-/* tells the other wavefront of a domain what it knows of a vertex, */
+/* tells the other wavefront of a partition what it knows of a vertex, */
 void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex);
 
 /* takes over what another wavefront knows of a vertex, if it is shorter by however little. */
@@ -181,11 +182,12 @@ static inline double *gd__wavefront_emitted(const struct gd__wavefront *front, u
                        : &front->emitted[vertex];
 }
 
-static inline struct gd__birth *gd__wavefront_birth(const struct gd__wavefront *front,
-                                                    uint32_t vertex)
+static inline struct gd__predecessor *gd__wavefront_predecessor(const struct gd__wavefront *front,
+                                                                uint32_t vertex)
 {
-    return front->near ? &gd__near_vertex(front->near, vertex)->birth[vertex % GD__PAGE_VERTICES]
-                       : &front->birth[vertex];
+    return front->near
+               ? &gd__near_vertex(front->near, vertex)->predecessor[vertex % GD__PAGE_VERTICES]
+               : &front->predecessor[vertex];
 }
 
 /* Where the chunks of the vertex's present distance begin: 0 where that is not known any more. */
@@ -209,7 +211,7 @@ static inline double gd__wavefront_sigma(const struct gd__wavefront *front,
 /* Offers a vertex a distance; takes it if strictly shorter, and queues the vertex if paths may bend
  * there. */
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance,
-                         struct gd__birth birth);
+                         struct gd__predecessor predecessor);
 
 /* A side as those know it who offer it windows: no need to look it up. */
 struct gd__receiver {
@@ -303,13 +305,14 @@ void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side,
 /* prune.c: the wedges of a chunk that came from windows of `side` (`own`) or of the edge's other
  * side, as windows in the side's frame, sorted, appended to `out`, which has room. Those of sources
  * that came nearer since are passed over. */
-void gd__recall(const struct gd__wavefront *front, const struct gd__chunk *chunk, uint32_t side,
-                bool own, struct gd__stack *out);
+void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
+                        uint32_t side, bool own, struct gd__stack *out);
 
 /* prune.c: cuts off windows of a side what its stored wedges (`own`: ties too) or those of the
  * edge's other side (`twin`: only where they are strictly better) make useless. *count: how many
  * windows there are, then how many are left; *windows may move to scratch. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own,
-                                      bool twin, struct gd__windows *windows, uint32_t *count);
+GD_MUST_USE enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, bool own,
+                                               bool twin, struct gd__windows *windows,
+                                               uint32_t *count);
 
 #endif

@@ -31,7 +31,7 @@ static void clean_results(struct gd_workspace *w, uint32_t first, uint32_t end)
 {
     for (uint32_t v = first; v < end; v++) {
         w->distance[v] = GD__FAR;
-        w->birth[v] = (struct gd__birth){.side = GD_NONE, .source = GD_NONE};
+        w->predecessor[v] = (struct gd__predecessor){.side = GD_NONE, .source = GD_NONE};
     }
 }
 
@@ -74,10 +74,10 @@ void gd__workspace_clean(struct gd_workspace *w)
 static void free_results(struct gd_workspace *w)
 {
     free(w->distance);
-    free(w->birth);
+    free(w->predecessor);
     free(w->newest);
     w->distance = NULL;
-    w->birth = NULL;
+    w->predecessor = NULL;
     w->newest = NULL;
 }
 
@@ -118,9 +118,9 @@ static bool take_results(struct gd_workspace *w, uint32_t edges, uint32_t vertic
     if (w->newest && w->result_edges == edges && w->result_vertices == vertices) return true;
     free_results(w);
     w->distance = gd__large_array(vertices, sizeof *w->distance);
-    w->birth = gd__large_array(vertices, sizeof *w->birth);
+    w->predecessor = gd__large_array(vertices, sizeof *w->predecessor);
     w->newest = gd__large_array(edges, sizeof *w->newest);
-    if (!w->distance || !w->birth || !w->newest) {
+    if (!w->distance || !w->predecessor || !w->newest) {
         free_results(w);
         return false;
     }
@@ -136,21 +136,21 @@ size_t gd__workspace_need(const struct gd_mesh *mesh)
     size_t sides = 2 * (size_t)mesh->edge_count, vertices = mesh->vertex_count;
     return sides * sizeof(struct gd__list) + mesh->edge_count * sizeof(uint32_t) +
            sizeof(struct gd__queue) +
-           vertices * (2 * sizeof(double) + sizeof(uint32_t) + sizeof(struct gd__birth) +
+           vertices * (2 * sizeof(double) + sizeof(uint32_t) + sizeof(struct gd__predecessor) +
                        sizeof(uint32_t)) +
            (sides + vertices) / TOUCHED_PART * sizeof(uint32_t);
 }
 
-/* Queue, pool and region; the purse is open. */
+/* Queue, pool and region; the budget is open. */
 static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *mesh,
                                 double bucket_width)
 {
     if (!w->queue) w->queue = gd__queue_create();
     if (!w->queue) return GD_NO_MEMORY;
     gd__queue_set_width(w->queue, bucket_width);
-    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, &w->purse);
+    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, &w->budget);
     w->left = w->right = (struct gd__children){0};
-    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->purse);
+    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->budget);
 }
 
 enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *mesh,
@@ -167,16 +167,16 @@ enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *
         }
     }
     if (!take_results(w, mesh->edge_count, mesh->vertex_count)) return GD_NO_MEMORY;
-    w->purse = (struct gd__purse){.control = control, .held = need};
+    w->budget = (struct gd__budget){.control = control, .held = need};
     return open_rest(w, mesh, bucket_width);
 }
 
 enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_mesh *mesh,
                                        double bucket_width, const struct gd_control *control)
 {
-    w->purse = (struct gd__purse){.control = control};
-    enum gd_status status = gd__purse_take(&w->purse, sizeof *w->queue);
-    if (!status) status = gd__near_open(&w->near, mesh, &w->purse);
+    w->budget = (struct gd__budget){.control = control};
+    enum gd_status status = gd__budget_take(&w->budget, sizeof *w->queue);
+    if (!status) status = gd__near_open(&w->near, mesh, &w->budget);
     return status ? status : open_rest(w, mesh, bucket_width);
 }
 
@@ -226,7 +226,7 @@ size_t gd_workspace_bytes(const struct gd_workspace *w)
              vertices * (sizeof *w->emitted + sizeof *w->since + sizeof *w->waiting) +
              w->touched_capacity * sizeof *w->touched;
     if (w->newest)
-        bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->birth) +
+        bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->predecessor) +
                  w->result_edges * sizeof *w->newest;
     bytes += w->guide.capacity * sizeof *w->guide.node +
              w->guide.touched_capacity * sizeof *w->guide.touched +

@@ -15,16 +15,16 @@
 struct gd_workspace {
     uint32_t edges, vertices; /* that the arrays have room for */
 
-    /* Clean, each array: no windows; GD__FAR; 0; GD_NONE. A propagation may keep distance, birth
+    /* Clean, each array: no windows; GD__FAR; 0; GD_NONE. A propagation may keep distance, predecessor
      * and newest, all three: they are NULL then. */
     struct gd__list *lists; /* per side */
     double *emitted;        /* per vertex: the distance that it last emitted windows with */
     /* per vertex: where in `wedges` the chunks of its present distance begin, in GD__CHUNK_UNITs */
     uint32_t *since;
-    uint32_t *waiting;       /* per vertex: bucket of the queue, GD_NONE: in none */
-    double *distance;        /* per vertex */
-    struct gd__birth *birth; /* per vertex */
-    /* of distance, birth, newest: just those of the last mesh */
+    uint32_t *waiting;                   /* per vertex: bucket of the queue, GD_NONE: in none */
+    double *distance;                    /* per vertex */
+    struct gd__predecessor *predecessor; /* per vertex */
+    /* of distance, predecessor, newest: just those of the last mesh */
     uint32_t result_edges, result_vertices;
     /* per edge: its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
     uint32_t *newest;
@@ -41,13 +41,13 @@ struct gd_workspace {
     struct gd__guide guide; /* of searches for one target */
 
     /* of the propagation at hand: arrays, windows and wedges come from one budget */
-    struct gd__purse purse;
+    struct gd__budget budget;
     struct gd__region wedges; /* chunks; closed where a propagation kept them */
     struct gd__queue *queue;
     struct gd__pool pool;
     struct gd__children left, right;
     struct gd__scratch scratch;
-    /* of the second wavefront of a field on two threads (domain.h); NULL: none yet */
+    /* of the second wavefront of a field on two threads (partition.h); NULL: none yet */
     struct gd_workspace *partner;
 };
 

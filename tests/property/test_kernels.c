@@ -1,4 +1,4 @@
-/* Kernels on whole fields: whichever this machine has, distances, births and the bytes of all
+/* Kernels on whole fields: whichever this machine has, distances, predecessors and the bytes of all
  * wedges are the same. */
 #include <stdio.h>
 #include <string.h>
@@ -63,18 +63,18 @@ static struct gd_field *field_by(const char *kernel, const struct gd_mesh *mesh,
 static uint64_t differences(const struct gd_field *a, const struct gd_field *b, const char *what)
 {
     const struct gd_mesh *mesh = a->mesh;
-    uint64_t distances = 0, births = 0, chains = 0;
+    uint64_t distances = 0, predecessors = 0, chains = 0;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         distances += memcmp(&a->distance[v], &b->distance[v], sizeof *a->distance) != 0;
-        births += memcmp(&a->birth[v], &b->birth[v], sizeof *a->birth) != 0;
+        predecessors += memcmp(&a->predecessor[v], &b->predecessor[v], sizeof *a->predecessor) != 0;
     }
     for (uint32_t e = 0; e < mesh->edge_count; e++) chains += a->newest[e] != b->newest[e];
     bool wedges =
         a->wedge_bytes != b->wedge_bytes || memcmp(a->wedges, b->wedges, a->wedge_bytes) != 0;
-    uint64_t total = distances + births + chains + wedges;
+    uint64_t total = distances + predecessors + chains + wedges;
     if (total)
-        print_error("%s: %llu distances, %llu births, %llu chains differ, wedges %s\n", what,
-                    (unsigned long long)distances, (unsigned long long)births,
+        print_error("%s: %llu distances, %llu predecessors, %llu chains differ, wedges %s\n", what,
+                    (unsigned long long)distances, (unsigned long long)predecessors,
                     (unsigned long long)chains, wedges ? "too" : "do not");
     return total;
 }

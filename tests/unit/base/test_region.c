@@ -102,19 +102,19 @@ static void asks_the_budget(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 10 * MEGABYTE};
-    struct gd__purse purse = {.control = &control, .held = 4 * MEGABYTE};
+    struct gd__budget budget = {.control = &control, .held = 4 * MEGABYTE};
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL); /* to the last byte */
     region.used = 6 * MEGABYTE;
     struct gd__region before = region;
     assert_int_equal(gd__region_reserve(&region, 8), GD_BUDGET);
     assert_memory_equal(&region, &before, sizeof region);
     check_ok(gd__region_reserve(&region, 0), NULL);
-    assert_int_equal(purse.held, control.budget_bytes);
+    assert_int_equal(budget.held, control.budget_bytes);
     gd__region_destroy(&region);
-    purse.held = 4 * MEGABYTE;
-    check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
+    budget.held = 4 * MEGABYTE;
+    check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     size_t step = 24 * 100;
     /* never more than allowed, and all of it */
     while (gd__region_reserve(&region, step) == GD_OK) region.used += step;
@@ -131,8 +131,8 @@ static void opens_again(void **state)
     check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     grow(&region, 5 * MEGABYTE);
     const char *base = region.base;
-    struct gd__purse purse = {.control = &control, .held = 2 * MEGABYTE};
-    check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
+    struct gd__budget budget = {.control = &control, .held = 2 * MEGABYTE};
+    check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     assert_ptr_equal(region.base, base);
     assert_int_equal(region.used, 0);
     /* though its pages are there */

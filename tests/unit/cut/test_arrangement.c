@@ -60,9 +60,9 @@ static void crowds(void **state)
                      NULL);
         }
         struct gd_curve curve = curve_through(mesh, points, 24, true);
-        struct gd__purse purse = {0};
+        struct gd__budget budget = {0};
         struct gd__arrangement arrangement;
-        check_ok(gd__arrange(mesh, &curve, 1e-6, &purse, &arrangement, NULL), NULL);
+        check_ok(gd__arrange(mesh, &curve, 1e-6, &budget, &arrangement, NULL), NULL);
         for (uint32_t face = 0; face < mesh->face_count; face++) check_face(&arrangement, face);
         assert_true(arrangement.nodes.shift < 2e-5);
         crossings += arrangement.nodes.count;
@@ -80,10 +80,10 @@ static void sides_are_runs(void **state)
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){1, 1, 1, 1});
     struct gd_point points[] = {vertex_of(mesh, 0), point_at(mesh, 0.25, 0.25, 0),
                                 point_at(mesh, 0.75, 0.75, 0)};
-    struct gd__purse purse = {0};
+    struct gd__budget budget = {0};
     struct gd__arrangement arrangement;
     check_ok(
-        gd__arrange(mesh, &(struct gd_curve){points, 3, true}, 1e-6, &purse, &arrangement, NULL),
+        gd__arrange(mesh, &(struct gd_curve){points, 3, true}, 1e-6, &budget, &arrangement, NULL),
         NULL);
     assert_int_equal(arrangement.run_count, 3);
     assert_int_equal(arrangement.nodes.count, 2);

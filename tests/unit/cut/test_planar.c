@@ -3,10 +3,10 @@
 #include "tests/support/test.h"
 
 /* A right triangle, whose places are its sites. */
-static void begin(struct gd__planar *planar, struct gd__purse *purse, const struct gd__site *sites,
-                  uint32_t count)
+static void begin(struct gd__planar *planar, struct gd__budget *budget,
+                  const struct gd__site *sites, uint32_t count)
 {
-    *planar = (struct gd__planar){.purse = purse};
+    *planar = (struct gd__planar){.budget = budget};
     check_ok(gd__planar_begin(planar, count), NULL);
     for (uint32_t i = 0; i < count; i++) {
         planar->sites[i] = sites[i];
@@ -55,13 +55,13 @@ static void check_tiling(const struct gd__planar *planar)
 static void a_segment_across(void **state)
 {
     (void)state;
-    struct gd__purse purse = {0};
+    struct gd__budget budget = {0};
     struct gd__planar planar;
     struct gd__site sites[3 + 24] = {{0, 0}, {L, 0}, {0, L}};
     for (int i = 0; i < 24; i++)
         sites[3 + i] = (struct gd__site){gd__to_lattice(0.28 + 0.25 * cos(0.26 * i + 0.1)),
                                          gd__to_lattice(0.28 + 0.25 * sin(0.26 * i + 0.1))};
-    begin(&planar, &purse, sites, 27);
+    begin(&planar, &budget, sites, 27);
     check_ok(gd__planar_triangulate(&planar), NULL);
     check_tiling(&planar);
     gd__planar_improve(&planar);
@@ -83,7 +83,7 @@ static void random_segments(void **state)
 {
     (void)state;
     struct rng rng = {3};
-    struct gd__purse purse = {0};
+    struct gd__budget budget = {0};
     for (int round = 0; round < 60; round++) {
         struct gd__planar planar;
         struct gd__site sites[43] = {{0, 0}, {L, 0}, {0, L}};
@@ -96,7 +96,7 @@ static void random_segments(void **state)
                        : i % 7 == 2 ? (struct gd__site){a, L - a}
                                     : (struct gd__site){a, b};
         }
-        begin(&planar, &purse, sites, 43);
+        begin(&planar, &budget, sites, 43);
         check_ok(gd__planar_triangulate(&planar), NULL);
         for (int i = 0; i < 200; i++) {
             uint32_t a = rng_below(&rng, 43), b = rng_below(&rng, 43);
@@ -125,7 +125,7 @@ static void random_segments(void **state)
 static void flips_widen_angles(void **state)
 {
     (void)state;
-    struct gd__purse purse = {0};
+    struct gd__budget budget = {0};
     struct gd__planar planar;
     const struct gd__site sites[] = {{0, 0},
                                      {L, 0},
@@ -134,7 +134,7 @@ static void flips_widen_angles(void **state)
                                      {L / 2, L / 4},
                                      {L * 5 / 16, L / 4 + L / 64},
                                      {L * 5 / 16, L / 4 - L / 64}};
-    begin(&planar, &purse, sites, 7);
+    begin(&planar, &budget, sites, 7);
     check_ok(gd__planar_triangulate(&planar), NULL);
     gd__planar_improve(&planar);
     assert_true(has_side(&planar, 5, 6));
@@ -149,19 +149,19 @@ static void flips_widen_angles(void **state)
 static void sites_that_can_not_be(void **state)
 {
     (void)state;
-    struct gd__purse purse = {0};
+    struct gd__budget budget = {0};
     struct gd__planar planar;
     const struct gd__site twice[] = {{0, 0}, {L, 0}, {0, L}, {L / 4, L / 4}, {L / 4, L / 4}};
     const struct gd__site outside[] = {{0, 0}, {L, 0}, {0, L}, {L / 2, L / 2 + 1}};
     const struct gd__site line[] = {{0, 0},         {L, 0},         {0, L},
                                     {L / 8, L / 8}, {L / 4, L / 4}, {3 * L / 8, 3 * L / 8}};
-    begin(&planar, &purse, twice, 5);
+    begin(&planar, &budget, twice, 5);
     assert_int_equal(gd__planar_triangulate(&planar), GD_RUNAWAY);
     gd__planar_free(&planar);
-    begin(&planar, &purse, outside, 4);
+    begin(&planar, &budget, outside, 4);
     assert_int_equal(gd__planar_triangulate(&planar), GD_RUNAWAY);
     gd__planar_free(&planar);
-    begin(&planar, &purse, line, 6);
+    begin(&planar, &budget, line, 6);
     check_ok(gd__planar_triangulate(&planar), NULL);
     assert_int_equal(gd__planar_fix(&planar, 3, 5), GD_RUNAWAY); /* passes a site */
     assert_int_equal(gd__planar_begin(&planar, UINT32_MAX), GD_TOO_LARGE);

@@ -257,7 +257,7 @@ static void long_chains_give_the_same(void **state)
     struct gd_field split = {.mesh = mesh,
                              .reach = field->reach,
                              .distance = field->distance,
-                             .birth = field->birth,
+                             .predecessor = field->predecessor,
                              .newest = newest,
                              .wedges = wedges,
                              .seeds = field->seeds,

@@ -232,25 +232,26 @@ static void refuses_impossible_counts_and_sources(void **state)
 
 /* Without a side and a source a reached vertex would know no way back; and no way leads on from
  * where nothing was reached. */
-static void refuses_impossible_births(void **state)
+static void refuses_impossible_predecessors(void **state)
 {
     (void)state;
     struct rng rng = {19};
     uint32_t vertex = mesh->vertex_count / 2, chunks;
-    struct gd__birth *births = (struct gd__birth *)((char *)image_newest() -
-                                                    mesh->vertex_count * sizeof(struct gd__birth));
-    double *distances = (double *)births - mesh->vertex_count;
+    struct gd__predecessor *predecessors =
+        (struct gd__predecessor *)((char *)image_newest() -
+                                   mesh->vertex_count * sizeof(struct gd__predecessor));
+    double *distances = (double *)predecessors - mesh->vertex_count;
     assert_memory_equal(distances, field->distance, mesh->vertex_count * sizeof *distances);
-    births[vertex] = (struct gd__birth){.side = GD_NONE, .source = GD_NONE};
+    predecessors[vertex] = (struct gd__predecessor){.side = GD_NONE, .source = GD_NONE};
     assert_int_equal(try_damaged(&rng), GD_INDEX);
-    births[vertex] =
-        (struct gd__birth){.side = GD_NONE, .source = mesh->vertex_count + field->seed_count};
+    predecessors[vertex] =
+        (struct gd__predecessor){.side = GD_NONE, .source = mesh->vertex_count + field->seed_count};
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     struct gd__wedges w = gd__chunk_wedges(image_chunk(image_newest()[longest_chain(&chunks)]));
     w.start[0] = (uint64_t)vertex << 32 | (uint32_t)w.start[0];
     assert_int_equal(try_damaged(&rng), GD_OK); /* wrong, but a source */
     w.start[0] = (uint64_t)vertex << 32 | (uint32_t)w.start[0];
-    births[vertex] = (struct gd__birth){.side = GD_NONE, .source = GD_NONE};
+    predecessors[vertex] = (struct gd__predecessor){.side = GD_NONE, .source = GD_NONE};
     distances[vertex] = GD__FAR;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
 }
@@ -316,9 +317,12 @@ static void damage_never_leads_outside(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        WITH_IMAGE(answers_like_the_field),     WITH_IMAGE(refuses_what_is_no_image_of_this_mesh),
-        WITH_IMAGE(refuses_impossible_chains),  WITH_IMAGE(refuses_impossible_counts_and_sources),
-        WITH_IMAGE(refuses_impossible_births),  WITH_IMAGE(wrong_wedges_never_lead_outside),
+        WITH_IMAGE(answers_like_the_field),
+        WITH_IMAGE(refuses_what_is_no_image_of_this_mesh),
+        WITH_IMAGE(refuses_impossible_chains),
+        WITH_IMAGE(refuses_impossible_counts_and_sources),
+        WITH_IMAGE(refuses_impossible_predecessors),
+        WITH_IMAGE(wrong_wedges_never_lead_outside),
         WITH_IMAGE(damage_never_leads_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

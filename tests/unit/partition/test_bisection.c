@@ -10,13 +10,13 @@
 
 #define SHELLS 8
 
-struct halves {
+struct bisection {
     const struct gd_mesh *mesh;
     struct gd_vec3 source;
     uint8_t *side, *vertex;
 };
 
-static void check_records(const struct halves *halves)
+static void check_records(const struct bisection *halves)
 {
     const struct gd_mesh *mesh = halves->mesh;
     uint8_t *vertex = calloc(mesh->vertex_count, 1);
@@ -35,7 +35,7 @@ static void check_records(const struct halves *halves)
     free(vertex);
 }
 
-static double distance_of(const struct halves *halves, uint32_t face)
+static double distance_of(const struct bisection *halves, uint32_t face)
 {
     const struct gd_mesh *mesh = halves->mesh;
     const struct gd_vec3 *p = &mesh->position[mesh->origin[mesh->face_side[face][0]]],
@@ -45,7 +45,7 @@ static double distance_of(const struct halves *halves, uint32_t face)
 }
 
 /* What two that are always equally busy would gain: 2; one that waits for the other: 1. */
-static double gain_of(const struct halves *halves)
+static double gain_of(const struct bisection *halves)
 {
     uint32_t faces = halves->mesh->face_count, count[SHELLS][2] = {{0}}, longest = 0;
     double farthest = 0;
@@ -63,12 +63,12 @@ static double gain_of(const struct halves *halves)
 static void check_surface(const char *name, double least, struct gd_polygons *polygons)
 {
     struct gd_mesh *mesh = test_mesh(polygons);
-    struct halves halves = {
+    struct bisection halves = {
         .mesh = mesh, .side = malloc(2 * mesh->edge_count), .vertex = malloc(mesh->vertex_count)};
     double worst = 2;
     for (uint32_t i = 0; i < 10; i++) {
         halves.source = mesh->position[i * (mesh->vertex_count - 1) / 9];
-        gd__halves_divide(mesh, halves.source, halves.side, halves.vertex);
+        gd__bisection_divide(mesh, halves.source, halves.side, halves.vertex);
         check_records(&halves);
         worst = fmin(worst, gain_of(&halves));
     }

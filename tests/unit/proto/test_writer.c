@@ -172,23 +172,23 @@ static void makes_room_once_for_what_is_expected(void **state)
 
 /* --- an account ------------------------------------------------------------------------------- */
 
-struct purse {
+struct budget {
     size_t taken, most;
 };
 
 static bool take(void *user, size_t bytes)
 {
-    struct purse *purse = user;
-    if (purse->taken + bytes > purse->most) return false;
-    purse->taken += bytes;
+    struct budget *budget = user;
+    if (budget->taken + bytes > budget->most) return false;
+    budget->taken += bytes;
     return true;
 }
 
 static void give(void *user, size_t bytes)
 {
-    struct purse *purse = user;
-    assert_true(bytes <= purse->taken);
-    purse->taken -= bytes;
+    struct budget *budget = user;
+    assert_true(bytes <= budget->taken);
+    budget->taken -= bytes;
 }
 
 static void append_many(struct proto_writer *writer, size_t count)
@@ -199,26 +199,26 @@ static void append_many(struct proto_writer *writer, size_t count)
 static void counts_large_buffers_until_they_are_freed(void **state)
 {
     (void)state;
-    struct purse purse = {.most = SIZE_MAX};
-    const struct proto_writer_account account = {take, give, &purse};
+    struct budget budget = {.most = SIZE_MAX};
+    const struct proto_writer_account account = {take, give, &budget};
     struct proto_writer writer;
     proto_writer_init(&writer, SIZE_MAX);
     writer.account = &account;
     append_many(&writer, PROTO_WRITER_SMALL);
-    assert_int_equal(purse.taken, 0);
+    assert_int_equal(budget.taken, 0);
     append_many(&writer, 1);
-    assert_int_equal(purse.taken, writer.capacity);
+    assert_int_equal(budget.taken, writer.capacity);
     append_many(&writer, 3000000);
-    assert_int_equal(purse.taken, writer.capacity);
+    assert_int_equal(budget.taken, writer.capacity);
     assert_true(writer.capacity < writer.size + writer.size / 3); /* large ones grow slowly */
     proto_writer_free(&writer);
-    assert_int_equal(purse.taken, 0);
+    assert_int_equal(budget.taken, 0);
 
     append_many(&writer, 20000); /* it counts again */
     size_t size = 0;
     char *text = proto_writer_take(&writer, &size);
-    assert_int_equal(purse.taken, proto_writer_counted(size)); /* no more than the text has */
-    give(&purse, proto_writer_counted(size));
+    assert_int_equal(budget.taken, proto_writer_counted(size)); /* no more than the text has */
+    give(&budget, proto_writer_counted(size));
     free(text);
     proto_writer_free(&writer);
 }
@@ -226,8 +226,8 @@ static void counts_large_buffers_until_they_are_freed(void **state)
 static void fails_when_there_is_no_room(void **state)
 {
     (void)state;
-    struct purse purse = {.most = 100000};
-    const struct proto_writer_account account = {take, give, &purse};
+    struct budget budget = {.most = 100000};
+    const struct proto_writer_account account = {take, give, &budget};
     struct proto_writer writer;
     struct proto_problem problem;
     proto_writer_init(&writer, SIZE_MAX);
@@ -238,7 +238,7 @@ static void fails_when_there_is_no_room(void **state)
     assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
     assert_int_equal(problem.retry_after, 1);
     proto_writer_free(&writer);
-    assert_int_equal(purse.taken, 0);
+    assert_int_equal(budget.taken, 0);
 }
 
 struct drain {

@@ -65,7 +65,7 @@ static void distances_are_the_fields(void **state)
     struct gd_polygons polygons;
     check_ok(sample_terrain(40, 0.3, 7, &polygons), NULL);
     check_surface(&polygons, 1, workspace);
-    /* steep: sides are visited often, and reminded */
+    /* steep: sides are visited often, and pruned */
     check_ok(sample_terrain(24, 3, 9, &polygons), NULL);
     check_surface(&polygons, 2, workspace);
     check_ok(sample_icosphere(4, 1, &polygons), NULL);

@@ -98,17 +98,17 @@ static void the_budget_is_kept(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = COUNT * (sizeof(void *) + 1) + SLAB};
-    struct gd__purse purse = {.control = &control};
+    struct gd__budget budget = {.control = &control};
     gd__pages_close(&pages);
-    check_ok(gd__pages_open(&pages, COUNT, sizeof(struct numbers), MADE_MOST, &purse), NULL);
+    check_ok(gd__pages_open(&pages, COUNT, sizeof(struct numbers), MADE_MOST, &budget), NULL);
     for (uint32_t i = 0; i < PAGES_A_SLAB; i++) make(i, 10)->waiting = i > 0;
     assert_int_equal(gd__pages_make(&pages, PAGES_A_SLAB, 10), GD_BUDGET);
     assert_null(pages.page[PAGES_A_SLAB]);
     make(PAGES_A_SLAB, LONG); /* that of 0 */
     control.budget_bytes = 1;
     gd__pages_close(&pages);
-    purse.held = 0;
-    assert_int_equal(gd__pages_open(&pages, COUNT, sizeof(struct numbers), MADE_MOST, &purse),
+    budget.held = 0;
+    assert_int_equal(gd__pages_open(&pages, COUNT, sizeof(struct numbers), MADE_MOST, &budget),
                      GD_BUDGET);
     assert_null(pages.page);
 }

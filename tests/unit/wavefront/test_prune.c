@@ -1,4 +1,4 @@
-/* Reminding against the model: what the stored wedges make useless is cut off, what is strictly
+/* Pruning against the model: what the stored wedges make useless is cut off, what is strictly
  * better than they are is left. */
 #include "tests/unit/window/model.h"
 
@@ -9,7 +9,7 @@ enum { CHUNKS = 3, MOST = 6 };
 /* differences that neither rounding nor the stored ends' 2^-32 can turn round */
 #define CLEAR 1e-7
 
-/* A wavefront of which there is only what reminding looks at: distances, and the wedges of edge 0
+/* A wavefront of which there is only what pruning looks at: distances, and the wedges of edge 0
  * of one face. */
 static struct gd_mesh *mesh;
 static struct gd_workspace *work;
@@ -79,13 +79,13 @@ static void store_chunk(uint32_t side, const struct gd__stack *list)
 }
 
 /* What the windows of side 0 become. */
-static void remind(bool own, bool twin)
+static void prune(bool own, bool twin)
 {
     struct gd__window_builder builder = {0};
     build_windows(&windows, &builder);
     struct gd__windows list = builder.at;
     uint32_t count = windows.count;
-    check_ok(gd__remind(&front, 0, own, twin, &list, &count), NULL);
+    check_ok(gd__prune_by_stored(&front, 0, own, twin, &list, &count), NULL);
     load_windows(&list, count, &actual);
     gd__window_builder_destroy(&builder);
 }
@@ -123,7 +123,7 @@ static void check_pruned(struct rng *rng, bool own, bool twin)
     }
 }
 
-/* Several chunks of both sides in one chain; reminded of its own, of the other side's, of both, of
+/* Several chunks of both sides in one chain; pruned by its own, of the other side's, of both, of
  * nothing. */
 static void agrees_with_the_model(void **state)
 {
@@ -145,12 +145,12 @@ static void agrees_with_the_model(void **state)
         }
         draw(&rng, &windows);
         bool own = round & 1, twin = round & 2;
-        remind(own, twin);
+        prune(own, twin);
         check_pruned(&rng, own, twin);
         offered += windows.count;
         left += actual.count;
     }
-    print_message("# remind: %llu windows, %llu left\n", (unsigned long long)offered,
+    print_message("# prune: %llu windows, %llu left\n", (unsigned long long)offered,
                   (unsigned long long)left);
     gd__stack_destroy(&list);
 }
@@ -167,14 +167,14 @@ static void ties(void **state)
         for (int v = 0; v < 3; v++) distances[v] = rng_between(&rng, 0, 0.5);
         draw(&rng, &windows);
         store_chunk(0, &windows);
-        remind(true, false);
+        prune(true, false);
         assert_int_equal(actual.count, 0);
         newest[0] = GD_NONE;
         stored[0].count = 0;
         for (uint32_t i = windows.count; i--;)
             append_window(&stored[0], gd__window_mirrored(&windows.windows[i], length));
         store_chunk(1, &stored[0]);
-        remind(false, true);
+        prune(false, true);
         assert_int_equal(actual.count, windows.count);
         /* but where a stored neighbour was rounded into a window */
         for (uint32_t i = 0; i < actual.count; i++) {

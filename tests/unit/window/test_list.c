@@ -446,9 +446,9 @@ static void budget_is_kept(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 1 << 20};
-    struct gd__purse purse = {.control = &control, .held = 1000};
+    struct gd__budget budget = {.control = &control, .held = 1000};
     gd__pool_destroy(&pool);
-    gd__pool_init(&pool, GD__LIST_POOL_ITEM, &purse);
+    gd__pool_init(&pool, GD__LIST_POOL_ITEM, &budget);
     struct rng rng = {7};
     enum gd_status status = GD_OK;
     uint32_t count = 0;
@@ -462,7 +462,7 @@ static void budget_is_kept(void **state)
         gd__windows_put(&newer.at, 0, w);
         newer.count = 1;
         status = gd__list_insert(&list, &pool, &newer, WIDTH, &scratch);
-        assert_true(pool.bytes + 1000 <= control.budget_bytes && purse.held == pool.bytes + 1000);
+        assert_true(pool.bytes + 1000 <= control.budget_bytes && budget.held == pool.bytes + 1000);
     }
     assert_int_equal(status, GD_BUDGET);
     assert_true(pool.bytes > control.budget_bytes / 4);

@@ -44,6 +44,6 @@ static inline lanes ordinals(void)
     return _mm512_setr_pd(0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-#include "field/sight_lanes.h"
+#include "field/wedge_view_lanes.h"
 
 #endif

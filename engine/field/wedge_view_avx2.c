@@ -54,6 +54,6 @@ static inline lanes ordinals(void)
     return _mm256_setr_pd(0, 1, 2, 3);
 }
 
-#include "field/sight_lanes.h"
+#include "field/wedge_view_lanes.h"
 
 #endif

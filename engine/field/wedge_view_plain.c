@@ -40,4 +40,4 @@ static inline lanes ordinals(void)
     return 0;
 }
 
-#include "field/sight_lanes.h"
+#include "field/wedge_view_lanes.h"
