@@ -77,7 +77,7 @@ def is_query(path, item, operation):
     return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
 
 
-def route_row(path, item, method, operation):
+def route_row(document, path, item, method, operation):
     parts = [None if CAPTURE.fullmatch(part) else part for part in segments(path)]
     query = query_name(path, method, operation)
     fields = {
@@ -88,6 +88,8 @@ def route_row(path, item, method, operation):
         "operation": c_string(operation["operationId"]),
         "path": c_string(path),
         "query": c_string(query) if query else "NULL",
+        "fields": members.fields_of(document, item, operation) or "NULL",
+        "parameters": f"proto_{operation['operationId']}_parameters" if members.query_names(document, item, operation) else "NULL",
         "segment_count": str(len(parts)),
         "segments": "{" + ", ".join(c_string(part) if part else "NULL" for part in parts or [None]) + "}",
         "handle": "server_handle_query" if is_query(path, item, operation) else f"server_handle_{handler(operation)}",
@@ -98,10 +100,10 @@ def route_row(path, item, method, operation):
 
 def route_source(document):
     routes = sorted((route for route in operations(document) if route[2] != "head"), key=literals_first)
-    yield '/* Made by generate.py from openapi.yaml. */\n#include "proto/http/route.h"\n\n#include "generated/handlers.h"\n'
+    yield '/* Made by generate.py from openapi.yaml. */\n#include "proto/http/route.h"\n\n#include "generated/fields.h"\n#include "generated/handlers.h"\n#include "generated/parameters.h"\n'
     yield "const struct proto_route proto_routes[] = {"
     for path, item, method, operation in routes:
-        yield route_row(path, item, method, operation)
+        yield route_row(document, path, item, method, operation)
     yield "};\n\nconst size_t proto_route_count = sizeof proto_routes / sizeof proto_routes[0];"
 
 

@@ -17,8 +17,6 @@ import re
 
 from document import operations, resolve
 
-COMMON_PARAMETERS = ("fields", "geometry", "timeout_ms", "mesh")
-
 LIST = {"Point": "struct proto_points", "Place": "struct proto_uvs"}  # lists that have a struct of their own
 # values by hand: the type, its header, what decodes and what frees it
 VALUES = {
@@ -108,17 +106,24 @@ def field_source(document):
 
 
 def query_names(document, item, operation):
-    """The operation's own parameters in the query string, without the options of every query and of files."""
+    """The operation's parameters in the query string."""
+    parameters = [follow(document, parameter)[0] for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]]
+    return [parameter["name"] for parameter in parameters if parameter["in"] == "query"]
+
+
+def fields_of(document, item, operation):
+    """The name of the list of an operation's fields, or None."""
     for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]:
-        parameter, _ = follow(document, parameter)
-        if parameter["in"] == "query" and parameter["name"] not in COMMON_PARAMETERS:
-            yield parameter["name"]
+        name = parameter.get("$ref", "").split("/")[-1]
+        if name.endswith("Fields") and "x-fields" in follow(document, parameter)[0]["schema"]["items"]:
+            return f"proto_{snake(name.removesuffix('Fields'))}_fields"
+    return None
 
 
 def parameter_lists(document):
-    """(operation's name, its parameters) of each operation that has some."""
+    """(operation, its parameters in the query string) of each operation that has some."""
     for _, item, method, operation in operations(document):
-        names = list(query_names(document, item, operation))
+        names = query_names(document, item, operation)
         if names and method != "head":
             yield snake(operation["operationId"]), names
 

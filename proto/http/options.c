@@ -182,26 +182,15 @@ static bool parse_geometry(const struct proto_parameters *parameters, enum proto
     return true;
 }
 
-static bool check_names(const struct proto_parameters *parameters, bool has_fields,
-                        const char *const *names, struct proto_problem *problem)
-{
-    const char *allowed[MOST_NAMES + 1] = {"timeout_ms", has_fields ? "fields" : NULL, "geometry"};
-    for (unsigned i = has_fields ? 3 : 1; names && *names && i < MOST_NAMES; i++) {
-        allowed[i] = *names++;
-        allowed[i + 1] = NULL;
-    }
-    return proto_parameters_check(parameters, allowed, problem);
-}
-
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
-                         const char *const *names, struct proto_options *out,
+                         const char *const *allowed, struct proto_options *out,
                          struct proto_problem *problem)
 {
     struct proto_options options = {.geometry = PROTO_GEOMETRY_FULL, .names = fields};
     for (unsigned i = 0; fields && fields[i]; i++) options.fields |= UINT32_C(1) << i;
-    if (!check_names(parameters, fields != NULL, names, problem)) return false;
+    if (!proto_parameters_check(parameters, allowed, problem)) return false;
     if (fields && !parse_fields(parameters, fields, &options.fields, problem)) return false;
-    if (fields && !parse_geometry(parameters, &options.geometry, problem)) return false;
+    if (!parse_geometry(parameters, &options.geometry, problem)) return false;
     if (!proto_parameters_integer(parameters, "timeout_ms", 1, MOST_TIMEOUT_MS, &options.timeout_ms,
                                   problem))
         return false;

@@ -69,12 +69,12 @@ uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
 /* The options for a part of the answer: all fields but `whole` are its members. */
 struct proto_options proto_options_within(const struct proto_options *options, uint32_t whole);
 
-/* Reads the options that all queries have in common and refuses every other parameter but the
- * query's own `names` (NULL-terminated; NULL: it has none). `fields`: the names of the answer's
- * top-level fields (NULL-terminated, at most 32); NULL: the answer is no JSON, and timeout_ms the
- * only option. invalid_request with the parameter. */
+/* Reads the options that all queries have in common: fields, geometry and timeout_ms. `allowed`: the
+ * names of the operation's parameters. `fields`: those of the answer's top-level fields; NULL: there
+ * is no projection. Both are NULL-terminated, with at most 32 names. invalid_request with the
+ * parameter. */
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
-                         const char *const *names, struct proto_options *out,
+                         const char *const *allowed, struct proto_options *out,
                          struct proto_problem *problem);
 
 #endif

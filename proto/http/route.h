@@ -36,6 +36,8 @@ struct proto_route {
     const char *path;      /* template, "/v1/meshes/{name}": a label for logs and metrics */
     /* the query's name ("distance"), listed among the capabilities; NULL: no query */
     const char *query;
+    const char *const *fields;                  /* of its answer; NULL: there is no projection */
+    const char *const *parameters;              /* of the query string; NULL: none */
     uint32_t segment_count;                     /* "/" has none */
     const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text, or NULL: captures */
     void (*handle)(struct server_exchange *exchange);

@@ -137,11 +137,10 @@ static void visit_of_batch(void *user, bool (*visit)(void *context, const char *
 bool proto_batch_parse(const struct proto_parameters *parameters, struct proto_options *out,
                        struct proto_problem *problem)
 {
-    static const char *const none[] = {NULL};
     struct view view = {.defaults = parameters};
     const struct proto_parameters seen = {
         .get = get_of_batch, .each = visit_of_batch, .user = &view};
-    return proto_options_parse(&seen, none, NULL, out, problem);
+    return proto_options_parse(&seen, NULL, proto_post_batch_parameters, out, problem);
 }
 
 static const char *get_of_line(void *user, const char *name)

@@ -23,7 +23,7 @@
 #define BYTES_AN_EDGE  224
 #define BYTES_A_SEARCH ((size_t)1 << 20) /* on a mesh of any size */
 
-enum { MOST_PARAMETERS = 24, MOST_FORMS = 8 };
+enum { MOST_FORMS = 8 };
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -349,21 +349,6 @@ static const char *form_name(const struct server_query *query)
     return query->kind->reply ? query->kind->reply_form : form_at(query->kind, query->form)->name;
 }
 
-/* The kind's parameters, and those of its forms. */
-static const char *const *form_parameters(const char *const *names, const struct server_form *forms,
-                                          const char *out[MOST_PARAMETERS])
-{
-    unsigned count = 0;
-    bool has_mesh = false;
-    if (!forms) return names;
-    while (names && *names && count + 3 < MOST_PARAMETERS) out[count++] = *names++;
-    out[count++] = "format";
-    for (; forms->name; forms++) has_mesh = has_mesh || forms->has_mesh;
-    if (has_mesh) out[count++] = "mesh";
-    out[count] = NULL;
-    return out;
-}
-
 /* --- a request of its own --------------------------------------------------------------------- */
 
 static void query_reply_bytes(struct server_query *query)
@@ -455,10 +440,9 @@ static bool query_read(struct server_query *query, struct proto_problem *problem
     const struct server_query_kind *kind = query->kind;
     bool has_body = query->exchange->match.route->has_body;
     struct proto_parameters parameters = server_exchange_parameters(query->exchange);
-    const char *room[MOST_PARAMETERS];
-    const char *const *names =
-        form_parameters(has_body ? NULL : kind->parameters, kind->forms, room);
-    if (!proto_options_parse(&parameters, kind->fields, names, &query->options, problem))
+    const struct proto_route *route = query->exchange->match.route;
+    if (!proto_options_parse(&parameters, route->fields, route->parameters, &query->options,
+                             problem))
         return false;
     if (kind->forms && !form_read_mesh(query, &parameters, problem)) return false;
     if (!has_body) return kind->parse(query, &parameters, problem);

@@ -88,8 +88,6 @@ struct server_query {
 struct server_query_kind {
     const char *name;                   /* as in the path, and in a batch */
     size_t size;                        /* of its own struct */
-    const char *const *fields;          /* of the JSON answer; NULL: `reply` has another form */
-    const char *const *parameters;      /* of the GET form, besides the options; or NULL */
     const struct server_form *forms;    /* the answer's other forms, or NULL */
     bool uses_landmarks, uses_executor; /* in server_query_call */
     bool (*decode)(struct server_query *query, const json_t *document,

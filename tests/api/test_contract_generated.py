@@ -29,7 +29,7 @@ static const char *get(void *user, const char *name)
 static void each(void *user, bool (*visit)(void *context, const char *name), void *context)
 {
     (void)user;
-    visit(context, "fields");
+    if (visit(context, "fields")) visit(context, "colour");
 }
 
 int main(int count, char **texts)
@@ -41,7 +41,7 @@ int main(int count, char **texts)
     json_t *document = proto_decode_document(texts[1], strlen(texts[1]), &problem);
     if (count != 3 || !document) return 2;
     if (!proto_mean_request_decode(document, &request, &problem) ||
-        !proto_options_parse(&parameters, proto_mean_fields, NULL, &options, &problem)) {
+        !proto_options_parse(&parameters, proto_mean_fields, proto_post_mean_parameters, &options, &problem)) {
         printf("%s%s: %s", problem.pointer, problem.parameter, problem.detail);
         return 1;
     }
@@ -70,6 +70,7 @@ class Generated(unittest.TestCase):
         cls.document = pathlib.Path(cls.place.name, "openapi.yaml")
         text = contract.DOCUMENT.read_text(encoding="utf-8")
         text = changed(text, "MeanAnswer", "skew: {type: number, minimum: 0}")
+        text = text.replace("      operationId: post_mean\n", "      operationId: post_mean\n      parameters: [{name: colour, in: query, schema: {type: string}}]\n")
         cls.document.write_text(changed(text, "MeanRequest", "depth: {type: integer, minimum: 1, maximum: 9, default: 4}"), encoding="utf-8")
         cls.generate("sources", cls.folder)
 
@@ -80,6 +81,12 @@ class Generated(unittest.TestCase):
     def test_fields(self):
         self.assertIn("    PROTO_MEAN_FIELD_SKEW = 1 << 0,\n", (self.folder / "fields.h").read_text())
         self.assertIn('proto_mean_fields[] = {\n    "skew",\n', (self.folder / "fields.c").read_text())
+
+    def test_routes(self):
+        routes = (self.folder / "routes.c").read_text()
+        row = next(line for line in routes.splitlines() if '"post_mean"' in line)
+        self.assertIn(".fields = proto_mean_fields, .parameters = proto_post_mean_parameters", row)
+        self.assertRegex((self.folder / "parameters.c").read_text(), r'proto_post_mean_parameters\[\] = \{[^}]*"colour", NULL\};')
 
     def test_documents(self):
         document = json.loads(self.generate("document"))
@@ -96,7 +103,7 @@ class Generated(unittest.TestCase):
     def test_checks(self):
         source, program = pathlib.Path(self.place.name, "reader.c"), pathlib.Path(self.place.name, "reader")
         source.write_text(READER)
-        run("cc", "-D_GNU_SOURCE", "-I", self.place.name, *INCLUDE, "-o", program, source, self.folder / "requests.c", self.folder / "fields.c", *LIBRARIES,
+        run("cc", "-D_GNU_SOURCE", "-I", self.place.name, *INCLUDE, "-o", program, source, *(self.folder / f"{name}.c" for name in ("requests", "fields", "parameters")), *LIBRARIES,
             "-ljansson", "-lstdc++", "-lz", "-lm", "-pthread")
         point = '"points": [{"vertex": 1}]'
         for body, fields, expected in (("{%s}" % point, "spread", "depth 4, skew 0"), ('{%s, "depth": 9}' % point, "skew", "depth 9, skew 1"),

@@ -205,7 +205,6 @@ static void operation_release(struct server_query *query)
 
 const struct server_query_kind server_query_curve = {.name = "curve",
                                                      .size = sizeof(struct operation_query),
-                                                     .fields = proto_curve_operation_fields,
                                                      .uses_landmarks = true,
                                                      .decode = operation_decode,
                                                      .solve = operation_solve,
@@ -372,7 +371,6 @@ static void cut_release(struct server_query *query)
 
 const struct server_query_kind server_query_cut = {.name = "cut",
                                                    .size = sizeof(struct cut_query),
-                                                   .fields = proto_cut_fields,
                                                    .uses_landmarks = true,
                                                    .decode = cut_decode,
                                                    .solve = cut_solve,
@@ -462,7 +460,6 @@ static void spline_release(struct server_query *query)
 
 const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .size = sizeof(struct spline_query),
-                                                      .fields = proto_spline_fields,
                                                       .uses_landmarks = true,
                                                       .uses_executor = true,
                                                       .decode = spline_decode,
@@ -567,7 +564,6 @@ static void curves_release(struct server_query *query)
 
 const struct server_query_kind server_query_curve_distance = {.name = "curve-distance",
                                                               .size = sizeof(struct curves_query),
-                                                              .fields = proto_curve_distance_fields,
                                                               .decode = curves_decode,
                                                               .prepare = curves_prepare,
                                                               .answer = curves_answer,

@@ -272,7 +272,6 @@ static void trace_release(struct server_query *query)
 
 const struct server_query_kind server_query_trace = {.name = "trace",
                                                      .size = sizeof(struct trace_query),
-                                                     .fields = proto_trace_fields,
                                                      .decode = trace_decode,
                                                      .solve = trace_solve,
                                                      .encode = trace_encode,
@@ -280,7 +279,6 @@ const struct server_query_kind server_query_trace = {.name = "trace",
 
 const struct server_query_kind server_query_exp = {.name = "exp",
                                                    .size = sizeof(struct trace_query),
-                                                   .fields = proto_exp_fields,
                                                    .decode = exp_decode,
                                                    .solve = trace_solve,
                                                    .encode = exp_encode,
@@ -429,7 +427,6 @@ static enum server_query_turn log_solve(struct server_query *query, struct proto
 
 const struct server_query_kind server_query_log = {.name = "log",
                                                    .size = sizeof(struct log_query),
-                                                   .fields = proto_log_fields,
                                                    .decode = log_decode,
                                                    .join = log_join,
                                                    .solve = log_solve,
@@ -525,7 +522,6 @@ static void transport_release(struct server_query *query)
 
 const struct server_query_kind server_query_transport = {.name = "transport",
                                                          .size = sizeof(struct transport_query),
-                                                         .fields = proto_transport_fields,
                                                          .decode = transport_decode,
                                                          .solve = transport_solve,
                                                          .encode = transport_encode,

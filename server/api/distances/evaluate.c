@@ -193,12 +193,10 @@ static enum server_query_turn evaluation_answer(struct server_query *query,
 
 const struct server_query_kind server_query_evaluate_field = {.name = "evaluate",
                                                               .size = sizeof(struct evaluation),
-                                                              .fields = proto_evaluation_fields,
                                                               .decode = field_evaluation_decode,
                                                               .answer = evaluation_answer};
 
 const struct server_query_kind server_query_distance_to_set = {.name = "distance-to-set",
                                                                .size = sizeof(struct evaluation),
-                                                               .fields = proto_result_fields,
                                                                .decode = set_evaluation_decode,
                                                                .answer = evaluation_answer};

@@ -108,7 +108,6 @@ static unsigned creation_status(struct server_query *query)
 
 const struct server_query_kind server_query_create_field = {.name = "fields",
                                                             .size = sizeof(struct field_creation),
-                                                            .fields = proto_field_fields,
                                                             .decode = creation_decode,
                                                             .located = creation_name,
                                                             .answer = creation_answer,
@@ -126,7 +125,6 @@ static bool resource_parse(struct server_query *query, const struct proto_parame
 
 const struct server_query_kind server_query_get_field = {.name = "field",
                                                          .size = sizeof(struct server_query),
-                                                         .fields = proto_field_fields,
                                                          .parse = resource_parse,
                                                          .encode = resource_encode};
 
@@ -277,7 +275,6 @@ static bool values_write(const struct server_query *query, struct server_answer_
 
 const struct server_query_kind server_query_get_field_values = {.name = "values",
                                                                 .size = sizeof(struct values_query),
-                                                                .fields = proto_values_fields,
                                                                 .forms = values_forms,
                                                                 .parse = values_parse,
                                                                 .answer = values_answer,
@@ -334,12 +331,9 @@ static void wedges_release(struct server_query *query)
     free(((struct wedges_query *)query)->wedges);
 }
 
-const struct server_query_kind server_query_get_field_wedges = {
-    .name = "wedges",
-    .size = sizeof(struct wedges_query),
-    .fields = proto_wedges_fields,
-    .parameters = proto_get_field_wedges_parameters,
-    .parse = wedges_parse,
-    .answer = wedges_answer,
-    .encode = wedges_encode,
-    .release = wedges_release};
+const struct server_query_kind server_query_get_field_wedges = {.name = "wedges",
+                                                                .size = sizeof(struct wedges_query),
+                                                                .parse = wedges_parse,
+                                                                .answer = wedges_answer,
+                                                                .encode = wedges_encode,
+                                                                .release = wedges_release};

@@ -257,9 +257,6 @@ static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {N
 
 const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .size = sizeof(struct isolines_query),
-                                                        .fields = proto_isolines_fields,
-                                                        .parameters =
-                                                            proto_isolines_request_members,
                                                         .forms = isolines_forms,
                                                         .decode = isolines_decode,
                                                         .parse = isolines_parse,
@@ -389,7 +386,6 @@ static void voronoi_release(struct server_query *query)
 
 const struct server_query_kind server_query_voronoi = {.name = "voronoi",
                                                        .size = sizeof(struct voronoi_query),
-                                                       .fields = proto_voronoi_fields,
                                                        .decode = voronoi_decode,
                                                        .answer = voronoi_answer,
                                                        .encode = voronoi_encode,

@@ -389,7 +389,6 @@ static size_t matrix_bytes(const struct server_query *query, void *out)
 
 const struct server_query_kind server_query_matrix = {.name = "matrix",
                                                       .size = sizeof(struct matrix_query),
-                                                      .fields = proto_matrix_fields,
                                                       .decode = matrix_decode,
                                                       .solve = matrix_solve,
                                                       .encode = matrix_encode,

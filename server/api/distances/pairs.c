@@ -227,14 +227,10 @@ static const struct server_form path_forms[] = {
     SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
 
 #define PAIR_STEPS                                                                                 \
-    .size = sizeof(struct pair_query), .parameters = proto_pair_request_members,                   \
-    .decode = pair_decode, .parse = pair_parse, .glance = pair_glance, .join = pair_join,          \
-    .solve = pair_solve, .encode = pair_encode, .release = pair_release
+    .size = sizeof(struct pair_query), .decode = pair_decode, .parse = pair_parse,                 \
+    .glance = pair_glance, .join = pair_join, .solve = pair_solve, .encode = pair_encode,          \
+    .release = pair_release
 
-const struct server_query_kind server_query_distance = {
-    .name = "distance", .fields = proto_distance_fields, PAIR_STEPS};
-const struct server_query_kind server_query_path = {.name = "path",
-                                                    .fields = proto_path_fields,
-                                                    .forms = path_forms,
-                                                    .write = path_write,
-                                                    PAIR_STEPS};
+const struct server_query_kind server_query_distance = {.name = "distance", PAIR_STEPS};
+const struct server_query_kind server_query_path = {
+    .name = "path", .forms = path_forms, .write = path_write, PAIR_STEPS};

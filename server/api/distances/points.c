@@ -53,8 +53,6 @@ static void nearest_encode(const struct server_query *query, struct proto_writer
 
 const struct server_query_kind server_query_nearest = {.name = "nearest",
                                                        .size = sizeof(struct nearest_query),
-                                                       .fields = proto_point_fields,
-                                                       .parameters = proto_nearest_request_members,
                                                        .decode = nearest_decode,
                                                        .parse = nearest_parse,
                                                        .encode = nearest_encode};
@@ -121,7 +119,6 @@ static void mean_release(struct server_query *query)
 
 const struct server_query_kind server_query_mean = {.name = "mean",
                                                     .size = sizeof(struct mean_query),
-                                                    .fields = proto_mean_fields,
                                                     .uses_landmarks = true,
                                                     .decode = mean_decode,
                                                     .solve = mean_solve,
@@ -186,7 +183,6 @@ static void sampling_encode(const struct server_query *query, struct proto_write
 const struct server_query_kind server_query_farthest_points = {.name = "farthest-points",
                                                                .size =
                                                                    sizeof(struct sampling_query),
-                                                               .fields = proto_sampling_fields,
                                                                .uses_executor = true,
                                                                .decode = sampling_decode,
                                                                .solve = sampling_solve,

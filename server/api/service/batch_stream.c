@@ -54,18 +54,27 @@ static void batch_free(void *state)
 
 /* --- one line --------------------------------------------------------------------------------- */
 
-static const struct server_query_kind *kind_find(const char *name, struct proto_problem *problem)
+/* What a line can ask. */
+struct line_kind {
+    const struct server_query_kind *kind;
+    const char *const *fields; /* of its answer */
+};
+
+static const struct line_kind *kind_find(const char *name, struct proto_problem *problem)
 {
-    static const struct server_query_kind *const kinds[] = {
-        &server_query_distance,        &server_query_path,
-        &server_query_nearest,         &server_query_matrix,
-        &server_query_distance_to_set, &server_query_curve_distance};
+    static const struct line_kind kinds[] = {
+        {&server_query_distance, proto_distance_fields},
+        {&server_query_path, proto_path_fields},
+        {&server_query_nearest, proto_point_fields},
+        {&server_query_matrix, proto_matrix_fields},
+        {&server_query_distance_to_set, proto_result_fields},
+        {&server_query_curve_distance, proto_curve_distance_fields}};
     char names[256] = "";
     size_t length = 0;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
+        if (strcmp(kinds[i].kind->name, name) == 0) return &kinds[i];
         length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "",
-                                   kinds[i]->name);
+                                   kinds[i].kind->name);
     }
     proto_problem_refuse(problem, "/query", "a batch has no query \"%s\"; it takes %s", name,
                          names);
@@ -77,15 +86,15 @@ static bool line_decode(struct batch *batch, const struct proto_batch_query *lin
 {
     const struct server_body *body = &batch->exchange->body;
     struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
-    const struct server_query_kind *kind = kind_find(line->name, problem);
-    if (!kind) return false;
-    struct server_query *query = server_query_create(kind, batch->exchange, batch->surface);
+    const struct line_kind *found = kind_find(line->name, problem);
+    if (!found) return false;
+    struct server_query *query = server_query_create(found->kind, batch->exchange, batch->surface);
     batch->query = query;
     if (!query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     query->begun = (double)(batch->line.text - body->bytes) / (double)body->size;
     query->share = (double)batch->line.size / (double)body->size;
-    return proto_batch_options(line, &parameters, kind->fields, &query->options, problem) &&
-           kind->decode(query, line->document, problem);
+    return proto_batch_options(line, &parameters, found->fields, &query->options, problem) &&
+           found->kind->decode(query, line->document, problem);
 }
 
 static bool line_read(struct batch *batch, struct proto_problem *problem)

@@ -135,13 +135,11 @@ static void nurbs_release(struct server_query *query)
 
 void server_handle_nurbs_evaluate(struct server_exchange *exchange)
 {
-    static const struct evaluator evaluator = {.kind = {.fields = proto_jet_fields,
-                                                        .decode = nurbs_decode,
-                                                        .release = nurbs_release,
-                                                        EVALUATION_STEPS},
-                                               .quick = 8, /* some microseconds each */
-                                               .round = 64,
-                                               .write = nurbs_write};
+    static const struct evaluator evaluator = {
+        .kind = {.decode = nurbs_decode, .release = nurbs_release, EVALUATION_STEPS},
+        .quick = 8, /* some microseconds each */
+        .round = 64,
+        .write = nurbs_write};
     server_query_handle(exchange, &evaluator.kind);
 }
 
@@ -175,13 +173,11 @@ static void limit_release(struct server_query *query)
 
 void server_handle_subdivision_evaluate(struct server_exchange *exchange)
 {
-    static const struct evaluator evaluator = {.kind = {.fields = proto_limit_jet_fields,
-                                                        .decode = limit_decode,
-                                                        .release = limit_release,
-                                                        EVALUATION_STEPS},
-                                               .quick = 4, /* slower near a vertex */
-                                               .round = LIMIT_ROUND,
-                                               .write = limit_write};
+    static const struct evaluator evaluator = {
+        .kind = {.decode = limit_decode, .release = limit_release, EVALUATION_STEPS},
+        .quick = 4, /* slower near a vertex */
+        .round = LIMIT_ROUND,
+        .write = limit_write};
     server_query_handle(exchange, &evaluator.kind);
 }
 
@@ -241,8 +237,7 @@ static void nurbs_encode(const struct server_query *query, struct proto_writer *
 
 void server_handle_nurbs_nearest(struct server_exchange *exchange)
 {
-    static const struct finder finder = {
-        {.fields = proto_foot_fields, .encode = nurbs_encode, NEAREST_STEPS}, nurbs_find};
+    static const struct finder finder = {{.encode = nurbs_encode, NEAREST_STEPS}, nurbs_find};
     server_query_handle(exchange, &finder.kind);
 }
 
@@ -261,7 +256,6 @@ static void limit_encode(const struct server_query *query, struct proto_writer *
 
 void server_handle_subdivision_nearest(struct server_exchange *exchange)
 {
-    static const struct finder finder = {
-        {.fields = proto_limit_foot_fields, .encode = limit_encode, NEAREST_STEPS}, limit_find};
+    static const struct finder finder = {{.encode = limit_encode, NEAREST_STEPS}, limit_find};
     server_query_handle(exchange, &finder.kind);
 }

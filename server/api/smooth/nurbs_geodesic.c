@@ -116,8 +116,8 @@ static void search_release(struct server_query *query)
 /* --- the three operations --------------------------------------------------------------------- */
 
 #define SEARCH_STEPS                                                                               \
-    .size = sizeof(struct search), .fields = proto_geodesic_fields, .decode = search_decode,       \
-    .solve = search_solve, .release = search_release
+    .size = sizeof(struct search), .decode = search_decode, .solve = search_solve,                 \
+    .release = search_release
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)
 {

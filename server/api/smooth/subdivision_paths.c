@@ -102,15 +102,13 @@ static enum server_query_turn pair_solve(struct server_query *query, struct prot
 
 void server_handle_subdivision_distance(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {
-        .name = "distance", .fields = proto_limit_distance_fields, PAIR_STEPS};
+    static const struct server_query_kind kind = {.name = "distance", PAIR_STEPS};
     server_query_handle(exchange, &kind);
 }
 
 void server_handle_subdivision_path(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {
-        .name = "path", .fields = proto_limit_path_fields, PAIR_STEPS};
+    static const struct server_query_kind kind = {.name = "path", PAIR_STEPS};
     server_query_handle(exchange, &kind);
 }
 
@@ -329,7 +327,6 @@ void server_handle_subdivision_trace(struct server_exchange *exchange)
 {
     static const struct server_query_kind kind = {.name = "trace",
                                                   .size = sizeof(struct trace),
-                                                  .fields = proto_limit_trace_fields,
                                                   .decode = trace_decode,
                                                   .solve = trace_solve,
                                                   .release = trace_release};

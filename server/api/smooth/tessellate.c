@@ -156,10 +156,7 @@ static enum server_query_turn meshing_end(struct meshing *meshing, const struct 
     return SERVER_QUERY_PARKED;
 }
 
-static const char *const no_fields[] = {NULL};
-
-#define MESHING_STEPS                                                                              \
-    .size = sizeof(struct meshing), .fields = no_fields, .release = meshing_release
+#define MESHING_STEPS .size = sizeof(struct meshing), .release = meshing_release
 
 /* --- tessellate ------------------------------------------------------------------------------- */
 
@@ -357,11 +354,8 @@ static void parameters_encode(const struct server_query *query, struct proto_wri
 
 void server_handle_get_mesh_parameters(struct server_exchange *exchange)
 {
-    static const struct reader reader = {{.name = "parameters",
-                                          .fields = proto_vertex_parameters_fields,
-                                          .encode = parameters_encode,
-                                          READING_STEPS},
-                                         &nurbs_format};
+    static const struct reader reader = {
+        {.name = "parameters", .encode = parameters_encode, READING_STEPS}, &nurbs_format};
     server_query_handle(exchange, &reader.kind);
 }
 
@@ -377,10 +371,7 @@ static void places_encode(const struct server_query *query, struct proto_writer 
 
 void server_handle_get_mesh_places(struct server_exchange *exchange)
 {
-    static const struct reader reader = {{.name = "places",
-                                          .fields = proto_vertex_places_fields,
-                                          .encode = places_encode,
-                                          READING_STEPS},
+    static const struct reader reader = {{.name = "places", .encode = places_encode, READING_STEPS},
                                          &limit_format};
     server_query_handle(exchange, &reader.kind);
 }

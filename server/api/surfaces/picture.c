@@ -133,9 +133,8 @@ static void picture_reply(struct server_query *query)
 }
 
 #define PICTURE_STEPS                                                                              \
-    .size = sizeof(struct picture), .parameters = proto_get_picture_png_parameters,                \
-    .parse = picture_parse, .solve = picture_solve, .answer = picture_draw,                        \
-    .reply = picture_reply, .release = picture_release
+    .size = sizeof(struct picture), .parse = picture_parse, .solve = picture_solve,                \
+    .answer = picture_draw, .reply = picture_reply, .release = picture_release
 
 static void picture_handle(struct server_exchange *exchange, const struct format *format)
 {

@@ -67,21 +67,21 @@ static void what_is_not_asked_for_is_not_wanted(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = NO_QUERY;
-    assert_true(
-        proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_true(proto_options_parse(&parameters, proto_evaluation_fields,
+                                    proto_evaluate_field_parameters, &options, &problem));
     assert_false(proto_evaluation_wanted(&options, false, false) &
                  (PROTO_EVALUATION_FIELD_PATH | PROTO_EVALUATION_FIELD_GRADIENT));
     assert_true(proto_evaluation_wanted(&options, true, true) & PROTO_EVALUATION_FIELD_GRADIENT);
     parameters = QUERY("fields", "distance,path");
-    assert_true(
-        proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_true(proto_options_parse(&parameters, proto_evaluation_fields,
+                                    proto_evaluate_field_parameters, &options, &problem));
     assert_int_equal(proto_evaluation_wanted(&options, false, false),
                      PROTO_EVALUATION_FIELD_DISTANCE);
     assert_int_equal(proto_evaluation_wanted(&options, true, true),
                      PROTO_EVALUATION_FIELD_DISTANCE | PROTO_EVALUATION_FIELD_PATH);
     parameters = QUERY("fields", "results");
-    assert_true(
-        proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_true(proto_options_parse(&parameters, proto_evaluation_fields,
+                                    proto_evaluate_field_parameters, &options, &problem));
     assert_true(proto_evaluation_wanted(&options, true, true) & PROTO_EVALUATION_FIELD_NEAREST);
 }
 

@@ -1,7 +1,9 @@
 #include "support.h"
 
 static const char *const fields[] = {"distance", "from", "to", NULL};
-static const char *const names[] = {"from", "to", NULL};
+static const char *const common[] = {"timeout_ms", "fields", "geometry", NULL};
+static const char *const names[] = {"from", "to", "timeout_ms", "fields", "geometry", NULL};
+static const char *const few[] = {"from", "timeout_ms", NULL};
 
 static void reads_the_options(void **state)
 {
@@ -9,7 +11,7 @@ static void reads_the_options(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = NO_QUERY;
-    assert_true(proto_options_parse(&parameters, fields, NULL, &options, &problem));
+    assert_true(proto_options_parse(&parameters, fields, common, &options, &problem));
     assert_int_equal(options.fields, 7);
     assert_int_equal(options.geometry, PROTO_GEOMETRY_FULL);
     assert_int_equal(options.timeout_ms, 0);
@@ -61,7 +63,7 @@ static void refuses_bad_values(void **state)
         struct proto_options options = {.timeout_ms = 7};
         struct proto_problem problem;
         struct proto_parameters parameters = QUERY(cases[i][0], cases[i][1]);
-        assert_false(proto_options_parse(&parameters, fields, NULL, &options, &problem));
+        assert_false(proto_options_parse(&parameters, fields, common, &options, &problem));
         assert_parameter(&problem, cases[i][0]);
         assert_int_equal(options.timeout_ms, 7);
     }
@@ -73,13 +75,13 @@ static void an_answer_without_fields_has_none_to_choose(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = QUERY("from", "v:1", "timeout_ms", "250");
-    assert_true(proto_options_parse(&parameters, NULL, names, &options, &problem));
+    assert_true(proto_options_parse(&parameters, NULL, few, &options, &problem));
     assert_int_equal(options.timeout_ms, 250);
     parameters = QUERY("fields", "distance");
-    assert_false(proto_options_parse(&parameters, NULL, names, &options, &problem));
+    assert_false(proto_options_parse(&parameters, NULL, few, &options, &problem));
     assert_parameter(&problem, "fields");
     parameters = QUERY("geometry", "xyz");
-    assert_false(proto_options_parse(&parameters, NULL, NULL, &options, &problem));
+    assert_false(proto_options_parse(&parameters, NULL, few, &options, &problem));
     assert_parameter(&problem, "geometry");
 }
 
@@ -89,10 +91,10 @@ static void lists_what_it_would_take(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = QUERY("geometry", "round");
-    assert_false(proto_options_parse(&parameters, fields, NULL, &options, &problem));
+    assert_false(proto_options_parse(&parameters, fields, common, &options, &problem));
     assert_string_equal(problem.detail, "expected one of: full xyz none");
     parameters = QUERY("fields", "to,path");
-    assert_false(proto_options_parse(&parameters, fields, NULL, &options, &problem));
+    assert_false(proto_options_parse(&parameters, fields, common, &options, &problem));
     assert_string_equal(problem.detail,
                         "the answer has no field \"path\"; it has distance from to");
 }
