@@ -335,13 +335,15 @@ static void recovery_note(struct recovery *recovery, enum server_record_reading 
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-/* Adds what manifest and row (NULL: none) say of a key. False without memory. */
-static bool finding_add(struct recovery *recovery, const char *key,
-                        const struct server_sql_value *row)
+/* Adds what a row (without a record: there is none) and its manifest say. False without memory. */
+static bool finding_add(void *user, const struct server_sql_value *row)
 {
+    struct recovery *recovery = user;
     struct local *local = recovery->local;
     struct server_record *of_row = NULL, *manifest = NULL;
+    const struct server_sql_value *text = &row[SERVER_ROW_RECORD];
     char checksum[SERVER_SHA256_HEX] = "", of_text[SERVER_SHA256_HEX] = "";
+    const char *key = row[SERVER_ROW_KEY].bytes;
     if (local->count == local->capacity) {
         uint32_t capacity = local->capacity ? 2 * local->capacity : 64;
         struct finding *findings = reallocarray(local->findings, capacity, sizeof *findings);
@@ -351,26 +353,20 @@ static bool finding_add(struct recovery *recovery, const char *key,
         local->capacity = capacity;
     }
     recovery_note(recovery, server_files_read_manifest(&local->files, key, &manifest, of_text));
-    if (row) {
-        const struct server_sql_value *text = &row[SERVER_ROW_RECORD];
+    if (text->bytes) {
         recovery_note(recovery, server_record_read(key, text->bytes, text->size, &of_row));
         server_sha256(text->bytes, text->size, checksum);
     }
     struct finding *finding = &local->findings[local->count++];
-    *finding = (struct finding){.stored.record = manifest ? manifest : of_row};
+    *finding = (struct finding){
+        .stored = {.record = manifest ? manifest : of_row,
+                   .uses = {(uint64_t)row[SERVER_ROW_USES].integer, row[SERVER_ROW_USED].integer}},
+        .defect = !manifest                        ? LACKS_MANIFEST
+                  : strcmp(of_text, checksum) != 0 ? LACKS_ROW
+                                                   : SOUND};
     snprintf(finding->key, sizeof finding->key, "%s", key);
-    if (row)
-        finding->stored.uses = (struct server_store_uses){
-            .count = (uint64_t)row[SERVER_ROW_USES].integer, .last = row[SERVER_ROW_USED].integer};
-    if (!manifest) finding->defect = LACKS_MANIFEST;
-    if (manifest && strcmp(of_text, checksum) != 0) finding->defect = LACKS_ROW;
     if (manifest) server_record_release(of_row);
     return true;
-}
-
-static bool recovery_row(void *user, const struct server_sql_value *row)
-{
-    return finding_add(user, row[SERVER_ROW_KEY].bytes, row);
 }
 
 static enum server_store_outcome read_database(struct recovery *recovery, const char *path)
@@ -378,7 +374,7 @@ static enum server_store_outcome read_database(struct recovery *recovery, const 
     struct local *local = recovery->local;
     enum server_store_outcome outcome =
         server_database_open(path, SERVER_DATABASE_WRITE, &local->database);
-    return outcome ? outcome : server_database_each(local->database, recovery_row, recovery);
+    return outcome ? outcome : server_database_each(local->database, finding_add, recovery);
 }
 
 /* Opens the database, or a new one in its place; without either the store is read-only. */
@@ -484,16 +480,18 @@ static void collect_objects(const struct local *local)
 static bool recovery_run(struct local *local, char *error, size_t error_size)
 {
     struct recovery recovery = {.local = local};
-    char key[SERVER_KEY_TEXT];
+    char key[SERVER_KEY_TEXT] = "";
     struct server_listing temporary = server_files_list(&local->files, "temporary");
     while (server_listing_next(&temporary)) (void)unlink(temporary.path);
     open_database(&recovery);
     struct server_listing manifests = server_files_list(&local->files, "manifests");
-    while (server_listing_next(&manifests))
-        if (server_files_manifest_key(manifests.name, key) &&
-            !(recovery.rows &&
-              bsearch(key, local->findings, recovery.rows, sizeof *local->findings, text_compare)))
-            (void)finding_add(&recovery, key, NULL);
+    while (server_listing_next(&manifests)) {
+        if (!server_files_manifest_key(manifests.name, key)) continue;
+        const struct server_sql_value none[SERVER_SQL_VALUES] = {server_sql_text(key)};
+        if (!recovery.rows ||
+            !bsearch(key, local->findings, recovery.rows, sizeof *local->findings, text_compare))
+            (void)finding_add(&recovery, none);
+    }
     if (recovery.is_newer)
         snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one",
                  local->files.folder);

@@ -30,24 +30,16 @@ struct shared {
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome write_objects(struct server_pg *pg,
-                                               const struct server_record *record,
-                                               const struct server_content *content)
-{
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
-    struct server_object object;
-    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object))
-            outcome = server_pg_write_object(pg, &object, content->parts[part]);
-    return outcome;
-}
-
 static enum server_store_outcome shared_stage(struct server_store *store,
                                               const struct server_record *record,
                                               const struct server_content *content)
 {
     struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
-    while (server_pg_next(&attempt)) attempt.outcome = write_objects(attempt.pg, record, content);
+    struct server_object object;
+    while (server_pg_next(&attempt))
+        for (int part = 0; !attempt.outcome && part < SERVER_PARTS; part++)
+            if (server_record_object(record, part, &object))
+                attempt.outcome = server_pg_write_object(attempt.pg, &object, content->parts[part]);
     return attempt.outcome;
 }
 
@@ -347,15 +339,19 @@ static void pause_ns(uint64_t ns)
 
 /* Deletes the objects of uploads that were cut short a day ago. The clock is locked, so that no
  * change can refer to one. */
-static enum server_store_outcome objects_sweep(struct server_pg *pg)
+static void objects_sweep(struct server_pg_pool *pool)
 {
-    enum server_store_outcome outcome =
-        server_pg_run(pg, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
-    if (outcome) return outcome;
-    return server_pg_run(
-        pg, SERVER_SQL("DELETE FROM objects WHERE created < now() - interval '1 day'"
-                       " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
-                       " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"));
+    struct server_pg_attempt attempt = server_pg_transaction(pool);
+    while (server_pg_next(&attempt)) {
+        attempt.outcome =
+            server_pg_run(attempt.pg, SERVER_SQL("SELECT version FROM clock FOR UPDATE"));
+        if (!attempt.outcome)
+            attempt.outcome = server_pg_run(
+                attempt.pg,
+                SERVER_SQL("DELETE FROM objects WHERE created < now() - interval '1 day'"
+                           " AND NOT EXISTS (SELECT FROM surfaces WHERE file = id)"
+                           " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)"));
+    }
 }
 
 /* Also detects that the database is back. */
@@ -365,8 +361,7 @@ static void shared_await(struct server_store *store, uint64_t ns)
     uint64_t now_ns = gd_now_ns();
     if (!own->swept_ns || now_ns - own->swept_ns >= SWEEP_NS) {
         own->swept_ns = now_ns;
-        struct server_pg_attempt attempt = server_pg_transaction(own->pool);
-        while (server_pg_next(&attempt)) attempt.outcome = objects_sweep(attempt.pg);
+        objects_sweep(own->pool);
     }
     bool listens = own->listener || listen_again(own);
     if (listens && !server_pg_pool_is_away(own->pool) && server_pg_await(own->listener, ns)) return;

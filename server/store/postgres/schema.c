@@ -69,14 +69,6 @@ static enum server_store_outcome schema_make(struct server_pg *pg)
                                     " applied timestamptz NOT NULL DEFAULT now())"));
 }
 
-static enum server_store_outcome step_make(struct server_pg *pg, int64_t step)
-{
-    enum server_store_outcome outcome = server_pg_run(pg, SERVER_SQL(steps[step]));
-    if (outcome) return outcome;
-    return server_pg_run(pg, SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)",
-                                        SERVER_VALUES(server_sql_integer(step + 1))));
-}
-
 static enum server_store_outcome schema_migrate(struct server_pg *pg)
 {
     struct server_sql_integers version = {0};
@@ -87,8 +79,12 @@ static enum server_store_outcome schema_migrate(struct server_pg *pg)
         outcome = server_pg_run(pg, SERVER_SQL("SELECT coalesce(max(version), 0) FROM migrations",
                                                NULL, 0, server_sql_on_integers, &version));
     if (!outcome && version.at[0] > STEPS) return SERVER_STORE_PRECONDITION;
-    for (int64_t step = version.at[0]; !outcome && step < STEPS; step++)
-        outcome = step_make(pg, step);
+    for (int64_t step = version.at[0]; !outcome && step < STEPS; step++) {
+        outcome = server_pg_run(pg, SERVER_SQL(steps[step]));
+        if (!outcome)
+            outcome = server_pg_run(pg, SERVER_SQL("INSERT INTO migrations (version) VALUES ($1)",
+                                                   SERVER_VALUES(server_sql_integer(step + 1))));
+    }
     return outcome;
 }
 
