@@ -134,19 +134,16 @@ int server_address_bind(struct server_address *address, char *error, size_t erro
     return -1;
 }
 
-/* The socket gets its mode, whatever the umask of the daemon's files. */
-static bool unix_bind(int descriptor, const struct server_address *address)
-{
-    stale_socket_remove(address);
-    return bind(descriptor, (const struct sockaddr *)&address->socket, address->size) == 0 &&
-           (!address->mode ||
-            chmod(((const struct sockaddr_un *)&address->socket)->sun_path, address->mode) == 0);
-}
-
+/* A unix socket gets its mode, whatever the umask of the daemon's files. */
 bool server_address_listen(int descriptor, const struct server_address *address, char *error,
                            size_t error_size)
 {
-    bool is_bound = address->socket.ss_family != AF_UNIX || unix_bind(descriptor, address);
-    return (is_bound && listen(descriptor, LISTEN_BACKLOG) == 0) ||
+    bool is_unix = address->socket.ss_family == AF_UNIX;
+    const struct sockaddr *name = (const struct sockaddr *)&address->socket;
+    const char *path = ((const struct sockaddr_un *)name)->sun_path;
+    if (is_unix) stale_socket_remove(address);
+    return ((!is_unix || bind(descriptor, name, address->size) == 0) &&
+            (!is_unix || !address->mode || chmod(path, address->mode) == 0) &&
+            listen(descriptor, LISTEN_BACKLOG) == 0) ||
            listen_refuse(address, error, error_size);
 }

@@ -96,11 +96,10 @@ static void check_fields(struct check *check)
 
 static void check_objects(struct check *check, const struct server_record *record)
 {
-    static const char *const missing[SERVER_PARTS] = {"the surface's file is missing",
-                                                      "the surface's attachment is missing"};
-    static const char *const damaged[SERVER_PARTS] = {
-        "the surface's file is damaged or can't be read",
-        "the surface's attachment is damaged or can't be read"};
+    static const char *const faults[SERVER_PARTS][2] = {
+        {"the surface's file is missing", "the surface's file is damaged or can't be read"},
+        {"the surface's attachment is missing",
+         "the surface's attachment is damaged or can't be read"}};
     struct server_object object;
     for (int part = 0; part < SERVER_PARTS; part++) {
         void *bytes = NULL;
@@ -112,8 +111,7 @@ static void check_objects(struct check *check, const struct server_record *recor
             server_files_read_object(&check->files, &object, &bytes);
         free(bytes);
         if (outcome) {
-            check_fault(check, outcome == SERVER_STORE_ABSENT ? missing[part] : damaged[part],
-                        record->key);
+            check_fault(check, faults[part][outcome != SERVER_STORE_ABSENT], record->key);
             continue;
         }
         server_names_add(&check->sound, object.id);
