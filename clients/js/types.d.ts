@@ -425,6 +425,11 @@ export type Field = {
   /** Members of the set. */
   members: number;
   max_distance: (number | null);
+  /** The `Set` of the request that created the field; `null` when its text is longer than 4,096 bytes. */
+  set: (Record<string, unknown> | null);
+  created: string;
+  /** Requests that have named the field since it was created; in lists only. */
+  uses?: number;
 };
 
 export type BoundaryList = {

@@ -1,6 +1,7 @@
 #include "proto/queries/field.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "proto/json/decode.h"
 #include "proto/json/member.h"
@@ -9,11 +10,17 @@
 
 /* --- descriptions ----------------------------------------------------------------------------- */
 
-void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
-                        const struct proto_field_description *description, uint32_t wanted)
+char *proto_field_write_set(const json_t *set)
+{
+    char text[PROTO_FIELD_SET];
+    size_t size = json_dumpb(set, text, sizeof text, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    return size && size <= sizeof text ? strndup(text, size) : NULL;
+}
+
+static void encode_members(struct proto_writer *writer, const struct gd_mesh *mesh,
+                           const struct proto_field_description *description, uint32_t wanted)
 {
     const struct proto_options options = {.fields = wanted, .names = proto_field_fields};
-    proto_write_object_begin(writer);
     if (proto_field(writer, &options, PROTO_FIELD_FIELD_ID))
         proto_write_string(writer, description->id);
     proto_field_uint(writer, &options, PROTO_FIELD_FIELD_WEDGES, description->wedges);
@@ -30,6 +37,30 @@ void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_field_uint(writer, &options, PROTO_FIELD_FIELD_MEMBERS, description->members);
     proto_field_number(writer, &options, PROTO_FIELD_FIELD_MAX_DISTANCE,
                        description->max_distance > 0 ? description->max_distance : NAN);
+    if (proto_field(writer, &options, PROTO_FIELD_FIELD_SET)) {
+        if (description->set)
+            proto_write_raw(writer, description->set, strlen(description->set));
+        else
+            proto_write_null(writer);
+    }
+    if (proto_field(writer, &options, PROTO_FIELD_FIELD_CREATED))
+        proto_write_time(writer, description->created);
+}
+
+void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                        const struct proto_field_description *description, uint32_t wanted)
+{
+    proto_write_object_begin(writer);
+    encode_members(writer, mesh, description, wanted);
+    proto_write_object_end(writer);
+}
+
+void proto_field_encode_listed(struct proto_writer *writer, const struct gd_mesh *mesh,
+                               const struct proto_field_description *description)
+{
+    proto_write_object_begin(writer);
+    encode_members(writer, mesh, description, PROTO_FIELD_FIELD_ALL);
+    proto_member_uint(writer, "uses", description->uses);
     proto_write_object_end(writer);
 }
 

@@ -2,12 +2,15 @@
 #ifndef PROTO_FIELD_H
 #define PROTO_FIELD_H
 
+#include <jansson.h>
+
 #include "gd/field.h"
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 #include "proto/values/point.h"
 
-#define PROTO_FIELD_ID 32 /* characters, without the NUL */
+#define PROTO_FIELD_ID  32   /* characters, without the NUL */
+#define PROTO_FIELD_SET 4096 /* most characters of a set that is told */
 
 struct proto_field_description {
     const char *id;
@@ -17,11 +20,22 @@ struct proto_field_description {
     uint32_t members;
     double max;               /* largest distance; NAN: it is beyond max_distance */
     struct gd_point farthest; /* where it is, if it is known */
+    const char *set;          /* as the first client wrote it, JSON; NULL: too long to be told */
+    int64_t created;          /* seconds since 1970 */
+    uint64_t uses;            /* requests that named it; in lists only */
 };
+
+/* The text of a set for a description, the caller's to free(); NULL: it is longer than
+ * PROTO_FIELD_SET, or there is no memory. */
+char *proto_field_write_set(const json_t *set);
 
 /* Writes the description, of its fields the wanted ones. */
 void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct proto_field_description *description, uint32_t wanted);
+
+/* Writes the description for a list: all of it, and the uses. */
+void proto_field_encode_listed(struct proto_writer *writer, const struct gd_mesh *mesh,
+                               const struct proto_field_description *description);
 
 /* Writes {"values"}: what is not finite is null. */
 void proto_values_encode(struct proto_writer *writer, const double *values, size_t count);

@@ -30,14 +30,23 @@ struct server_resource *server_resource_create(const char *id, struct proto_loca
                                                const struct proto_field_description *description,
                                                struct server_budget *budget)
 {
-    size_t bytes = sizeof(struct server_resource) + set->bytes;
+    size_t text_size = description->set ? strlen(description->set) + 1 : 0,
+           bytes = sizeof(struct server_resource) + set->bytes + text_size;
     struct server_resource *resource = malloc(sizeof *resource);
-    if (!resource || !server_budget_take(budget, SERVER_BUDGET_FIELDS, bytes)) {
+    char *text = text_size ? strdup(description->set) : NULL;
+    if (!resource || (text_size && !text) ||
+        !server_budget_take(budget, SERVER_BUDGET_FIELDS, bytes)) {
+        free(text);
         free(resource);
         return NULL;
     }
-    *resource = (struct server_resource){
-        .references = 1, .set = set, .description = *description, .budget = budget, .bytes = bytes};
+    *resource = (struct server_resource){.references = 1,
+                                         .set = set,
+                                         .set_text = text,
+                                         .description = *description,
+                                         .budget = budget,
+                                         .bytes = bytes};
+    resource->description.set = text;
     snprintf(resource->id, sizeof resource->id, "%s", id);
     resource->description.id = resource->id;
     return resource;
@@ -53,6 +62,7 @@ void server_resource_release(struct server_resource *resource)
 {
     if (!resource || atomic_fetch_sub(&resource->references, 1) != 1) return;
     server_budget_give(resource->budget, SERVER_BUDGET_FIELDS, resource->bytes);
+    free(resource->set_text);
     free(resource->set);
     free(resource);
 }
@@ -204,6 +214,7 @@ enum server_catalogue_finding server_catalogue_find(struct server_catalogue *cat
     if (found) {
         *out = resource_retain(found);
         found->turn = ++catalogue->clock;
+        found->uses++;
     } else {
         finding = find_forgotten(catalogue, id) ? SERVER_CATALOGUE_FORGOT : SERVER_CATALOGUE_ABSENT;
     }
@@ -248,4 +259,13 @@ uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *a
         out[count++] = resource_retain(resources->items[at++]);
     pthread_mutex_unlock(&catalogue->lock);
     return count;
+}
+
+uint64_t server_catalogue_count_uses(struct server_catalogue *catalogue,
+                                     const struct server_resource *resource)
+{
+    pthread_mutex_lock(&catalogue->lock);
+    uint64_t uses = resource->uses;
+    pthread_mutex_unlock(&catalogue->lock);
+    return uses;
 }

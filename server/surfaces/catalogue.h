@@ -28,12 +28,14 @@ struct server_resource {
     struct proto_located_set *set;
     struct proto_field_description description; /* `id` is the one above */
     struct server_budget *budget;
-    size_t bytes;  /* of SERVER_BUDGET_FIELDS */
-    uint64_t turn; /* of the catalogue's clock at the last use; under its lock */
+    size_t bytes;   /* of SERVER_BUDGET_FIELDS */
+    char *set_text; /* see the description; owned */
+    uint64_t turn;  /* of the catalogue's clock at the last use; under its lock */
+    uint64_t uses;  /* under its lock */
 };
 
 /* A field as a resource with one reference. Takes over the set (free()); the description's id is
- * replaced. NULL without memory, of budget or system: the set stays the caller's. */
+ * replaced, its set copied. NULL without memory, of budget or system: the set stays the caller's. */
 struct server_resource *server_resource_create(const char *id, struct proto_located_set *set,
                                                const struct proto_field_description *description,
                                                struct server_budget *budget);
@@ -72,6 +74,10 @@ bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
 
 /* Removes the resource of that id, retained for the caller; NULL: there is none. */
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id);
+
+/* How often a listed resource was found. */
+uint64_t server_catalogue_count_uses(struct server_catalogue *catalogue,
+                                     const struct server_resource *resource);
 
 /* Up to `most` with ids after `after` (NULL: from the first), in order, each retained; returns how
  * many. */

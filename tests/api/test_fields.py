@@ -8,7 +8,7 @@ import unittest
 
 from harness import SQUARE, TETRAHEDRON, TWO_TRIANGLES, Daemon, TestCase, form_tag, sample
 
-DESCRIPTION = ["id", "wedges", "bytes", "build_ms", "max", "farthest", "members", "max_distance"]
+DESCRIPTION = ["id", "wedges", "bytes", "build_ms", "max", "farthest", "members", "max_distance", "set", "created"]
 
 
 def vertices(*numbers, **more):
@@ -46,6 +46,20 @@ class Life(Fields):
         self.assertEqual(self.daemon.get(first.headers["Location"] + "?fields=max,id").json, {"id": field["id"], "max": field["max"]})
         self.assertEqual(self.daemon.get("/v1/meshes/tetrahedron").json["fields_cached"], 1)
 
+    def test_lists_tell_fields_apart(self):
+        self.daemon.put("told", SQUARE)
+        few, many = {"points": ["v:0", {"vertex": 1, "label": "home"}]}, {"points": [{"xyz": [0.1, 0.2, 1 / (i + 1)]} for i in range(400)]}
+        ids = {self.make("told", {"set": set})["id"]: set for set in (few, many)}
+        self.get("told", list(ids)[0])
+        self.get("told", f"{list(ids)[0]}/values")
+        listed = {field["id"]: field for field in self.daemon.get("/v1/meshes/told/fields").json["fields"]}
+        first, second = (listed[id] for id in ids)
+        self.assertEqual(list(first), [*DESCRIPTION, "uses"])
+        self.assertEqual((first["set"], second["set"]), (few, None))
+        self.assertRegex(first["created"], r"^20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+        self.assertGreater(first["uses"], second["uses"])
+        self.assertGreater(first["bytes"], 0)
+
     def test_ids_tell_requests_apart(self):
         self.daemon.put("ids", SQUARE)
         documents = [
@@ -67,6 +81,7 @@ class Life(Fields):
         url = "/v1/meshes/listed/fields"
         self.assertEqual(self.daemon.get(url).json, {"fields": [], "next": None})
         fields = sorted((self.make("listed", vertices(number)) for number in range(4)), key=lambda field: field["id"])
+        fields = [{**field, "uses": 0} for field in fields]
         self.assertEqual(self.daemon.get(url).json, {"fields": fields, "next": None})
         first = self.daemon.get(f"{url}?limit=3").json
         self.assertEqual((first["fields"], first["next"]), (fields[:3], fields[2]["id"]))

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "proto/http/page.h"
 #include "server/fields/cache.h"
@@ -21,6 +22,7 @@
 struct field_creation {
     struct server_query query; /* first; its set passes to the resource */
     char id[PROTO_FIELD_ID + 1];
+    char *set_text;
     bool is_new;
 };
 
@@ -28,8 +30,15 @@ static bool creation_decode(struct server_query *query, const json_t *document,
                             struct proto_problem *problem)
 {
     struct proto_field_request wanted;
-    return proto_field_request_decode(document, &wanted, problem) &&
-           server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem);
+    if (!proto_field_request_decode(document, &wanted, problem)) return false;
+    ((struct field_creation *)query)->set_text =
+        proto_field_write_set(json_object_get(document, "set"));
+    return server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem);
+}
+
+static void creation_release(struct server_query *query)
+{
+    free(((struct field_creation *)query)->set_text);
 }
 
 /* True: the resource exists, and the query has it. */
@@ -80,7 +89,9 @@ static enum server_query_turn creation_answer(struct server_query *query,
                                                   .bytes = gd_field_memsize(field),
                                                   .build_ms = (double)statistics->build_ns / 1e6,
                                                   .max_distance = query->field.request.radius,
-                                                  .members = query->field.set->count};
+                                                  .members = query->field.set->count,
+                                                  .set = ((struct field_creation *)query)->set_text,
+                                                  .created = time(NULL)};
     if (creation_is_listed(query)) return SERVER_QUERY_DONE;
     enum gd_status status =
         gd_field_farthest(field, &control, &description.farthest, &description.max);
@@ -112,6 +123,7 @@ const struct server_query_kind server_query_create_field = {.name = "fields",
                                                             .located = creation_name,
                                                             .answer = creation_answer,
                                                             .encode = resource_encode,
+                                                            .release = creation_release,
                                                             .status = creation_status};
 
 /* --- describe --------------------------------------------------------------------------------- */
@@ -145,9 +157,11 @@ static bool page_reply(struct server_exchange *exchange, struct server_surface *
     struct proto_writer writer;
     server_reply_writer(exchange, &writer);
     proto_page_begin(&writer, "fields");
-    for (uint32_t i = 0; i < written && fits; i++)
-        proto_field_encode(&writer, surface->mesh, &resources[i]->description,
-                           PROTO_FIELD_FIELD_ALL);
+    for (uint32_t i = 0; i < written && fits; i++) {
+        struct proto_field_description description = resources[i]->description;
+        description.uses = server_catalogue_count_uses(catalogue, resources[i]);
+        proto_field_encode_listed(&writer, surface->mesh, &description);
+    }
     proto_page_end(&writer, count > page->limit ? resources[page->limit - 1]->id : NULL);
     for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
     if (fits)

@@ -56,7 +56,16 @@ static void describes(void **state)
         &writer,
         "{\"id\":\"0123\",\"wedges\":7,\"bytes\":900,\"build_ms\":0.25,\"max\":1.5,\"farthest\":"
         "{\"face\":0,\"barycentric\":[0,0,1],\"xyz\":[1,0,0],\"vertex\":1},\"members\":2,"
-        "\"max_distance\":null}");
+        "\"max_distance\":null,\"set\":null,\"created\":\"1970-01-01T00:00:00Z\"}");
+    description.uses = 3;
+    description.set = "{\"points\":[\"v:1\"]}";
+    proto_page_begin(&writer, "fields");
+    proto_field_encode_listed(&writer, mesh, &description);
+    proto_page_end(&writer, NULL);
+    assert_non_null(strstr(writer.data, "\"set\":{\"points\":[\"v:1\"]},\"created\":"));
+    assert_non_null(strstr(writer.data, ",\"uses\":3}]"));
+    proto_writer_free(&writer);
+    writer = new_writer();
     description.max = NAN;
     description.max_distance = 0.5;
     proto_field_encode(&writer, mesh, &description,
