@@ -133,6 +133,14 @@ json_t *gdc_point_json(const struct gdc_point *point);
  * Errors: those of gdc_call; what is no surface is the problem invalid_mesh. */
 enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes,
                            size_t size, struct gdc_problem *problem);
+/* The same with repair=split: cuts apart what is no surface, such as edges of three faces. */
+enum gdc_status gdc_upload_split(struct gdc_client *client, const char *mesh, const void *bytes,
+                                 size_t size, struct gdc_problem *problem);
+/* Lists the meshes whose names begin with `prefix` (NULL: all) as {"meshes": [...], "next"};
+ * `after`: the "next" of the page before, NULL: from the first. `*page` is the caller's to
+ * json_decref. */
+enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, const char *after,
+                         json_t **page, struct gdc_problem *problem);
 /* Errors: also GDC_FILE. */
 enum gdc_status gdc_upload_file(struct gdc_client *client, const char *mesh, const char *path,
                                 struct gdc_problem *problem);

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PATH_MOST 512
+
 #define BYTES "application/octet-stream"
 
 /* --- points ----------------------------------------------------------------------------------- */
@@ -94,17 +96,41 @@ enum gdc_status gdc_query(struct gdc_client *client, const char *mesh, const cha
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
+static enum gdc_status upload(struct gdc_client *client, const char *mesh, const char *query,
+                              struct gdc_request request, struct gdc_problem *problem)
+{
+    struct gdc_answer answer;
+    request.method = "PUT";
+    request.content_type = BYTES;
+    enum gdc_status status = ask(client, mesh, query, request, &answer, problem);
+    if (!status) free(answer.body);
+    return status;
+}
+
 enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes,
                            size_t size, struct gdc_problem *problem)
 {
+    return upload(client, mesh, "", (struct gdc_request){.body = bytes, .body_size = size},
+                  problem);
+}
+
+enum gdc_status gdc_upload_split(struct gdc_client *client, const char *mesh, const void *bytes,
+                                 size_t size, struct gdc_problem *problem)
+{
+    return upload(client, mesh, "?repair=split",
+                  (struct gdc_request){.body = bytes, .body_size = size}, problem);
+}
+
+enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, const char *after,
+                         json_t **page, struct gdc_problem *problem)
+{
+    char path[PATH_MOST];
     struct gdc_answer answer;
+    snprintf(path, sizeof path, "/v1/meshes?prefix=%s%s%s", prefix ? prefix : "",
+             after ? "&after=" : "", after ? after : "");
     enum gdc_status status =
-        ask(client, mesh, "",
-            (struct gdc_request){
-                .method = "PUT", .body = bytes, .body_size = size, .content_type = BYTES},
-            &answer, problem);
-    if (!status) free(answer.body);
-    return status;
+        gdc_call(client, &(struct gdc_request){.method = "GET", .path = path}, &answer, problem);
+    return status ? status : gdc__read_json(&answer, page, problem);
 }
 
 /* All of a stream; NULL: it can't be read, or there is no memory. */

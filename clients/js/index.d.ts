@@ -8,6 +8,9 @@ export class GeodesicError extends Error {}
 /** No answer came: the daemon is not there, or hung up. */
 export class ConnectionFailed extends GeodesicError {}
 
+/** The daemon answers, but refuses requests of pages from this origin: start it with --cors-origin. */
+export class OriginRefused extends ConnectionFailed {}
+
 /** An answer that is a problem (RFC 9457). After retries this is also what a busy daemon (429, 503) comes to. */
 export class ProblemError extends GeodesicError {
   readonly problem: types.Problem;
@@ -167,7 +170,8 @@ export class Client {
   batchResults(id: string, options?: { wait?: boolean }): AsyncGenerator<types.BatchResults["results"][number]>;
   /** Cancels it; removes one that has ended. */
   deleteBatch(id: string): Promise<void>;
-  meshes(): AsyncGenerator<types.Mesh>;
+  /** All meshes, or those whose names begin with `prefix`. */
+  meshes(options?: { prefix?: string }): AsyncGenerator<types.Mesh>;
   /** The mesh of that name; nothing is asked yet. */
   mesh(name: string): Mesh;
   subdivision(name: string): Surface<types.SubdivisionQueries>;

@@ -16,6 +16,9 @@ export class GeodesicError extends Error {
 /* No answer came. */
 export class ConnectionFailed extends GeodesicError {}
 
+/* The daemon answers, but not to pages of this origin: see --cors-origin. */
+export class OriginRefused extends ConnectionFailed {}
+
 /* An answer that is a problem (RFC 9457). */
 export class ProblemError extends GeodesicError {
   constructor(problem, response) {
@@ -296,11 +299,27 @@ export class Client {
     this.headers = key ? { Authorization: `Bearer ${key}` } : {};
   }
 
+  /* To a page of another origin a dead daemon looks like one that refuses the origin, except without CORS. */
+  async #refusesOrigin() {
+    const origin = globalThis.location?.origin;
+    if (!origin || origin === new URL(this.url, globalThis.location.href).origin) return false;
+    try {
+      return (await fetch(this.url + "/livez", { mode: "no-cors" })).type === "opaque";
+    } catch {
+      return false;
+    }
+  }
+
   async #fetch(target, init) {
     try {
       return await fetch(this.url + target, init);
     } catch (error) {
       if (init.signal?.aborted) throw error;
+      if (await this.#refusesOrigin())
+        throw new OriginRefused(
+          `the daemon at ${this.url} refuses requests of pages from ${location.origin}; start it with --cors-origin ${location.origin}`,
+          { cause: error },
+        );
       throw new ConnectionFailed(`no answer from ${this.url}: ${error.cause?.message ?? error.message}`, { cause: error });
     }
   }
@@ -311,7 +330,7 @@ export class Client {
       try {
         response = await this.#fetch(target, { ...init, method });
       } catch (error) {
-        if (!(error instanceof ConnectionFailed) || !repeatable || attempt >= this.retries) throw error;
+        if (!(error instanceof ConnectionFailed) || error instanceof OriginRefused || !repeatable || attempt >= this.retries) throw error;
       }
       const isBusy = !response || response.status === 429 || response.status === 503;
       if (!isBusy || attempt >= this.retries) return response;
@@ -346,9 +365,9 @@ export class Client {
     return (await this.call("GET", "/v1")).json();
   }
 
-  async *pages(path, member) {
+  async *pages(path, member, query = {}) {
     for (let after; after !== null; ) {
-      const page = await (await this.call("GET", path, { query: { after } })).json();
+      const page = await (await this.call("GET", path, { query: { ...query, after } })).json();
       yield* page[member];
       after = page.next;
     }
@@ -385,8 +404,8 @@ export class Client {
     await this.call("DELETE", `/v1/batches/${id}`);
   }
 
-  meshes() {
-    return this.pages("/v1/meshes", "meshes");
+  meshes({ prefix } = {}) {
+    return this.pages("/v1/meshes", "meshes", { prefix });
   }
 
   mesh(name) {

@@ -151,6 +151,18 @@ static void run_queries(struct gdc_client *client)
            strstr(problem.detail, "none"));
     EXPECT(gdc_distance(client, "a-square", gdc_vertex(0), gdc_near(NAN, 0, 0), &distance,
                         &problem) != GDC_OK);
+    static const char three_faces[] =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
+    json_t *page;
+    EXPECT(gdc_upload(client, "a-fan", three_faces, sizeof three_faces - 1, &problem) ==
+               GDC_PROBLEM &&
+           problem.status == 422);
+    EXPECT(gdc_upload_split(client, "a-fan", three_faces, sizeof three_faces - 1, &problem) ==
+           GDC_OK);
+    EXPECT(gdc_list(client, "a-f", NULL, &page, &problem) == GDC_OK);
+    EXPECT(json_array_size(json_object_get(page, "meshes")) == 1);
+    json_decref(page);
+    EXPECT(gdc_delete(client, "a-fan", &problem) == GDC_OK);
     EXPECT(gdc_delete(client, "a-square", &problem) == GDC_OK);
     EXPECT(gdc_delete(client, "a-square", &problem) == GDC_PROBLEM && problem.status == 404);
 }

@@ -81,6 +81,11 @@ class CommandLine(TestCase):
         self.assertIn("no JSON", self.geodesic("query", "square", "distance", "{", status=1))
         self.assertIn("usage", self.geodesic("nonsense", status=2))
 
+    def test_lists_by_prefix(self):
+        for name in ("a-1", "a-2", "b-1"):
+            self.daemon.put(name, SQUARE)
+        self.assertEqual([mesh["name"] for mesh in json.loads(self.geodesic("list", "--json", "--prefix", "a-"))], ["a-1", "a-2"])
+
     def test_batches(self):
         self.upload("square.obj", SQUARE.decode())
         body = json.dumps({"query": "all-pairs", "mesh": "square", "vertices": [0, 1, 2]})

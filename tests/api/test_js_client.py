@@ -93,6 +93,32 @@ class JavaScriptClient(TestCase):
             await assert.rejects((await job.wait()).response(), geodesicd.JobCancelled);
         """)
 
+    def test_a_refused_origin_is_told_from_a_dead_daemon(self):
+        self.run_script("""
+            const answered = globalThis.fetch;
+            let isThere = true;
+            globalThis.location = { origin: "https://elsewhere.example", href: "https://elsewhere.example/page" };
+            globalThis.fetch = async (url, { mode } = {}) => { // as browsers do
+              if (mode !== "no-cors" || !isThere) throw new TypeError("Failed to fetch");
+              assert(url.endsWith("/livez"));
+              return { type: "opaque" };
+            };
+            await assert.rejects(client.service(), (error) => error instanceof geodesicd.OriginRefused && /--cors-origin https:\\/\\/elsewhere/.test(error.message));
+            isThere = false;
+            const impatient = new geodesicd.Client(client.url, { retries: 0 });
+            await assert.rejects(impatient.service(), (error) => error instanceof geodesicd.ConnectionFailed && !(error instanceof geodesicd.OriginRefused));
+            globalThis.fetch = answered;
+        """)
+
+    def test_lists_by_prefix(self):
+        for name in ("a-1", "a-2", "b-1"):
+            self.daemon.put(name, SQUARE)
+        self.run_script("""
+            const names = [];
+            for await (const { name } of client.meshes({ prefix: "a-" })) names.push(name);
+            assert.deepEqual(names, ["a-1", "a-2"]);
+        """)
+
     def test_batches(self):
         self.daemon.put("square", SQUARE)
         self.run_script("""

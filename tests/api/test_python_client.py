@@ -129,6 +129,11 @@ class Meshes(TestCase):
     def ended(self, batch):
         return wait_until(lambda: (now := self.client.batch(batch["id"]))["state"] != "running" and now)
 
+    def test_lists_by_prefix(self):
+        for name in ("a-1", "a-2", "b-1"):
+            self.daemon.put(name, SQUARE)
+        self.assertEqual([mesh["name"] for mesh in self.client.meshes("a-")], ["a-1", "a-2"])
+
     def test_batches(self):
         batch = self.client.create_batch({"query": "all-pairs", "mesh": "square", "vertices": [0, 1, 2]})
         self.assertEqual(sorted(item["item"] for item in self.client.batch_results(batch["id"], wait=True)), [0, 1, 2])

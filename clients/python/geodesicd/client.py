@@ -243,11 +243,11 @@ class Client:
     def job(self, id: str) -> Job:
         return Job(self.transport, self.call("GET", f"/v1/jobs/{id}").json)
 
-    def pages(self, path: str, member: str) -> Iterator[Dict[str, Any]]:
-        """All entries of a list."""
+    def pages(self, path: str, member: str, **query: Any) -> Iterator[Dict[str, Any]]:
+        """All entries of a list; keywords are parameters of each request, such as prefix="a-"."""
         after = None
         while True:
-            page = self.call("GET", path, {"after": after}).json
+            page = self.call("GET", path, {**query, "after": after}).json
             yield from page[member]
             after = page["next"]
             if after is None:
@@ -292,9 +292,9 @@ class Client:
 
     # --- what it holds ---------------------------------------------------------------------------------------------------
 
-    def meshes(self) -> Iterator[Dict[str, Any]]:
-        """The descriptions of all meshes."""
-        return self.pages("/v1/meshes", "meshes")
+    def meshes(self, prefix: Optional[str] = None) -> Iterator[Dict[str, Any]]:
+        """The descriptions of all meshes, or of those whose names begin with `prefix`."""
+        return self.pages("/v1/meshes", "meshes", prefix=prefix)
 
     def mesh(self, name: str) -> Mesh:
         """The mesh of that name; nothing is asked yet."""
