@@ -15,9 +15,9 @@ export type Batch = {
   id: JobId;
   state: BatchState;
   items: Count;
-  /** Items that have an answer. */
+  /** Number of items that have an answer. */
   done: number;
-  /** Of these, those whose answer is a problem. */
+  /** Number of these answers that are problems. */
   failed: number;
   progress: number;
   created: string;
@@ -37,7 +37,7 @@ export type BatchResults = {
     status: number;
     mesh: Name;
     vertex?: Index;
-    /** What the item was answered: that of `matrix`, or of `POST …/fields`. */
+    /** The answer of the item: that of `matrix`, or of `POST …/fields`. */
     answer?: Record<string, unknown>;
     problem?: Problem;
   }>;
@@ -58,10 +58,10 @@ export type Count = number;
 
 export type Vector = [number, number, number];
 
-/** Its two vertices. */
+/** The two vertices of an edge. */
 export type Edge = [Index, Index];
 
-/** Exactly one of five forms, or a text as in URLs. */
+/** A point in exactly one of five forms, or a text as in URLs. */
 export type Point = (CompactPoint | VertexPoint | EdgePoint | FacePoint | SpacePoint | RayPoint);
 
 export type VertexPoint = {
@@ -70,7 +70,7 @@ export type VertexPoint = {
 
 export type EdgePoint = {
   edge: Edge;
-  /** From the first listed vertex. */
+  /** Fraction of the edge, from the first listed vertex. */
   t: number;
 };
 
@@ -82,11 +82,11 @@ export type FacePoint = {
 /** The nearest point of the surface. */
 export type SpacePoint = {
   xyz: Vector;
-  /** How far the point may be moved; by default any distance. */
+  /** Greatest allowed distance from the surface; by default any distance. */
   max_snap?: number;
 };
 
-/** The ray's first hit. */
+/** The first hit of the ray. */
 export type RayPoint = {
   ray: {
     origin: Vector;
@@ -97,10 +97,10 @@ export type RayPoint = {
 /** `v:12` a vertex; `e:3-9:0.25` an edge and t from the first listed vertex; `f:34:0.2,0.3,0.5` a face and barycentric coordinates; `p:1.0,2.0,3.0` the nearest point of the surface. */
 export type CompactPoint = string;
 
-/** Compact points with semicolons between them. */
+/** Compact points separated by semicolons. */
 export type CompactPoints = string;
 
-/** All that is known of a point: `vertex`, or `edge` and `t`, when it lies on one (`face` is the lowest-numbered face there then), `snap_distance` when it was snapped. */
+/** A point in all its forms. A point on a vertex has `vertex`, a point on an edge `edge` and `t`; `face` is then the lowest-numbered face there. `snap_distance` is the distance from the requested position in space. */
 export type PointAnswer = {
   face: Index;
   barycentric: Vector;
@@ -118,14 +118,14 @@ export type NearestRequest = {
 export type PairRequest = {
   from: Point;
   to: Point;
-  /** Points to go by way of, in this order. */
+  /** Points that the path visits, in this order. */
   via?: Point[];
 };
 
-/** `null` when there is none; `reason` says why. */
+/** A distance; `null` if there is none, with the cause in `reason`. */
 export type Distance = (number | null);
 
-/** `no_path`: the two points, or two that follow each other, lie on different components. */
+/** `no_path`: the two points, or two consecutive ones, lie on different components. */
 export type Reason = "no_path";
 
 export type DistanceAnswer = {
@@ -133,7 +133,7 @@ export type DistanceAnswer = {
   reason?: Reason;
   from: PointAnswer;
   to: PointAnswer;
-  /** When the request has such points. */
+  /** Present if the request has such points. */
   via?: PointAnswer[];
 };
 
@@ -142,33 +142,33 @@ export type PathAnswer = {
   reason?: Reason;
   from: PointAnswer;
   to: PointAnswer;
-  /** When the request has such points. */
+  /** Present if the request has such points. */
   via?: PointAnswer[];
-  /** `null` when there is none. */
+  /** The path; `null` if there is none. */
   path: (Path | null);
 };
 
 export type MatrixRequest = {
   sources: MatrixPoints;
   targets: MatrixPoints;
-  /** Distances beyond it are not looked for, which saves time. */
+  /** Greatest distance to compute. A lower one saves time. */
   max_distance?: number;
 };
 
-/** There may be 4,000,000 pairs of a source and a target. */
+/** At most 4,000,000 pairs of a source and a target. */
 export type MatrixPoints = Point[];
 
 export type MatrixAnswer = {
   /** A row per source, in the order of the request, with a distance per target. */
   distances: Array<Distance[]>;
-  /** Only when a distance is `null`: rows of the same shape, with the reason where the distance is `null`, and `null` elsewhere. `no_path`: the two points lie on different components. `beyond_max_distance`: they are farther apart. */
+  /** Present if a distance is `null`. Rows of the same shape, with the reason where the distance is `null`, else `null`. `no_path`: the two points lie on different components. `beyond_max_distance`: they are farther apart. */
   reasons?: ("no_path" | "beyond_max_distance" | null)[][];
 };
 
-/** The body of a query of its own with the name of the query, and perhaps what would stand in the query string of that one. */
+/** The body of a query, with the name of the query and, optionally, parameters of its query string. */
 export type BatchLine = (BatchPair | BatchNearest | BatchMatrix | BatchSetDistance | BatchCurveDistance);
 
-/** The fields of the answer that are wanted, as `a,b` or as an array. */
+/** Members of the answer to return, as `a,b` or as an array. */
 export type BatchNames = (string | string[]);
 
 export type BatchPair = {
@@ -214,7 +214,7 @@ export type BatchSetDistance = {
   path?: boolean;
 };
 
-/** The answer of the query beside `status`, which is 200; or a problem, which names the line in `elements` and has a `pointer` into it. */
+/** The answer of the query with `status` 200, or a problem. A problem names the line in `elements` and has a `pointer` into it. */
 export type BatchAnswer = (BatchPairAnswer | BatchNearestAnswer | BatchMatrixAnswer | BatchSetDistanceAnswer | BatchCurveDistanceAnswer | Problem);
 
 export type BatchPairAnswer = {
@@ -263,13 +263,13 @@ export type BatchSetDistanceAnswer = {
   results?: Result[];
 };
 
-/** A polyline on the surface, consecutive points within one face, from the first point to the last. */
+/** A polyline on the surface from the first point to the last. Consecutive points lie in one face. */
 export type Path = {
   length: number;
   points?: (PathPoint | Vector)[];
 };
 
-/** A point with the element that it lies on: `vertex`, or `edge` and `t`, or `face` and `barycentric`. */
+/** A point with the element on which it lies: `vertex`, or `edge` and `t`, or `face` and `barycentric`. */
 export type PathPoint = {
   face?: Index;
   barycentric?: Vector;
@@ -281,14 +281,14 @@ export type PathPoint = {
 
 export type FieldId = string;
 
-/** A curve on the surface: points joined in turn by shortest paths, vertices that share edges in turn, a boundary by its place in the mesh's description, or a spline, as the path that `spline` answers. Of joined points those within 4e-12 of an edge or a vertex, as barycentric coordinates go, are put there. */
+/** A curve on the surface: points joined by shortest paths; vertices joined by edges; a boundary loop by its number in the mesh's description; or a spline, as the path that `spline` returns. Joined points within 4e-12 of an edge or a vertex, in barycentric coordinates, are moved onto it. */
 export type Curve = ({
   points: Point[];
-  /** The last is joined to the first. */
+  /** Joins the last point to the first. */
   closed?: boolean;
 } | {
   vertices: Index[];
-  /** The last is joined to the first. */
+  /** Joins the last vertex to the first. */
   closed?: boolean;
 } | {
   boundary: Index;
@@ -296,11 +296,11 @@ export type Curve = ({
   spline: SplineCurve;
 });
 
-/** What distances are measured to. Members are numbered points first, then curves, then boundaries; one of them at least. Distances to curves are exact: to the curve itself, not to samples of it. */
+/** The sources of distances. Members are numbered: points first, then curves, then boundaries. At least one member is required. Distances to curves are exact, not distances to samples. */
 export type Set = {
   points?: (CompactPoint | Member)[];
   curves?: CurveMember[];
-  /** All of the mesh's boundary loops, or some by their places in its description. */
+  /** All boundary loops of the mesh, or some by their numbers in its description. */
   boundaries?: ("all" | (Index | {
     boundary: Index;
     offset?: number;
@@ -309,20 +309,20 @@ export type Set = {
   })[]);
 };
 
-/** A curve, with an offset that is added to distances from it and a label to know it by. */
+/** A curve, with an offset that is added to distances from it, and a label. */
 export type CurveMember = {
   points?: Point[];
   vertices?: Index[];
   boundary?: Index;
   spline?: SplineCurve;
-  /** The last is joined to the first. */
+  /** Joins the last element to the first. */
   closed?: boolean;
   offset?: number;
   /** At most 128 bytes of UTF-8. */
   label?: string;
 };
 
-/** A point in one of its five forms, with an offset that is added to distances from it and a label to know it by. */
+/** A point in one of its five forms, with an offset that is added to distances from it, and a label. */
 export type Member = {
   vertex?: Index;
   edge?: Edge;
@@ -355,7 +355,7 @@ export type CurvePlaces = ({
   b: CurvePlace;
 } | null);
 
-/** `closest` with `min`; `a_to_b`, `b_to_a` and `farthest` with `hausdorff`. */
+/** `closest` for `min`; `a_to_b`, `b_to_a` and `farthest` for `hausdorff`. */
 export type CurveDistanceAnswer = {
   distance: Distance;
   reason?: Reason;
@@ -389,40 +389,40 @@ export type ResultsAnswer = {
 
 export type Result = {
   distance: Distance;
-  /** `no_path`: no member lies on the point's component. `beyond_max_distance`: the field ends before it. */
+  /** `no_path`: no member lies on the component of the point. `beyond_max_distance`: the field ends before the point. */
   reason?: ("no_path" | "beyond_max_distance");
-  /** The nearest member; `null` when there is no distance. Of several that are as near it is one. */
+  /** The nearest member; `null` without a distance. Of several equally near members it is one. */
   nearest: ({
     index: Index;
     label: (string | null);
     point: PointAnswer;
   } | null);
-  /** From the point to the nearest member, if it was asked for; `null` when there is none. */
+  /** The path from the point to the nearest member, if requested; `null` if there is none. */
   path?: (Path | null);
-  /** The direction in which the distance grows, if it was asked for: the one in which the shortest path goes on straight that comes to the point. (At a vertex: with half of the angle around it to either side; at the boundary it may lead off the surface, and the vector is then in the plane of the face through which the path comes.) `null` when there is no distance, and at a member, where it grows in all directions. */
+  /** Direction of growing distance, if requested: the straight continuation of the shortest path that arrives at the point. At a vertex it has half of the total angle on either side. At the boundary it may point off the surface; the vector then lies in the plane of the face through which the path arrives. `null` without a distance, and at a member, where the distance grows in all directions. */
   gradient?: (Direction | null);
 };
 
 export type FieldRequest = {
   set: Set;
-  /** Distances beyond it are not computed, which saves time and memory. */
+  /** Greatest distance to compute. A lower one saves time and memory. */
   max_distance?: number;
 };
 
 export type Field = {
   id: FieldId;
-  /** Those that are kept of it; with `max_distance` perhaps those of a field of the same set that reaches farther. */
+  /** Number of stored wedges. With `max_distance` they may belong to a field of the same set that reaches farther. */
   wedges: number;
-  /** What these take in memory. */
+  /** Memory of the wedges. */
   bytes: number;
-  /** What they took to compute, in all. */
+  /** Total time of their computation. */
   build_ms: number;
-  /** The largest distance; `null` when it is beyond `max_distance`, or so close below that it can not be told. */
+  /** Greatest distance; `null` if it exceeds `max_distance`, or is too close to it to be certain. */
   max: (number | null);
   reason?: "beyond_max_distance";
-  /** Where it is; it may lie inside a face. */
+  /** The point at the greatest distance; it may lie inside a face. */
   farthest: (PointAnswer | null);
-  /** Members of the set. */
+  /** Number of members of the set. */
   members: number;
   max_distance: (number | null);
   /** The `Set` of the request that created the field; `null` when its text is longer than 4,096 bytes. */
@@ -434,33 +434,33 @@ export type Field = {
 
 export type BoundaryList = {
   boundaries: BoundaryLoop[];
-  /** `after` of the next page; `null`: this is the last. */
+  /** The `after` of the next page; `null` on the last page. */
   next: (string | null);
 };
 
 export type FieldList = {
   fields: Field[];
-  /** `after` of the next page; `null`: this is the last. */
+  /** The `after` of the next page; `null` on the last page. */
   next: (string | null);
 };
 
 export type Values = {
-  /** `null` for vertices that no face has, that no path leads to, and beyond `max_distance`. */
+  /** Distances by vertex index; `null` for vertices without faces, without a path, or beyond `max_distance`. */
   values: Distance[];
 };
 
-/** A direction at a point of the surface, in both forms. Angles grow counter-clockwise as seen from outside. Zero is: in a face the direction of its first edge (from its first corner to its second, in the file's order); on an edge from its lower to its higher vertex, the surface being flat across it; at an interior vertex the edge to its lowest-numbered neighbour, the total angle counting as 2 pi; at a boundary vertex the boundary edge from which the faces follow counter-clockwise, unscaled. `xyz` is the unit vector in the plane of the face into which the direction leads. */
+/** A direction at a point of the surface, as an angle and as a unit vector `xyz` in the plane of the face into which it leads. Angles grow counter-clockwise, seen from outside. Angle zero is: - in a face, the direction of its first edge (from the first to the second corner, in the order of the file); - on an edge, the direction from its lower to its higher vertex, with both faces unfolded; - at an interior vertex, the edge to the lowest-numbered neighbour; angles are scaled to a total of 2 pi; - at a boundary vertex, the boundary edge from which the faces follow counter-clockwise; angles are not scaled. */
 export type Direction = {
   angle: number;
   xyz: Vector;
 };
 
-/** One of `levels` and `count`. */
+/** Either `levels` or `count`. */
 export type IsolinesRequest = {
   levels?: number[];
-  /** As many levels, evenly between 0 and the field's maximum, both left out. */
+  /** Number of levels, evenly spaced between 0 and the field's maximum, without both ends. */
   count?: number;
-  /** How far from the line its polyline may be, a length; the default is as for GET. */
+  /** Greatest distance, a length, of a polyline from its line. The default is that of GET. */
   tolerance?: number;
   arcs?: boolean;
 };
@@ -471,42 +471,42 @@ export type IsolinesAnswer = {
 
 export type VoronoiRequest = {
   set: Set;
-  /** How far from a bisector its polyline may be, a length. By default 1/2000 of the diagonal of the mesh's bounding box. */
+  /** Greatest distance, a length, of a polyline from its bisector. The default is 1/2000 of the diagonal of the mesh's bounding box. */
   tolerance?: number;
 };
 
 export type VoronoiAnswer = {
-  /** By vertex index the nearest member, by its number; null at a vertex that no path reaches or no face refers to. */
+  /** Number of the nearest member by vertex index; `null` for vertices without a path or without faces. */
   labels: (number | null)[];
-  /** In order of their members. */
+  /** Ordered by their members. */
   bisectors: Bisector[];
 };
 
 export type Bisector = {
-  /** The numbers of both, ascending. */
+  /** The numbers of both members, ascending. */
   members: [number, number];
   closed: boolean;
-  /** Of the polyline. */
+  /** Length of the polyline. */
   length: number;
-  /** A polyline as in a path; both members are as near to each of its points. A closed one ends in its first point. */
+  /** A polyline as in a path. Both members are equally near to each point. A closed polyline ends in its first point. */
   points?: (PathPoint | Vector)[];
 };
 
 export type CutRequest = {
   curve: Curve;
-  /** The only piece that is wanted is the one that holds this point. */
+  /** Keeps only the piece that contains this point. */
   inside?: Point;
-  /** The faces of the pieces only, no new meshes. */
+  /** Returns lists of faces; stores no meshes. */
   select_only?: boolean;
-  /** The new meshes', one a piece. */
+  /** Names of the new meshes, one for each piece. */
   names?: Name[];
 };
 
 export type CutAnswer = {
-  /** There are more components than before. */
+  /** The cut increases the number of components. */
   separates: boolean;
   pieces: CutPiece[];
-  /** How far the curve was moved at most. */
+  /** Greatest distance by which the curve was moved. */
   largest_shift: number;
 };
 
@@ -515,33 +515,33 @@ export type CutPiece = {
   vertices?: number;
   faces: number;
   area: number;
-  /** For each vertex of the piece the parent's, null for a new one; the parent's come first, in order. Not with `select_only`. */
+  /** For each vertex of the piece the vertex of the parent, or `null` if it is new. Vertices of the parent come first, in order. Absent with `select_only`. */
   vertex_map?: (Index | null)[];
-  /** For each face of the piece the parent's that it lies in, in ascending order. */
+  /** For each face of the piece the face of the parent in which it lies, ascending. */
   face_map: Index[];
 };
 
-/** A direction at a point: an angle, a vector of any length, or an object with either, as answers have it (of both the angle counts). A vector is projected: in a face at right angles to it, at a vertex along its normal. What leads over the boundary is refused. */
+/** A direction at a point: an angle, a vector of any length, or an object with either, as in answers; the angle takes precedence. A vector is projected: in a face at right angles to the face, at a vertex along its normal. A direction that leads over the boundary is rejected. */
 export type DirectionRequest = (number | Vector | {
   angle?: number;
   xyz?: Vector;
 });
 
-/** One of `directions` and `fan`. */
+/** Either `directions` or `fan`. */
 export type TraceRequest = {
   start: Point;
   directions?: DirectionRequest[];
-  /** So many directions at equal angles all around, from zero; at the boundary from one side of it to the other. */
+  /** Number of directions at equal angles around the point, starting at zero; at the boundary, from one side of it to the other. */
   fan?: number;
   length: number;
   vertex_rule?: ("bisect" | "limit_normal");
   boundary_rule?: ("stop" | "slide");
-  /** End where the line crosses or touches itself. */
+  /** Ends the line where it crosses or touches itself. */
   stop_at_self_intersection?: boolean;
   step_limit?: number;
 };
 
-/** A path with how it ended. `end_direction` is where it would go on; where it met the boundary this leads off the surface. */
+/** A path and its end. `end_direction` is the direction of its continuation; at the boundary this points off the surface. */
 export type TracedPath = {
   length: number;
   points?: (PathPoint | Vector)[];
@@ -554,25 +554,25 @@ export type TraceAnswer = {
   paths: TracedPath[];
 };
 
-/** `direction` and `length`, or `segments`, or any vector that `log` answers, as it is. `exp` traces the segments of a vector that has both; `transport` and `combine` use its direction and length. The direction of a vector of length 0 may be `null`. The length `null` says that no path leads there. `reason` and `cut_locus` change nothing. */
+/** `direction` and `length`, or `segments`, or a vector of `log`, unchanged. Of a vector with both, `exp` traces the segments, `transport` and `combine` use direction and length. The direction of a vector of length 0 may be `null`. The length `null` means that there is no path. `reason` and `cut_locus` are ignored. */
 export type VectorRequest = {
   direction?: (DirectionRequest | null);
   length?: (number | null);
   reason?: string;
   cut_locus?: boolean;
-  /** One after the other; after the first a direction is an angle. */
+  /** Segments in turn. After the first, a direction is an angle. */
   segments?: Array<{
     direction: DirectionRequest;
     length: number;
   }>;
 };
 
-/** `direction` is `null` where there is none: the length is 0, or there is no path. */
+/** A vector. `direction` is `null` if the length is 0 or there is no path. */
 export type TangentVector = {
   direction: (Direction | null);
   length: (number | null);
   reason?: "no_path";
-  /** Other paths are as short and leave in other directions. */
+  /** Other paths are equally short and leave in other directions. */
   cut_locus?: true;
   segments?: Array<{
     direction: Direction;
@@ -582,18 +582,18 @@ export type TangentVector = {
 
 export type ExpRequest = {
   start: Point;
-  /** At most 10000, and as many segments in all. `null`, as `log` answers it for a vertex without faces, is a vector to which no path leads. */
+  /** At most 10,000 vectors, and as many segments in total. `null`, as `log` returns for a vertex without faces, is a vector without a path. */
   vectors: (VectorRequest | null)[];
-  /** A factor for each vector. None of them may be `null`, without a path, or of segments alone. */
+  /** A factor for each vector. No vector may be `null`, without a path, or have segments alone. */
   combine?: number[];
 };
 
 export type ExpAnswer = {
   start: PointAnswer;
   vectors: TangentVector[];
-  /** `null` for a vector to which no path leads. */
+  /** `null` for a vector without a path. */
   points: (PointAnswer | null)[];
-  /** `null` for a vector to which no path leads. */
+  /** `null` for a vector without a path. */
   paths: (TracedPath | null)[];
 };
 
@@ -611,9 +611,9 @@ export type LogAnswer = {
 export type TransportRequest = {
   from: Point;
   to: Point;
-  /** Each with a direction and a length, or one segment. A vector to which no path leads stays one. */
+  /** Each has a direction and a length, or one segment. A vector without a path stays without one. */
   vectors: (VectorRequest | null)[];
-  /** A factor for each vector. None of them may be `null` or without a path. */
+  /** A factor for each vector. No vector may be `null` or without a path. */
   combine?: number[];
 };
 
@@ -622,13 +622,13 @@ export type TransportAnswer = {
   to: PointAnswer;
   distance: (number | null);
   reason?: "no_path";
-  /** `null` when there is no path. */
+  /** The vectors; `null` if there is no path. */
   vectors: (TangentVector[] | null);
 };
 
 export type MeanRequest = {
   points: Point[];
-  /** One for each point, not all 0; equal ones by default. */
+  /** A weight for each point, not all 0; equal by default. */
   weights?: number[];
   method?: ("karcher" | "one_step");
 };
@@ -645,15 +645,15 @@ export type MeanAnswer = {
 /** At most one of `samples`, `tolerance` and `spacing`. */
 export type SplineCurve = {
   points: Point[];
-  /** The last point is joined to the first, which is not repeated. */
+  /** Joins the last point to the first, which is not repeated. */
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
-  /** At 1 the curve is a geodesic polyline. */
+  /** 1 makes the curve a geodesic polyline. */
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** One for each point, by unit of the parameter; `null`: by the rules. A vector that `log` answers will do as it is: its direction and length count. */
+  /** A tangent for each point, per unit of the parameter; `null` selects the rule. The vectors of `log` are accepted unchanged; their direction and length count. */
   tangents?: ({
     direction: (DirectionRequest | null);
     length: number;
@@ -661,9 +661,9 @@ export type SplineCurve = {
     cut_locus?: boolean;
     segments?: unknown[];
   } | null)[];
-  /** A segment; at most 100000 in all. */
+  /** Samples per segment, at most 100,000 in total. */
   samples?: number;
-  /** With `samples` only. */
+  /** Only with `samples`. */
   speed?: ("parameter" | "constant");
   tolerance?: number;
   spacing?: number;
@@ -672,26 +672,26 @@ export type SplineCurve = {
 /** At most one of `samples`, `tolerance`, `spacing` and `at`. */
 export type SplineRequest = {
   points: Point[];
-  /** The last point is joined to the first, which is not repeated. */
+  /** Joins the last point to the first, which is not repeated. */
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
-  /** At 1 the curve is a geodesic polyline. */
+  /** 1 makes the curve a geodesic polyline. */
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** One for each point, by unit of the parameter; `null`: by the rules. */
+  /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
   tangents?: ({
     direction: DirectionRequest;
     length: number;
   } | null)[];
-  /** A segment; at most 100000 in all. */
+  /** Samples per segment, at most 100,000 in total. */
   samples?: number;
-  /** With `samples` only. */
+  /** Only with `samples`. */
   speed?: ("parameter" | "constant");
   tolerance?: number;
   spacing?: number;
-  /** Ascending, from 0 to the last of the answer's `parameters`. */
+  /** Parameters, ascending, from 0 to the last of the answer's `parameters`. */
   at?: number[];
   frames?: boolean;
 };
@@ -700,20 +700,20 @@ export type SplineAnswer = {
   path: Path;
   segments: Array<{
     control_points: [PointAnswer, PointAnswer, PointAnswer, PointAnswer];
-    /** Between its ends. */
+    /** Distance between the ends of the segment. */
     distance: number;
     clipped: boolean;
     cut_locus: boolean;
   }>;
-  /** Of the points; of a closed curve the first one's again, after a whole round. */
+  /** Parameters of the points; for a closed curve also that of the first point after a full round. */
   parameters: number[];
-  /** One a point. */
+  /** One for each point. */
   joints: Array<{
     tangent: TangentVector;
     angle_jump: number;
     speed_jump: number;
   }>;
-  /** When they are asked for. */
+  /** Present if requested. */
   frames?: Array<{
     parameter: number;
     xyz: Vector;
@@ -727,28 +727,28 @@ export type SplineAnswer = {
 export type CurveOperationRequest = {
   curve: Curve;
   operation: ("length" | "resample" | "shorten" | "closed-geodesic" | "offset");
-  /** Of `resample`. */
+  /** For `resample`. */
   count?: number;
-  /** Of `shorten`; left out: until it is a geodesic. */
+  /** For `shorten`. By default the curve is shortened to a geodesic. */
   rounds?: number;
-  /** Of `shorten`, with `rounds`. */
+  /** For `shorten` with `rounds`. */
   pieces?: number;
-  /** Of `offset`. */
+  /** For `offset`. */
   distance?: number;
-  /** Of `offset`. */
+  /** For `offset`. */
   tolerance?: number;
 };
 
 /** The members depend on the operation. */
 export type CurveOperationAnswer = {
   path?: Path;
-  /** Of `resample`. */
+  /** For `resample`. */
   points?: PointAnswer[];
-  /** Of `shorten` and `closed-geodesic`, as the next two. */
+  /** For `shorten` and `closed-geodesic`, as are `rounds` and `geodesic`. */
   turn?: number;
   rounds?: number;
   geodesic?: boolean;
-  /** Of `offset`. */
+  /** For `offset`. */
   paths?: Array<{
     closed: boolean;
     path: Path;
@@ -757,14 +757,14 @@ export type CurveOperationAnswer = {
 
 export type SamplingRequest = {
   count: number;
-  /** The first point; by default the vertex of least index that faces refer to. */
+  /** The first point; by default the vertex of least index that has faces. */
   start?: Point;
 };
 
 export type SamplingAnswer = {
-  /** With `geometry=xyz` as [x,y,z]. */
+  /** Points; [x, y, z] with `geometry=xyz`. */
   points?: (PointAnswer | Vector)[];
-  /** Entry i is the covering radius of points 0 to i: how far the surface's farthest point is from the nearest of them, which is the distance of point i + 1 to those before it. It never grows; null as long as a component has no point. */
+  /** Entry i is the covering radius of points 0 to i: the distance of the surface's farthest point from the nearest of them, which is the distance of point i + 1 from the points before it. It never grows. `null` while a component has no point. */
   radii: (number | null)[];
 };
 
@@ -772,18 +772,18 @@ export type Isoline = {
   level: number;
   lines: Array<{
     closed: boolean;
-    /** Of the line itself, not of its polyline. */
+    /** Length of the line itself, not of its polyline. */
     length: number;
-    /** A polyline as in a path: where the line crosses edges, where arcs meet in faces, and points of the arcs between, as many as the tolerance takes. A closed one ends in its first point. With `arcs` and no tolerance: arc i runs from point i to point i + 1. */
+    /** A polyline as in a path: the points where the line crosses edges, the joints of arcs inside faces, and points between them as the tolerance requires. A closed polyline ends in its first point. With `arcs` and without a tolerance, arc i runs from point i to point i + 1. */
     points?: (PathPoint | Vector)[];
     arcs?: Arc[];
   }>;
 };
 
-/** A circular arc in the plane of a face, counter-clockwise (seen from outside) from angle `start`, in [0, 2 pi), to `end`. Angles are counted about the centre as those of directions in the face are: from its first edge, from its first corner to its second in the file's order. So with x the unit vector of that edge and y the one at right angles to it to its left in the face's plane, the arc's points are centre + radius (cos(angle) x + sin(angle) y). Or, of a source that is a curve, `straight` from point to point. */
+/** A circular arc in the plane of a face, counter-clockwise (seen from outside) from the angle `start`, in [0, 2 pi), to `end`. Angles about the centre are those of directions in the face: zero is the direction of its first edge, from its first to its second corner in the order of the file. Let x be the unit vector of that edge and y the unit vector at right angles to its left, in the plane of the face. The points of the arc are then centre + radius (cos(angle) x + sin(angle) y). Where the source is a curve, the piece is `straight` from point to point instead. */
 export type Arc = ({
   face: number;
-  /** Where the source lies when it is unfolded into the plane; mostly outside the face. */
+  /** The source, unfolded into the plane; usually outside the face. */
   centre: Vector;
   radius: number;
   start: number;
@@ -798,15 +798,15 @@ export type WedgesAnswer = {
   wedges: Array<{
     b0: number;
     b1: number;
-    /** Distance of the pseudo-source to the wedge's beginning. */
+    /** Distance from the pseudo-source to the start of the wedge. */
     d0: number;
-    /** And to its end. */
+    /** Distance from the pseudo-source to the end of the wedge. */
     d1: number;
     /** Distance of the pseudo-source itself. */
     sigma: number;
-    /** Whether the pseudo-source lies to the left of the edge from its lower vertex. */
+    /** The pseudo-source lies to the left of the edge, seen from its lower vertex. */
     tau: boolean;
-    /** Of a segment of a curve, which is seen at right angles all along: the distance grows evenly from d0 to d1. Else it is left out. */
+    /** Present for a segment of a curve that is seen at right angles everywhere: the distance grows linearly from d0 to d1. */
     linear?: true;
     /** The pseudo-source, a vertex of the mesh or a member of the set. */
     source: {
@@ -823,7 +823,7 @@ export type MeshJson = {
 
 export type MeshList = {
   meshes: Mesh[];
-  /** `after` of the next page; `null`: this is the last. */
+  /** The `after` of the next page; `null` on the last page. */
   next: (string | null);
 };
 
@@ -836,23 +836,23 @@ export type Mesh = {
   name: Name;
   /** Of the uploaded bytes. */
   sha256: string;
-  /** Vertices of the upload, unreferenced ones included, and the copies that `repair` appended. */
+  /** Vertices of the upload, including unreferenced ones, and the copies that `repair` appended. */
   index_count: number;
-  /** Vertices that faces use. */
+  /** Vertices that have faces. */
   vertices: number;
   /** Triangles. */
   faces: number;
   edges: Count;
   components: Count;
-  /** Boundary loops. Not there while the mesh is not in memory and was stored by a version before this member. */
+  /** Number of boundary loops. Absent while the mesh is not in memory, if a version without this member stored it. */
   boundary_count?: number;
-  /** The first of them; `/v1/meshes/{name}/boundaries` lists all. */
+  /** The first boundary loops; `/v1/meshes/{name}/boundaries` lists all. */
   boundaries: BoundaryLoop[];
   euler_characteristic: number;
   /** Sum over the components. */
   genus: number;
   orientation: {
-    /** Turned over to make the orientation consistent. */
+    /** Faces turned over for a consistent orientation. */
     flipped_faces: number;
   };
   area: number;
@@ -865,45 +865,45 @@ export type Mesh = {
     mean: number;
     max: number;
   };
-  /** Nearly degenerate faces (height less than 1e-6 of the longest edge). They are answered; faces without area are refused. */
+  /** Nearly degenerate faces (height less than 1e-6 of the longest edge). They are valid; faces without area are rejected. */
   degenerate_faces: number;
-  /** Interior vertices with a total angle over 2 pi. */
+  /** Interior vertices with a total angle above 2 pi. */
   saddle_vertices: number;
   unreferenced_vertices: Count;
   repair: {
-    /** Edges of more than two faces that were cut. */
+    /** Edges with more than two faces that were cut. */
     edges_split: number;
-    /** Vertices that got copies. */
+    /** Vertices that were copied. */
     vertices_split: number;
-    /** Indices that `weld` let name another vertex. */
+    /** Indices that name another vertex because of `weld`. */
     vertices_welded: number;
-    /** Indices that name another vertex because an edge of length zero joined the two (or one of less than 1e-6 of the longest edge of a face without area). */
+    /** Indices that name another vertex because an edge of length zero joined both, or an edge of less than 1e-6 of the longest edge of a face without area. */
     vertices_merged: number;
-    /** Face indices unused because an earlier face has the same vertices. */
+    /** Unused face indices: an earlier face has the same vertices. */
     duplicate_faces: number;
-    /** Face indices unused because nothing was left of the face, or it had no area and no single neighbour over its longest edge. */
+    /** Unused face indices: the face collapsed, or has no area and no single neighbour at its longest edge. */
     degenerate_faces: number;
-    /** Longest edges of faces without area. */
+    /** Flipped longest edges of faces without area. */
     edges_flipped: number;
-    /** Length by which a point of the surface may have moved: how far vertices were welded or merged, and the heights of flipped faces. */
+    /** Greatest distance by which a point of the surface may have moved: by welding or merging vertices, or flipping edges. */
     largest_shift: number;
-    /** Copies in all. They have the last indices, up to `index_count`. */
+    /** Copies in total. They have the last indices, up to `index_count`. */
     vertices_copied: number;
-    /** The first copies, each with the vertex that it is a copy of. */
+    /** The first copies, each with its original vertex. */
     copies: IndexPair[];
-    /** The first elements of each kind that is there. */
+    /** The first elements of each kind. */
     first: {
-      /** The edge's vertices. */
+      /** The vertices of the edge. */
       edges_split?: IndexPair[];
-      /** The vertex and how many copies it got. */
+      /** The vertex and the number of its copies. */
       vertices_split?: IndexPair[];
       /** The index and the vertex that it names. */
       vertices_welded?: IndexPair[];
       /** The index and the vertex that it names. */
       vertices_merged?: IndexPair[];
-      /** The face removed and the one that stays. */
+      /** The removed face and the remaining one. */
       duplicate_faces?: IndexPair[];
-      /** The face removed. */
+      /** The removed face. */
       degenerate_faces?: Index[];
       /** The face without area and its neighbour. */
       edges_flipped?: IndexPair[];
@@ -912,14 +912,14 @@ export type Mesh = {
   memory_bytes: Count;
   fields_cached: Count;
   created: string;
-  /** As in the ETag header but for its quotes. */
+  /** The ETag header without its quotes. */
   etag: string;
 };
 
-/** Parameters [u, v]. In a closed direction any number, in others one of the domain. */
+/** Parameters [u, v]: any number in a closed direction, else a number in the domain. */
 export type Place = [number, number];
 
-/** Not decreasing. */
+/** Knots in ascending order; knots may repeat. */
 export type Knots = number[];
 
 export type Interval = [number, number];
@@ -928,15 +928,15 @@ export type SubdivisionJson = (MeshJson | {
   points: Vector[];
   faceVertexCounts: Count[];
   faceVertexIndices: Index[];
-  /** The vertices of chains of edges, one chain after the other. */
+  /** Vertices of chains of edges, chain by chain. */
   creaseIndices?: Index[];
-  /** How many vertices each chain has. */
+  /** Number of vertices of each chain. */
   creaseLengths?: number[];
-  /** One a chain, or one an edge; from 10 on for ever. */
+  /** One for each chain or one for each edge; 10 and above is infinitely sharp. */
   creaseSharpnesses?: number[];
   cornerIndices?: Index[];
   cornerSharpnesses?: number[];
-  /** `none` only where there is no boundary. */
+  /** `none` only if there is no boundary. */
   interpolateBoundary?: ("edgeAndCorner" | "edgeOnly" | "none");
   subdivisionScheme?: ("catmullClark" | "loop");
 });
@@ -946,42 +946,42 @@ export type Subdivision = {
   /** Of the uploaded bytes. */
   sha256: string;
   scheme: ("catmull_clark" | "loop");
-  /** Of the control mesh; so are edges and faces. */
+  /** Vertices of the control mesh; `edges` and `faces` are also those of the control mesh. */
   vertices: Count;
   edges: Count;
   faces: Count;
-  /** Inside, of another valence than 4 (Loop: 6). */
+  /** Interior vertices of a valence other than 4 (Loop: 6). */
   extraordinary_vertices: Array<{
     valence: Count;
     count: Count;
   }>;
-  /** Edges and vertices with a tag; no boundary edges. */
+  /** Edges and vertices with a tag, without boundary edges. */
   crease_edges: Count;
   corner_vertices: Count;
   boundary_edges: Count;
-  /** Loops of them. */
+  /** Number of boundary loops. */
   boundaries: Count;
-  /** Of a discretization: 1 where there are polygons that are no quads. */
+  /** Least level of a discretization: 1 if there are polygons other than quads. */
   least_level: Count;
-  /** The one that queries use when none is said. */
+  /** Default level of queries. */
   usual_level: Count;
   memory_bytes: Count;
   created: string;
-  /** As in the ETag header but for its quotes. */
+  /** The ETag header without its quotes. */
   etag: string;
 };
 
 export type SubdivisionList = {
   subdivisions: Subdivision[];
-  /** `after` of the next page; `null`: this is the last. */
+  /** The `after` of the next page; `null` on the last page. */
   next: (string | null);
 };
 
-/** A place of the limit surface, by a face of the control mesh: u from its first corner to the second, v from the first to the fourth (Loop: to the third, u + v at most 1). A polygon of n != 4 corners is n pieces, one a `corner`: u from that corner to the middle of the next edge, v to that of the one before, (1,1) in the middle of the face. */
+/** A place on the limit surface, by a face of the control mesh: u from the first corner to the second, v from the first to the fourth (Loop: to the third, u + v at most 1). A polygon of n != 4 corners has n parts, one for each `corner`: u from that corner to the middle of the next edge, v to the middle of the previous edge, (1,1) in the middle of the face. */
 export type LimitPlace = {
   face: Index;
   uv: [number, number];
-  /** 0 when it is left out. */
+  /** 0 by default. */
   corner?: Index;
 };
 
@@ -1006,7 +1006,7 @@ export type LimitEvaluateAnswer = {
     duv: (Vector | null);
     dvv: (Vector | null);
     curvatures: ([number, number] | null);
-    /** Only there when it is true. */
+    /** Present if true. */
     singular?: boolean;
   }>;
 };
@@ -1019,23 +1019,23 @@ export type LimitFootAnswer = {
   distance: number;
 };
 
-/** One of `directions` and `fan`. */
+/** Either `directions` or `fan`. */
 export type LimitTraceRequest = {
   start: LimitPlace;
   directions?: DirectionRequest[];
-  /** So many directions at equal angles all around, from zero. */
+  /** Number of directions at equal angles around the place, starting at zero. */
   fan?: number;
   length: number;
   vertex_rule?: ("bisect" | "limit_normal");
-  /** On the surface itself. */
+  /** Traces on the limit surface itself. */
   smooth?: boolean;
-  /** Of the discretization: edges of the control mesh are cut into 2^level. From `least_level` on; by default `usual_level`, both in the description. */
+  /** Level of the discretization: each edge of the control mesh becomes 2^level edges. From `least_level` up; `usual_level` by default. The description of the surface has both. */
   level?: number;
 };
 
 export type LimitTraceAnswer = {
   start: LimitPoint;
-  /** Unless it is smooth. */
+  /** Absent with `smooth`. */
   level?: Count;
   paths: Array<{
     length: number;
@@ -1045,9 +1045,9 @@ export type LimitTraceAnswer = {
   }>;
 };
 
-/** A direction at a place, in both forms. Zero is that of the face's first edge (du). */
+/** A direction at a place, as an angle and as a vector. Angle zero is the first edge of the face (du). */
 export type LimitDirection = {
-  /** `null`: the surface has no normal there. */
+  /** `null` if the surface has no normal there. */
   angle: (number | null);
   xyz: Vector;
 };
@@ -1057,7 +1057,7 @@ export type LimitPoints = (LimitPoint | Vector)[];
 export type LimitPairRequest = {
   from: LimitPlace;
   to: LimitPlace;
-  /** Of the discretization: edges of the control mesh are cut into 2^level. From `least_level` on; by default `usual_level`, both in the description. */
+  /** Level of the discretization: each edge of the control mesh becomes 2^level edges. From `least_level` up; `usual_level` by default. The description of the surface has both. */
   level?: number;
 };
 
@@ -1080,14 +1080,14 @@ export type LimitPairAnswer = {
 /** Either `level` or `tolerance`. */
 export type DiscretizeRequest = {
   mesh: Name;
-  /** Of the discretization: edges of the control mesh are cut into 2^level. From `least_level` on; by default `usual_level`, both in the description. */
+  /** Level of the discretization: each edge of the control mesh becomes 2^level edges. From `least_level` up. The description of the surface has it. */
   level?: number;
   /** A length. */
   tolerance?: number;
 };
 
 export type VertexPlaces = {
-  /** The surface that the mesh was made of, in the version that it had then. */
+  /** The surface of which the mesh was made, and its version at that time. */
   subdivision: {
     name: Name;
     etag: string;
@@ -1100,9 +1100,9 @@ export type NurbsFile = ({
   degreeV: number;
   knotsU: Knots;
   knotsV: Knots;
-  /** Row i goes with u, element j of it with v: [x, y, z], or all of them [x, y, z, weight]. At most 4096 x 4096. */
+  /** Row i follows u, element j of a row follows v: [x, y, z], or all of them [x, y, z, weight]. At most 4096 x 4096. */
   controlPoints: Array<Array<number[]>>;
-  /** More than 0, as many as control points. All 1 by default. */
+  /** Positive, as many as control points. All 1 by default. */
   weights?: Array<number[]>;
   convention?: ("canonical" | "three" | "verb" | "rhino");
 } | {
@@ -1119,13 +1119,13 @@ export type NurbsFile = ({
       u: Interval;
       v: Interval;
     };
-    /** (u, v, sum of coefficients[i][j] u^i v^j), rows of equal length; the degrees are at most 16. */
+    /** (u, v, sum of coefficients[i][j] u^i v^j). Rows have equal length; the degrees are at most 16. */
     graph?: {
       coefficients: Array<number[]>;
       u: Interval;
       v: Interval;
     };
-    /** (r(v) cos u, r(v) sin u, h(v)): control points are [radius, height] of a B-spline or, with weights, a NURBS curve. An end on the axis is a pole. */
+    /** (r(v) cos u, r(v) sin u, h(v)). Control points are [radius, height] of a B-spline or, with weights, a NURBS curve. An end on the axis is a pole. */
     revolution?: {
       degree: number;
       knots: Knots;
@@ -1137,13 +1137,13 @@ export type NurbsFile = ({
 
 export type NurbsAxis = {
   range: Interval;
-  /** The two borders are one curve; any parameter is taken, with the range as the period. */
+  /** Both borders are one curve. Any parameter is valid; the range is the period. */
   closed: boolean;
-  /** Smooth pieces of the range; the surface may have kinks in its derivatives between them. */
+  /** Number of smooth pieces of the range. Derivatives may jump between pieces. */
   pieces: number;
-  /** The whole border at the range's lower end is one point. */
+  /** The border at the lower end of the range is one point. */
   pole_low: boolean;
-  /** The same at its upper end. */
+  /** The border at the upper end of the range is one point. */
   pole_high: boolean;
 };
 
@@ -1151,11 +1151,11 @@ export type Nurbs = {
   name: Name;
   /** Of the uploaded bytes. */
   sha256: string;
-  /** What the file said. Of `nurbs` only the next four are there. */
+  /** Shape of the file. Only `nurbs` has the next four members. */
   shape: ("nurbs" | "torus" | "helicoid" | "graph" | "revolution");
   convention?: ("canonical" | "three" | "verb" | "rhino");
   degree?: [Count, Count];
-  /** How many in u and in v. */
+  /** Number of control points in u and in v. */
   control_points?: [Count, Count];
   /** The weights differ. */
   rational?: boolean;
@@ -1163,33 +1163,33 @@ export type Nurbs = {
     u: NurbsAxis;
     v: NurbsAxis;
   };
-  /** A length of the order of the extent: the diagonal of the box of some of its points. */
+  /** Length of the order of the extent: the diagonal of the bounding box of some points. */
   size: number;
-  /** Shortest paths can be asked for. */
+  /** The surface supports shortest paths. */
   geodesics: boolean;
-  /** Of the tessellation that they are first looked for on; absent where there is none. */
+  /** Faces of the tessellation that finds candidates for shortest paths; absent if there is none. */
   seeding_faces?: number;
-  /** Why there is none. */
+  /** Why the surface does not support shortest paths. */
   reason?: string;
   memory_bytes: Count;
   created: string;
-  /** As in the ETag header but for its quotes. */
+  /** The ETag header without its quotes. */
   etag: string;
 };
 
 export type NurbsList = {
   nurbs: Nurbs[];
-  /** `after` of the next page; `null`: this is the last. */
+  /** The `after` of the next page; `null` on the last page. */
   next: (string | null);
 };
 
 export type VertexParameters = {
-  /** The surface that the mesh was made of, in the version that it had then. */
+  /** The surface of which the mesh was made, and its version at that time. */
   nurbs: {
     name: Name;
     etag: string;
   };
-  /** Of u and of v; `null`: the direction is not closed. */
+  /** Periods of u and of v; `null` if the direction is not closed. */
   periods: [(number | null), (number | null)];
   uv: Place[];
 };
@@ -1222,10 +1222,10 @@ export type FootAnswer = {
   distance: number;
 };
 
-/** A curve in the domain: one of `polyline`, `bspline` and `iso`. Its parameter is along a polyline the number of the corner, of a B-spline that of its knots, of an iso line the other coordinate. A curve whose ends are one place of the surface is closed in any case. */
+/** A curve in the domain: `polyline`, `bspline` or `iso`. The parameter of a polyline is the number of the corner, that of a B-spline follows its knots, that of an iso line is the other coordinate. A curve whose ends are one point of the surface is always closed. */
 export type DomainCurve = ({
   polyline: Place[];
-  /** From the last corner to the first. */
+  /** Joins the last corner to the first. */
   closed?: boolean;
 } | {
   bspline: {
@@ -1233,26 +1233,26 @@ export type DomainCurve = ({
     knots: Knots;
     control_points: Place[];
   };
-  /** `true` refuses a B-spline that does not end where it begins. */
+  /** `true` rejects a B-spline that does not end in its start. */
   closed?: boolean;
 } | {
-  /** The parameter that stays the same. */
+  /** The constant parameter. */
   iso: ("u" | "v");
   value: number;
-  /** Of the other parameter; all of it by default. */
+  /** Range of the other parameter; all by default. */
   range?: Interval;
 });
 
 /** Degree of the spline. */
 export type SplineDegree = number;
 
-/** Count of one spline over all knot lines; more than the degree. By default as many as the tolerance needs. */
+/** Number of control points of one spline across all knot lines; more than the degree. By default as many as the tolerance needs. */
 export type SplineControlPoints = number;
 
 /** Relative error of the length. */
 export type LengthTolerance = number;
 
-/** Answer every local minimum that was found. */
+/** Returns every local minimum that was found. */
 export type AllMinima = boolean;
 
 /** Number of points in the answer's `points`. */
@@ -1289,27 +1289,27 @@ export type NurbsCurveDistanceRequest = {
 };
 
 export type GeodesicEnd = {
-  /** On the curve. */
+  /** Parameter of the curve. */
   parameter?: number;
   uv: Place;
   xyz: Vector;
-  /** Between path and curve; `null` where the path has length 0. */
+  /** Angle between path and curve; `null` if the length of the path is 0. */
   angle?: (number | null);
 };
 
 export type GeodesicAnswer = {
   length: number;
-  /** Absent where the length is 0. */
+  /** Absent if the length is 0. */
   degree?: number;
-  /** From 0 to the number of pieces. Where two pieces meet the knot has the multiplicity of the degree, at a pole one more. */
+  /** From 0 to the number of pieces. Where two pieces meet, the multiplicity of the knot is the degree, at a pole one more. */
   knots: number[];
   control_points: Place[];
-  /** At even parameters of the spline, from its beginning to its end. */
+  /** At equally spaced parameters of the spline, from its start to its end. */
   points?: (Vector | {
     uv: Place;
     xyz: Vector;
   })[];
-  /** `from` and `to` of `geodesic`, `curve` of `point-curve-distance`, `a` and `b` of `curve-distance`. */
+  /** `from` and `to` for `geodesic`, `curve` for `point-curve-distance`, `a` and `b` for `curve-distance`. */
   ends: {
     from?: GeodesicEnd;
     to?: GeodesicEnd;
@@ -1317,18 +1317,18 @@ export type GeodesicAnswer = {
     a?: GeodesicEnd;
     b?: GeodesicEnd;
   };
-  /** Norm of the gradient of the length, relative. */
+  /** Relative norm of the gradient of the length. */
   residual: number;
-  /** Of the length, in its unit. */
+  /** Estimated error of the length, a length. */
   error_estimate: number;
-  /** Integral of its square along the path: 0 for an exact geodesic. */
+  /** Integral of the squared geodesic curvature along the path: 0 for an exact geodesic. */
   geodesic_curvature: number;
-  /** How uneven the speed is: (2 E - L^2) / L^2 with the energy E. */
+  /** Unevenness of the speed: (2 E - L^2) / L^2 with the energy E. */
   speed_defect: number;
   iterations: Count;
-  /** The tolerance is met. */
+  /** The length meets the tolerance. */
   converged: boolean;
-  /** Proved to be a local minimum. */
+  /** The path is proved to be a local minimum. */
   is_minimum: boolean;
   boundary_contact: boolean;
   warnings: ("not_converged" | "boundary_contact" | "curve_corner" | "through_pole" | "not_minimal")[];
@@ -1341,7 +1341,7 @@ export type TessellateRequest = {
   mesh: Name;
   /** A length. */
   tolerance?: number;
-  /** Parts in u and in v. */
+  /** Number of parts in u and in v. */
   resolution?: [number, number];
 };
 
@@ -1352,7 +1352,7 @@ export type Service = {
     max_faces: Count;
     timeout_ms: Count;
     memory_budget_bytes: Count;
-    /** Of an answer that is not a stream. */
+    /** Limit of an answer that is not a stream. */
     max_answer_bytes: Count;
     workers: Count;
   };
@@ -1363,57 +1363,57 @@ export type Service = {
 };
 
 export type Health = {
-  /** read_only means that a write to the disk failed: reads go on, changes are refused with 507. degraded means that the database of `--store` does not answer: meshes in memory can be asked about, all else is refused with 503. */
+  /** read_only: a write to the disk failed; reads work, changes return 507. degraded: the database of `--store` does not respond; meshes in memory can be queried, other requests return 503. */
   status: ("ok" | "starting" | "draining" | "read_only" | "degraded");
-  /** Why the store is read-only or out of reach. */
+  /** Why the store is read-only or unreachable. */
   reason?: string;
 };
 
 export type Job = {
   id: JobId;
-  /** `done` and `failed` have an answer. */
+  /** `done` and `failed` jobs have an answer. */
   state: ("queued" | "running" | "done" | "failed" | "cancelled");
-  /** The part of the work that is done, as the engine counts it (faces reached, rows finished); it never falls. A job that waits for work which another one began stays where it is. */
+  /** Fraction of the work done, as the engine counts it (faces reached, rows finished). It never falls. It stays constant while the job waits for work that another job started. */
   progress: number;
   created: string;
-  /** Method and path of what was asked. */
+  /** Method and path of the request. */
   request: string;
-  /** The head of the answer. */
+  /** Status and headers of the answer. */
   response?: {
     status: number;
     media_type: (string | null);
     bytes: Count;
     headers: Record<string, string>;
   };
-  /** What the operation answered; instead of what is no JSON, a link to it. Not in lists and events. */
+  /** JSON answer of the operation; for other media types a link to it. Absent in lists and events. */
   result?: unknown;
-  /** Why the operation failed. Not in lists. */
+  /** Why the operation failed. Absent in lists. */
   problem?: Problem;
 };
 
 export type JobList = {
   jobs: Job[];
-  /** `after` of the next page; `null`: this is the last. */
+  /** The `after` of the next page; `null` on the last page. */
   next: (string | null);
 };
 
-/** RFC 9457. */
+/** A problem in the sense of RFC 9457. */
 export type Problem = {
   type: string;
   title: string;
   status: number;
-  /** One sentence that tells what to change. */
+  /** One sentence that says how to correct the request. */
   detail: string;
   code: ("invalid_request" | "unauthorized" | "forbidden" | "not_found" | "method_not_allowed" | "not_acceptable" | "conflict" | "field_evicted" | "length_required" | "precondition_failed" | "too_large" | "unsupported_media_type" | "invalid_mesh" | "point_not_on_surface" | "rate_limited" | "internal" | "overloaded" | "draining" | "store_unavailable" | "deadline_exceeded" | "insufficient_memory" | "insufficient_storage");
-  /** Into the body. */
+  /** JSON pointer into the body. */
   pointer?: string;
-  /** Name in the query string. */
+  /** Name of the query parameter. */
   parameter?: string;
-  /** Why a mesh was refused. */
+  /** Why a mesh was rejected. */
   reason?: string;
-  /** The configured maximum that was passed. */
+  /** The configured maximum that was exceeded. */
   limit?: number;
-  /** The first offending ones. */
+  /** The first offending elements. */
   elements?: Array<{
     vertex?: Count;
     edge?: Edge;
@@ -1514,32 +1514,32 @@ export interface MeshQueries {
 
 /** What can be asked of `/v1/subdivisions/{name}`, by its name: what is sent and what comes back. */
 export interface SubdivisionQueries {
-  /** Position, derivatives, normal and principal curvatures of the limit surface */
+  /** Get position, derivatives, normal and curvatures of the limit surface */
   "evaluate": {
     body: LimitEvaluateRequest;
     answer: LimitEvaluateAnswer;
   };
-  /** The point of the limit surface nearest to a point of space */
+  /** Get the point of the limit surface nearest to a point in space */
   "nearest": {
     body: FootRequest;
     answer: LimitFootAnswer;
   };
-  /** Geodesics from a place */
+  /** Trace geodesics from a place */
   "trace": {
     body: LimitTraceRequest;
     answer: LimitTraceAnswer;
   };
-  /** The distance between two places */
+  /** Get the geodesic distance between two places */
   "distance": {
     body: LimitPairRequest;
     answer: LimitPairAnswer;
   };
-  /** The shortest path between two places */
+  /** Get the shortest path between two places */
   "path": {
     body: LimitPairRequest;
     answer: LimitPairAnswer;
   };
-  /** The surface as a mesh whose vertices lie on it and remember where */
+  /** Store the surface as a triangle mesh */
   "discretize": {
     body: DiscretizeRequest;
     answer: Mesh;
@@ -1548,32 +1548,32 @@ export interface SubdivisionQueries {
 
 /** What can be asked of `/v1/nurbs/{name}`, by its name: what is sent and what comes back. */
 export interface NurbsQueries {
-  /** Position, derivatives, normal and curvatures at places of the domain */
+  /** Get position, derivatives, normal and curvatures at parameters */
   "evaluate": {
     body: EvaluateRequest;
     answer: EvaluateAnswer;
   };
-  /** The point of the surface nearest to a point of space */
+  /** Get the point of the surface nearest to a point in space */
   "nearest": {
     body: FootRequest;
     answer: FootAnswer;
   };
-  /** The shortest path between two points of the surface */
+  /** Get the shortest path between two points of the surface */
   "geodesic": {
     body: GeodesicRequest;
     answer: GeodesicAnswer;
   };
-  /** The shortest path from a point to a curve on the surface */
+  /** Get the shortest path from a point to a curve on the surface */
   "point-curve-distance": {
     body: PointCurveRequest;
     answer: GeodesicAnswer;
   };
-  /** The shortest path between two curves on the surface */
+  /** Get the shortest path between two curves on the surface */
   "curve-distance": {
     body: NurbsCurveDistanceRequest;
     answer: GeodesicAnswer;
   };
-  /** The surface as a mesh whose vertices remember their places */
+  /** Store the surface as a triangle mesh */
   "tessellate": {
     body: TessellateRequest;
     answer: Mesh;
