@@ -163,24 +163,16 @@ static void stream_resume(struct server_stream *stream)
 }
 
 /* A stream whose client has hung up ends, so that its reader is resumed and finds out. */
-static void events_look(struct server_events *events)
-{
-    for (struct server_stream *stream = events->first; stream; stream = stream->next) {
-        if (!stream->is_paused || !stream->reader.is_gone(stream->reader.user)) continue;
-        stream->has_ended = true;
-        stream_resume(stream);
-    }
-}
-
 void server_events_tick(struct server_events *events, uint64_t now_ns)
 {
     if (server_events_count(events) == 0) return;
     pthread_mutex_lock(&events->lock);
-    for (struct server_stream *stream = events->first; stream; stream = stream->next)
-        if (stream->is_paused && stream_is_due(stream, now_ns)) stream_resume(stream);
-    if (now_ns - events->looked_ns >= LOOK_NS) {
-        events->looked_ns = now_ns;
-        events_look(events);
+    bool looks = now_ns - events->looked_ns >= LOOK_NS;
+    if (looks) events->looked_ns = now_ns;
+    for (struct server_stream *stream = events->first; stream; stream = stream->next) {
+        if (!stream->is_paused) continue;
+        if (looks && stream->reader.is_gone(stream->reader.user)) stream->has_ended = true;
+        if (stream->has_ended || stream_is_due(stream, now_ns)) stream_resume(stream);
     }
     pthread_mutex_unlock(&events->lock);
 }

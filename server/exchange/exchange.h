@@ -122,32 +122,23 @@ struct server_exchange {
     size_t target_size;
     const char *path; /* never NULL */
     uint32_t parameter_count, header_count;
-    /* of method and headers, when they are not the transport's; NULL: they are */
-    char *copies;
-    /* why the request could not be read, a sentence; NULL: it could */
-    const char *fault;
+    char *copies;      /* of method and headers; NULL: they are the transport's */
+    const char *fault; /* why the request could not be read, a sentence; NULL: it could */
     struct proto_route_match match; /* route NULL: none found */
     char request_id[SERVER_REQUEST_ID];
     struct server_grant grant;
-    /* whose names it is about (kind.h), borrowed from the grant; "": there are none */
-    const char *tenant;
-    /* the Origin header, when it is a page that --cors-origin lists; NULL: it is not */
-    const char *cors_origin;
+    const char *tenant;      /* whose names it is about (kind.h), borrowed from the grant; or "" */
+    const char *cors_origin; /* the Origin header, if --cors-origin lists it; or NULL */
     struct server_body body;
 
-    uint64_t started_ns, deadline_ns;
-    /* see server_exchange_defer; NULL: not deferred */
-    bool (*work)(struct server_exchange *exchange);
+    uint64_t started_ns;
+    bool (*work)(struct server_exchange *exchange); /* NULL: not deferred */
     bool (*join)(struct server_exchange *exchange);
-    /* loaded for this exchange, which has a reference; NULL: none was */
-    struct server_surface *surface;
+    struct server_surface *surface; /* a reference; loaded for this exchange, or NULL */
     void (*release_surface)(struct server_surface *surface); /* set with `surface` */
-    /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
-    size_t held;
-    /* bytes of it that are for a document which is being decoded (request.h) */
-    size_t parsed;
-    /* the handler's own, kept over a deferral, until the answer is there */
-    void *state;
+    size_t held;   /* bytes of SERVER_BUDGET_FLIGHT until the exchange ends */
+    size_t parsed; /* of them, for a document that is being decoded (request.h) */
+    void *state;   /* the handler's own, kept over a deferral, until the answer is there */
     void (*free_state)(void *state);
 
     struct server_response response;

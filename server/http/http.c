@@ -182,14 +182,6 @@ static size_t on_escapes(void *user, struct MHD_Connection *connection, char *te
     return strlen(text);
 }
 
-/* The library has answered the request without the exchange, by a status of its own. */
-static void client_note_refusal(const struct client *client)
-{
-    server_connection_refuse(client->deadlines);
-    server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is no HTTP",
-                       client->phase == PHASE_HEAD ? "head" : "body", client->exchange.path);
-}
-
 static void on_completed(void *user, struct MHD_Connection *connection, void **context,
                          enum MHD_RequestTerminationCode code)
 {
@@ -197,7 +189,12 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     (void)user, (void)connection;
     if (!client) return;
     bool is_answered = client->phase == PHASE_PARKED || client->phase == PHASE_ANSWERED;
-    if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) client_note_refusal(client);
+    if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) {
+        /* by a status of the library's own */
+        server_connection_refuse(client->deadlines);
+        server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is no HTTP",
+                           client->phase == PHASE_HEAD ? "head" : "body", client->exchange.path);
+    }
     server_exchange_end(&client->exchange);
     server_connection_end(client->deadlines);
     *context = NULL;
@@ -212,11 +209,6 @@ static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char
 }
 
 /* --- the log ---------------------------------------------------------------------------------- */
-
-static bool is_suspicious(unsigned status)
-{
-    return status == 400 || status == 401 || status == 403 || status == 429;
-}
 
 static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
 {
@@ -248,7 +240,8 @@ static void client_log(const struct client *client, uint64_t nanoseconds)
     server_log_integer(&line, "status", response->status);
     server_log_text(&line, "code", server_exchange_code(exchange));
     server_log_text(&line, "key", server_grant_name(&exchange->grant));
-    if (is_suspicious(response->status))
+    if (response->status == 400 || response->status == 401 || response->status == 403 ||
+        response->status == 429)
         server_log_text(&line, "peer", print_peer(peer_of(client->connection), text));
     server_log_integer(&line, "bytes", (int64_t)response->size);
     server_log_milliseconds(&line, "ms", nanoseconds);
@@ -379,13 +372,6 @@ static enum MHD_Result client_begin(struct client *client, const char *method, c
     return client_answer(client);
 }
 
-static enum MHD_Result client_take(struct client *client, const char *bytes, size_t size)
-{
-    server_connection_body(client->deadlines, size, gd_now_ns());
-    server_body_append(&client->exchange.body, bytes, size);
-    return MHD_YES;
-}
-
 static enum MHD_Result client_end(struct client *client)
 {
     client->http->parts.end(&client->exchange);
@@ -414,7 +400,10 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
     case PHASE_HEAD:
         return client_begin(client, method, version);
     case PHASE_BODY:
-        return size ? client_take(client, upload, size) : client_end(client);
+        if (!size) return client_end(client);
+        server_connection_body(client->deadlines, size, gd_now_ns());
+        server_body_append(&client->exchange.body, upload, size);
+        break;
     case PHASE_PARKED:
         return client_answer(client);
     case PHASE_ANSWERED:

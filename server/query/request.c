@@ -145,14 +145,6 @@ bool server_request_follows_first(struct server_exchange *exchange)
 
 /* --- a surface that is not in memory ---------------------------------------------------------- */
 
-/* The exchange takes the reference over. */
-static void handler_rerun(struct server_exchange *exchange, struct server_surface *surface)
-{
-    exchange->surface = surface;
-    exchange->release_surface = server_surface_release;
-    exchange->match.route->handle(exchange);
-}
-
 /* By a worker: loads the surface and runs the handler. If the name has another record by now, there
  * is no reply: the worker looks it up again. False: parked; runs again when the load has ended. */
 static bool surface_bring(struct server_exchange *exchange)
@@ -168,10 +160,13 @@ static bool surface_bring(struct server_exchange *exchange)
         outcome = server_loader_load(exchange->host->api->loader, listed.record, &exchange->job,
                                      &surface, &problem);
     server_listed_release(&listed);
-    if (outcome == SERVER_LOADER_LOADED)
-        handler_rerun(exchange, surface);
-    else if (outcome != SERVER_LOADER_WAITING && outcome != SERVER_LOADER_GONE)
+    if (outcome == SERVER_LOADER_LOADED) {
+        exchange->surface = surface;
+        exchange->release_surface = server_surface_release;
+        exchange->match.route->handle(exchange);
+    } else if (outcome != SERVER_LOADER_WAITING && outcome != SERVER_LOADER_GONE) {
         server_reply_problem(exchange, &problem);
+    }
     return outcome != SERVER_LOADER_WAITING;
 }
 
