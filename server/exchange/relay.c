@@ -175,7 +175,7 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
     pthread_mutex_lock(&relay->lock);
     bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
-        is_ahead = relay->is_parked = server_workers_park(relay->host->workers, job, relay);
+        is_ahead = relay->is_parked = server_workers_park(relay->host->workers, job, relay, 0);
         /* the daemon ends, and the client does not read */
         if (!is_ahead) atomic_store(&relay->is_over, true);
     }

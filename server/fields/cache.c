@@ -457,8 +457,8 @@ static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
     if (table_find_covering(fields, key)) return SERVER_CACHE_AGAIN;
     if (build) {
         cache->statistics.waits++;
-        return server_workers_park(cache->workers, job, build) ? SERVER_CACHE_WAIT
-                                                               : SERVER_CACHE_SEARCH;
+        return server_workers_park(cache->workers, job, build, 0) ? SERVER_CACHE_WAIT
+                                                                  : SERVER_CACHE_SEARCH;
     }
     if (may_build) build = calloc(1, sizeof *build);
     if (!build || !key_copy(key, &build->key)) {

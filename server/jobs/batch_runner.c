@@ -1,6 +1,7 @@
 /* See batch_runner.h. */
 #include "server/jobs/batch_runner.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -18,6 +19,7 @@
 #define PAUSE_MS     500                  /* until a returned item is claimed again */
 #define BODY_MOST    ((size_t)4 << 20)
 #define PROBLEM_MOST 65536 /* bytes of a problem's text */
+#define PLACES       16
 
 /* An item that this daemon works on. */
 struct item {
@@ -40,12 +42,13 @@ struct server_batch_runner {
     const struct server_config *config;
     struct server_thread *thread;
     pthread_mutex_t lock;
-    _Atomic(struct server_store_sql *) sql;   /* set once, under the lock; NULL: not opened yet */
-    char path[SERVER_DISK_PATH];              /* of the queue's file; unused with PostgreSQL */
-    struct item *items;                       /* under the lock; only the thread removes items */
-    LIST_HEAD(, server_batch_waiter) waiters; /* under the lock */
-    uint64_t news;                            /* under the lock */
-    atomic_bool cant_open;                    /* the last attempt failed */
+    _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL: not opened yet */
+    char path[SERVER_DISK_PATH];            /* of the queue's file; unused with PostgreSQL */
+    struct item *items;                     /* under the lock; only the thread removes items */
+    uint64_t news;                          /* under the lock */
+    unsigned due;                           /* places with news, a bit each; under the lock */
+    char places[PLACES];                    /* jobs are parked there: see place_of */
+    atomic_bool cant_open;                  /* the last attempt failed */
     atomic_bool is_draining;
     atomic_uint running;
     atomic_uint_least64_t answered, returned;
@@ -215,35 +218,36 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
+/* Index of the place at which jobs wait for news of that batch: the last digit of its id. */
+static unsigned place_of(const char *id)
+{
+    return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
+}
+
 /* There is news of a batch; NULL: of all. */
 static void runner_note(struct server_batch_runner *runner, const char *id)
 {
-    struct server_batch_waiter *waiter;
     pthread_mutex_lock(&runner->lock);
     runner->news++;
-    for (waiter = LIST_FIRST(&runner->waiters); waiter; waiter = LIST_NEXT(waiter, list))
-        waiter->is_due |= !id || strcmp(waiter->id, id) == 0;
+    runner->due |= id ? 1U << place_of(id) : UINT_MAX;
     pthread_mutex_unlock(&runner->lock);
 }
 
-/* Wakes the waiters for which there is news, or may be: other daemons work on a shared queue, too.
+/* Wakes the jobs for which there is news, or may be: other daemons work on a shared queue, too.
  * Comes after new items were started, which do not start while requests are queued. */
-static void runner_wake_waiters(struct server_batch_runner *runner)
+static void runner_wake_jobs(struct server_batch_runner *runner)
 {
-    struct server_batch_waiter *waiter, *next;
     uint64_t now_ns = gd_now_ns();
-    bool looks = now_ns - runner->looked_ns >= POLL_NS;
-    if (looks) runner->looked_ns = now_ns;
     pthread_mutex_lock(&runner->lock);
-    for (waiter = LIST_FIRST(&runner->waiters); waiter; waiter = next) {
-        next = LIST_NEXT(waiter, list);
-        bool may_have_news = looks && (runner->sql->is_shared || !waiter->id[0]);
-        if (!waiter->is_due && !may_have_news && now_ns < waiter->until_ns) continue;
-        waiter->is_waiting = false;
-        LIST_REMOVE(waiter, list);
-        server_workers_unpark(runner->host->workers, waiter);
-    }
+    unsigned due = runner->due;
+    runner->due = 0;
     pthread_mutex_unlock(&runner->lock);
+    if (runner->sql->is_shared && now_ns - runner->looked_ns >= POLL_NS) {
+        runner->looked_ns = now_ns;
+        due = UINT_MAX;
+    }
+    for (unsigned i = 0; i < PLACES; i++)
+        if (due >> i & 1) server_workers_unpark(runner->host->workers, &runner->places[i]);
 }
 
 uint64_t server_batch_runner_news(struct server_batch_runner *runner)
@@ -254,26 +258,15 @@ uint64_t server_batch_runner_news(struct server_batch_runner *runner)
     return news;
 }
 
-bool server_batch_runner_wait(struct server_batch_runner *runner,
-                              struct server_batch_waiter *waiter)
+bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_job *job,
+                              const struct server_batch_wait *wait)
 {
     pthread_mutex_lock(&runner->lock);
-    waiter->runner = runner;
-    waiter->is_due = false;
-    waiter->is_waiting = waiter->news == runner->news && !atomic_load(&runner->is_draining) &&
-                         server_workers_park(runner->host->workers, waiter->job, waiter);
-    bool is_waiting = waiter->is_waiting;
-    if (is_waiting) LIST_INSERT_HEAD(&runner->waiters, waiter, list);
+    bool is_parked = wait->news == runner->news && !atomic_load(&runner->is_draining) &&
+                     server_workers_park(runner->host->workers, job,
+                                         &runner->places[place_of(wait->id)], wait->until_ns);
     pthread_mutex_unlock(&runner->lock);
-    return is_waiting;
-}
-
-void server_batch_waiter_end(struct server_batch_waiter *waiter)
-{
-    if (!waiter->runner) return;
-    pthread_mutex_lock(&waiter->runner->lock);
-    if (waiter->is_waiting) LIST_REMOVE(waiter, list);
-    pthread_mutex_unlock(&waiter->runner->lock);
+    return is_parked;
 }
 
 /* Settles all answered items. */
@@ -391,7 +384,7 @@ static void runner_work(void *user, struct server_thread *thread)
             memcpy(runner->last_tenant, claim.tenant, sizeof runner->last_tenant);
             runner_start(runner, &claim);
         }
-        runner_wake_waiters(runner);
+        runner_wake_jobs(runner);
     }
 }
 

@@ -12,8 +12,6 @@
 #ifndef SERVER_JOBS_BATCH_RUNNER_H
 #define SERVER_JOBS_BATCH_RUNNER_H
 
-#include <sys/queue.h>
-
 #include "server/config/config.h"
 #include "server/exchange/exchange.h"
 #include "server/jobs/batch_queue.h"
@@ -44,27 +42,19 @@ void server_batch_runner_wake(struct server_batch_runner *runner);
 /* Cancels this daemon's items of a batch and wakes its waiters; NULL: of all batches. */
 void server_batch_runner_cancel(struct server_batch_runner *runner, const char *id);
 
-/* A request that waits for news of a batch. All zero at first. */
-struct server_batch_waiter {
-    struct server_job *job;
-    char id[SERVER_BATCH_ID]; /* woken by news of this batch; "": looks twice a second */
-    uint64_t news; /* that are known: server_batch_runner_news before the queue was read */
-    uint64_t until_ns;
-    struct server_batch_runner *runner; /* set by server_batch_runner_wait */
-    bool is_waiting, is_due;
-    LIST_ENTRY(server_batch_waiter) list;
-};
-
 /* The number of answers and changes that this daemon has written. */
 uint64_t server_batch_runner_news(struct server_batch_runner *runner);
 
-/* For a worker: parks the running job until there may be news, or until `until_ns`; the last act of
- * its `run`. False: not parked. */
-bool server_batch_runner_wait(struct server_batch_runner *runner,
-                              struct server_batch_waiter *waiter);
+struct server_batch_wait {
+    const char *id;    /* of the batch */
+    uint64_t news;     /* those that are known: read before the queue was */
+    uint64_t until_ns; /* the end */
+};
 
-/* Before the waiter's memory is freed. */
-void server_batch_waiter_end(struct server_batch_waiter *waiter);
+/* For a worker: parks the running job until there may be news; the last act of its `run`. False:
+ * not parked. */
+bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_job *job,
+                              const struct server_batch_wait *wait);
 
 struct server_batch_statistics {
     uint64_t answered, returned; /* items, since the start */

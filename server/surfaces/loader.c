@@ -121,7 +121,7 @@ static bool load_park(struct server_loader *loader, const struct server_record *
 {
     struct load *load = LIST_FIRST(&loader->loads);
     while (load && load->builder.record != record) load = LIST_NEXT(load, next);
-    return load && (!job || server_workers_park(loader->parts.workers, job, load));
+    return load && (!job || server_workers_park(loader->parts.workers, job, load, 0));
 }
 
 bool server_loader_join(struct server_loader *loader, const struct server_record *record,

@@ -32,6 +32,7 @@ struct server_job {
     const char *tenant;       /* whose share of the workers it uses; NULL: its submitter's */
     struct server_lane *lane; /* of the workers */
     const void *parked_at;    /* see server_workers_park */
+    uint64_t parked_until_ns; /* 0: no limit */
     bool is_patient;          /* no client waits for it on a connection */
     atomic_bool is_unwanted;  /* any thread may set it: acts like a deadline that has passed */
     void (*run)(struct server_job *job);

@@ -267,9 +267,11 @@ bool server_workers_withdraw(struct server_workers *workers, struct server_job *
     return is_found;
 }
 
-bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at)
+bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at,
+                         uint64_t until_ns)
 {
     job->parked_at = at;
+    job->parked_until_ns = until_ns;
     return workers_list(workers, &workers->parked, job);
 }
 
@@ -345,6 +347,16 @@ static void workers_refuse_late(struct server_workers *workers, uint64_t now_ns,
 
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
 {
+    pthread_mutex_lock(&workers->lock);
+    for (struct server_job **link = &workers->parked, *job; (job = *link);) {
+        if (job->parked_until_ns && job->parked_until_ns <= now_ns) {
+            *link = job->next;
+            (void)workers_put(workers, job, true);
+        } else {
+            link = &job->next;
+        }
+    }
+    pthread_mutex_unlock(&workers->lock);
     workers_refuse_late(workers, now_ns, SERVER_REFUSAL_DEADLINE);
 }
 

@@ -39,10 +39,11 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
 /* Queues a background job. Its deadline is checked when it starts. */
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job);
 
-/* Parks a job at an address, until it is unparked there: the last act of its `run`. It is refused
- * when it gets late or at a cancel. Returns false after a cancel: the job is not parked. This and
- * the next function take only the workers' lock. */
-bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at);
+/* Parks a job at an address, until it is unparked there, or until a time (0: none): the last act of
+ * its `run`. It is refused when it gets late or at a cancel. Returns false after a cancel: the job
+ * is not parked. This and the next function take only the workers' lock. */
+bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at,
+                         uint64_t until_ns);
 
 /* Queues the jobs that are parked there, ahead of their lanes; or refuses them. */
 void server_workers_unpark(struct server_workers *workers, const void *at);
@@ -62,7 +63,7 @@ void server_workers_yield(struct server_workers *workers);
 /* Refuses the background jobs that have not started. */
 void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why);
 
-/* Refuses the queued and parked jobs that are late. */
+/* Refuses the queued and parked jobs that are late, and queues those whose parking has ended. */
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 
 /* Refuses all queued, parked, background and future jobs. */

@@ -165,39 +165,25 @@ void server_handle_create_batch(struct server_exchange *exchange)
 
 #define WAIT_MARGIN_NS UINT64_C(1000000000) /* between the end of a wait and the deadline */
 
-static void free_waiter(void *waiter)
+/* A wait of so many seconds, before the queue is read. */
+static struct server_batch_wait wait_begin(const struct server_exchange *exchange, uint64_t wait_s)
 {
-    server_batch_waiter_end(waiter);
-    free(waiter);
+    uint64_t until_ns = exchange->started_ns + wait_s * 1000000000;
+    uint64_t last_ns = exchange->job.deadline_ns - WAIT_MARGIN_NS;
+    return (struct server_batch_wait){.news =
+                                          server_batch_runner_news(exchange->host->api->batches),
+                                      .until_ns = until_ns < last_ns ? until_ns : last_ns};
 }
 
-/* The exchange's waiter: made for its first look at the batch, and brought up to date for each.
- * NULL: a problem is replied. */
-static struct server_batch_waiter *look(struct server_exchange *exchange, uint64_t wait_s)
+/* Parks the exchange until it is worth to look again. False: it has to be answered. */
+static bool wait_for_news(struct server_exchange *exchange, struct server_batch_wait *wait,
+                          const struct server_batch *batch)
 {
-    struct server_batch_waiter *waiter = exchange->state;
-    uint64_t deadline_ns = exchange->job.deadline_ns;
-    if (!waiter) {
-        waiter = calloc(1, sizeof *waiter);
-        if (!waiter) {
-            server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-            return NULL;
-        }
-        server_exchange_keep(exchange, waiter, free_waiter);
-        waiter->job = &exchange->job;
-        waiter->until_ns = gd_now_ns() + wait_s * 1000000000;
-        if (deadline_ns && waiter->until_ns + WAIT_MARGIN_NS > deadline_ns)
-            waiter->until_ns = deadline_ns - WAIT_MARGIN_NS;
-    }
-    waiter->news = server_batch_runner_news(exchange->host->api->batches);
-    return waiter;
-}
-
-/* Nothing is there to be told yet: the exchange looks again later. */
-static bool may_wait(const struct server_exchange *exchange)
-{
-    const struct server_batch_waiter *waiter = exchange->state;
-    return gd_now_ns() < waiter->until_ns && !atomic_load(&exchange->host->is_draining);
+    struct server_batch_runner *runner = exchange->host->api->batches;
+    wait->id = batch->id;
+    return !batch_has_ended(batch) && gd_now_ns() < wait->until_ns &&
+           !atomic_load(&exchange->host->is_draining) &&
+           server_batch_runner_wait(runner, &exchange->job, wait);
 }
 
 /* --- list, describe, remove ------------------------------------------------------------------- */
@@ -238,10 +224,9 @@ static bool describe_batch(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return true;
     }
-    struct server_batch_waiter *waiter = look(exchange, wait_s);
-    if (!waiter || !find_batch(exchange, &batch)) return true;
-    if (!batch_has_ended(&batch) && may_wait(exchange))
-        return !server_batch_runner_wait(exchange->host->api->batches, waiter);
+    struct server_batch_wait wait = wait_begin(exchange, wait_s);
+    if (!find_batch(exchange, &batch)) return true;
+    if (wait_for_news(exchange, &wait, &batch)) return false;
     reply_batch(exchange, 200, &batch);
     return true;
 }
@@ -345,13 +330,12 @@ static bool list_answers(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return true;
     }
-    struct server_batch_waiter *waiter = look(exchange, answers.page.wait_s);
-    struct server_store_sql *sql = waiter ? find_batch(exchange, batch) : NULL;
+    struct server_batch_wait wait = wait_begin(exchange, answers.page.wait_s);
+    struct server_store_sql *sql = find_batch(exchange, batch);
     if (!sql) return true;
-    memcpy(waiter->id, batch->id, sizeof waiter->id);
-    if (answers.page.is_by_number && batch->done <= answers.page.after && !batch_has_ended(batch) &&
-        may_wait(exchange))
-        return !server_batch_runner_wait(exchange->host->api->batches, waiter);
+    if (answers.page.is_by_number && batch->done <= answers.page.after &&
+        wait_for_news(exchange, &wait, batch))
+        return false;
     if (!read_batch(exchange, sql, batch->id, &answers.many)) return true;
     answers.place =
         (struct server_batch_place){batch->id, answers.page.after, answers.page.is_by_number};

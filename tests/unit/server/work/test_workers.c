@@ -275,16 +275,16 @@ static void the_background_can_be_withdrawn(void **state)
 static void a_parked_job_is_queued_again_or_refused(void **state)
 {
     (void)state;
-    struct test_job back, too, poor, never, late, left, after;
+    struct test_job back, too, brief, poor, never, late, left, after;
     struct server_workers *workers = server_workers_create(1, 10);
-    struct test_job *jobs[] = {&back, &too, &poor, &never, &late, &left, &after};
+    struct test_job *jobs[] = {&back, &too, &brief, &poor, &never, &late, &left, &after};
     for (size_t i = 0; i < COUNT(jobs); i++) test_job_init(jobs[i], NULL);
     late.job.deadline_ns = gd_now_ns();
-    assert_true(server_workers_park(workers, &left.job, &left) &&
-                server_workers_park(workers, &late.job, &left) &&
-                server_workers_park(workers, &poor.job, &poor) &&
-                server_workers_park(workers, &back.job, &back) &&
-                server_workers_park(workers, &too.job, &back));
+    assert_true(server_workers_park(workers, &left.job, &left, 0) &&
+                server_workers_park(workers, &late.job, &left, 0) &&
+                server_workers_park(workers, &poor.job, &poor, 0) &&
+                server_workers_park(workers, &back.job, &back, 0) &&
+                server_workers_park(workers, &too.job, &back, 0));
     server_workers_unpark(workers, &never.job);
     assert_true(server_workers_await(workers, &back));
     server_workers_unpark(workers, &back);
@@ -292,6 +292,12 @@ static void a_parked_job_is_queued_again_or_refused(void **state)
     assert_false(server_workers_await(workers, &back));
     sem_wait(&back.done);
     sem_wait(&too.done);
+    assert_true(server_workers_park(workers, &brief.job, &brief, 1000));
+    server_workers_expire(workers, 999);
+    assert_true(server_workers_await(workers, &brief));
+    server_workers_expire(workers, 1000);
+    sem_wait(&brief.done);
+    assert_int_equal(brief.runs, 1);
     server_workers_refuse_parked(workers, &poor, SERVER_REFUSAL_MEMORY);
     assert_int_equal(poor.refusals, 1);
     assert_int_equal(poor.why, SERVER_REFUSAL_MEMORY);
@@ -302,7 +308,7 @@ static void a_parked_job_is_queued_again_or_refused(void **state)
     server_workers_cancel(workers);
     assert_int_equal(left.refusals, 1);
     assert_int_equal(left.why, SERVER_REFUSAL_DRAINING);
-    assert_false(server_workers_park(workers, &after.job, &left));
+    assert_false(server_workers_park(workers, &after.job, &left, 0));
     server_workers_unpark(workers, &left);
     server_workers_destroy(workers);
     assert_int_equal(back.runs, 1);
