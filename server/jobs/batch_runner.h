@@ -39,7 +39,7 @@ const char *server_batch_runner_health(struct server_batch_runner *runner);
 /* The queue has a new batch. */
 void server_batch_runner_wake(struct server_batch_runner *runner);
 
-/* Cancels this daemon's items of a batch and wakes its waiters; NULL: of all batches. */
+/* Cancels this daemon's items of a batch and wakes those who wait for it; NULL: of all batches. */
 void server_batch_runner_cancel(struct server_batch_runner *runner, const char *id);
 
 /* The number of answers and changes that this daemon has written. */
