@@ -233,14 +233,6 @@ server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, 
     return outcome;
 }
 
-enum server_store_outcome server_disk_size(const char *path, size_t *size)
-{
-    struct stat facts;
-    if (stat(path, &facts) != 0) return errno_outcome();
-    *size = (size_t)facts.st_size;
-    return SERVER_STORE_DONE;
-}
-
 struct server_listing server_disk_list(const char *folder)
 {
     struct server_listing listing = {.directory = opendir(folder)};

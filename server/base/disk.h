@@ -55,8 +55,6 @@ enum server_store_outcome
 server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
                  void *user);
 
-enum server_store_outcome server_disk_size(const char *path, size_t *size); /* in bytes */
-
 /* The files and folders in a folder, in no order, except names that begin with a dot:
  *
  *     struct server_listing listing = server_disk_list(folder);
