@@ -10,6 +10,7 @@ problems stand beside the properties:
 
     x-by-hand    [member…], or all: then there is a list of the names only
     x-refusals   {member: sentence}: for a value outside its limits, a word that is none, or what is no array
+    x-expected   {member: sentence}: for what is no array, if that is another sentence
     x-too-large  {member: sentence}: for a value above its maximum, which is the problem too_large then
     x-one-of     {members: [a, b], refusal: sentence}: exactly one of both is there
 """
@@ -164,6 +165,7 @@ class Member:
         self.name, self.owner, self.is_required = name, owner, name in schema.get("required", [])
         self.refusal = schema.get("x-refusals", {}).get(name)
         self.too_large = schema.get("x-too-large", {}).get(name)
+        self.expected = schema.get("x-expected", {}).get(name)
         self.schema, self.reference = follow(document, schema["properties"][name])
         self.default = self.schema.get("default")
         self.item, self.item_reference = follow(document, self.schema.get("items", {}))
@@ -243,6 +245,8 @@ class Member:
             refusal = refusal or self.sentence(limits)
         if refusal:
             parts.append(f".refusal = {c_string(refusal)}")
+        if self.expected:
+            parts.append(f".expected = {c_string(self.expected)}")
         if self.too_large:
             parts.append(f".too_large = {c_string(self.too_large)}")
         return "{" + ", ".join(parts) + "}"

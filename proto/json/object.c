@@ -45,7 +45,8 @@ const json_t *proto_object_list(const struct proto_object *object, const struct 
     if (!list) return NULL;
     *ok = json_is_array(list)
               ? proto_rule_check(rule, (double)json_array_size(list), place, object->problem)
-              : proto_problem_refuse(object->problem, place, "%s", rule->refusal);
+              : proto_problem_refuse(object->problem, place, "%s",
+                                     rule->expected ? rule->expected : rule->refusal);
     return *ok ? list : NULL;
 }
 

@@ -20,7 +20,8 @@ struct proto_rule {
     bool is_required;
     bool is_above; /* a number is more than `least` */
     double least, most;
-    const char *refusal;      /* a value outside the limits */
+    const char *refusal;      /* a value outside the limits, or what is no array */
+    const char *expected;     /* the latter, if it is another sentence; or NULL */
     const char *too_large;    /* a value above `most` is too_large, not invalid_request; or NULL */
     const char *const *words; /* of a word, NULL-terminated */
 };

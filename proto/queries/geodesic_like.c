@@ -1,11 +1,15 @@
 #include "proto/queries/geodesic_like.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "proto/json/member.h"
 #include "proto/values/point.h"
+
+static_assert(PROTO_GEODESIC_REQUEST_DEGREE_MOST == GD_GEODESIC_DEGREE_MOST,
+              "the contract has the limit of the engine");
 
 const struct proto_geodesic_form proto_geodesic_between_points = {{"from", "to"},
                                                                   proto_geodesic_request_members,

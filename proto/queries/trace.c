@@ -1,7 +1,13 @@
 #include "proto/queries/trace.h"
 
+#include <assert.h>
+
+#include "generated/requests.h"
 #include "proto/json/member.h"
 #include "proto/values/path.h"
+
+static_assert(PROTO_TRACE_REQUEST_STEP_LIMIT_MOST == GD_TRACE_STEPS,
+              "the contract has the limit of the engine");
 
 const char *proto_trace_end_name(enum gd_trace_end end)
 {
