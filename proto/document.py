@@ -9,6 +9,7 @@ MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
 MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
 IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
 CAPTURE = re.compile(r"\{([a-z_]+)\}")
+DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 PREFER = {"$ref": "#/components/parameters/Prefer"}
 ROLES = ("read", "write")  # of keys, as the security requirements name them
 
@@ -174,10 +175,36 @@ def check_operation(document, path, item, operation):
         yield "has a path too long for the table"
 
 
+def parameters(document, item, operation):
+    """The parameters of the operation, those of its path among them."""
+    return [resolve(document, each["$ref"]) if "$ref" in each else each for each in (*item.get("parameters", []), *operation.get("parameters", []))]
+
+
+def deprecated_parameters(document, item, operation):
+    return [each for each in parameters(document, item, operation) if each.get("deprecated")]
+
+
+def check_deprecations(document, path, item, method, operation):
+    """A deprecated name has a date and a replacement that exists beside it."""
+    names = {each["name"] for each in parameters(document, item, operation) if not each.get("deprecated")}
+    for parameter in deprecated_parameters(document, item, operation):
+        if parameter["in"] != "query" or parameter.get("x-replaced-by") not in names or not DATE.fullmatch(parameter.get("x-deprecated-since", "")):
+            yield f"has the deprecated parameter {parameter['name']} without x-replaced-by and x-deprecated-since"
+    if not operation.get("deprecated"):
+        return
+    replacement = operation.get("x-replaced-by", "")
+    if method not in document["paths"].get(replacement, {}) or CAPTURE.findall(replacement) != CAPTURE.findall(path):
+        yield f"is deprecated, and {replacement or 'no path'} replaces it"
+    if not DATE.fullmatch(operation.get("x-deprecated-since", "")):
+        yield "is deprecated without x-deprecated-since"
+
+
 def check_operations(document):
     seen = set()
     for path, item, method, operation in operations(document):
         for complaint in check_operation(document, path, item, operation):
+            yield f"{method} {path}: {complaint}"
+        for complaint in check_deprecations(document, path, item, method, operation):
             yield f"{method} {path}: {complaint}"
         if operation.get("operationId") in seen:
             yield f"{method} {path}: the operationId stands twice"

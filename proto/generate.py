@@ -9,6 +9,7 @@
 
 Each of them refuses a document that breaks a rule of check_document.
 """
+import datetime
 import gzip
 import hashlib
 import json
@@ -18,7 +19,7 @@ import sys
 
 sys.dont_write_bytecode = True
 import members  # noqa: E402
-from document import CAPTURE, METHODS, access, check_document, check_problems, handler, load_document, operations, segments, takes_preference  # noqa: E402
+from document import CAPTURE, METHODS, access, check_document, check_problems, deprecated_parameters, handler, load_document, operations, segments, takes_preference  # noqa: E402
 from members import c_string  # noqa: E402
 
 # queries about meshes with handlers of their own
@@ -77,6 +78,26 @@ def is_query(path, item, operation):
     return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
 
 
+def deprecation(old, new, since):
+    seconds = int(datetime.datetime.fromisoformat(since).replace(tzinfo=datetime.timezone.utc).timestamp())
+    return f"{{{c_string(old)}, {c_string(new)}, {seconds}}}"
+
+
+def deprecation_fields(document, path, item, method, operation):
+    """What answers to a former name say: of the route's own path, and of its parameters."""
+    fields = {}
+    if operation.get("deprecated"):
+        row = deprecation(path, operation["x-replaced-by"], operation["x-deprecated-since"])
+        fields["deprecation"] = f"&(const struct proto_deprecation){row}"
+        operation = document["paths"][operation["x-replaced-by"]][method]
+    rows = [deprecation(each["name"], each["x-replaced-by"], each["x-deprecated-since"]) for each in deprecated_parameters(document, item, operation)]
+    if rows:
+        fields["deprecated_parameters"] = f"(const struct proto_deprecation[]){{{', '.join([*rows, '{0}'])}}}"
+    if fields:
+        fields["documentation"] = c_string(f"/docs/#/{operation['tags'][0]}/{operation['operationId']}")
+    return fields
+
+
 def route_row(document, path, item, method, operation):
     parts = [None if CAPTURE.fullmatch(part) else part for part in segments(path)]
     query = query_name(path, method, operation)
@@ -94,6 +115,7 @@ def route_row(document, path, item, method, operation):
         "segments": "{" + ", ".join(c_string(part) if part else "NULL" for part in parts or [None]) + "}",
         "handle": "server_handle_query" if is_query(path, item, operation) else f"server_handle_{handler(operation)}",
         "kind": f"&server_query_{handler(operation)}" if is_query(path, item, operation) else "NULL",
+        **deprecation_fields(document, path, item, method, operation),
     }
     return "    {" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "},"
 
@@ -138,10 +160,13 @@ def write_sources(document, folder):
 # --- assets ---------------------------------------------------------------------------------------------------------
 
 
+PUBLISHED_EXTENSIONS = ("x-replaced-by", "x-deprecated-since")
+
+
 def published(node):
-    """The document without the extensions, which are the generator's own."""
+    """The document without the extensions that are the generator's own."""
     if isinstance(node, dict):
-        return {key: published(value) for key, value in node.items() if not key.startswith("x-")}
+        return {key: published(value) for key, value in node.items() if key in PUBLISHED_EXTENSIONS or not key.startswith("x-")}
     if isinstance(node, list):
         return [published(value) for value in node]
     return node

@@ -1,6 +1,6 @@
 """Members of requests, fields of answers and parameters, in C, from the contract.
 
-A parameter `fields` whose items have `x-fields: {of: Schema}` takes the names of the schema's members, in their
+A parameter `select` whose items have `x-fields: {of: Schema}` takes the names of the schema's members, in their
 order; `with: member` puts the members of that list's items behind it, `without` leaves some out. `expand` writes the
 names into the document as an enumeration. In C they are bits and a list of names.
 

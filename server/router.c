@@ -8,6 +8,7 @@
 #include "server/access/access.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
+#include "server/exchange/deprecation.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
@@ -178,7 +179,8 @@ static bool request_begin(struct server_exchange *exchange, struct proto_problem
     if (!request_admit(exchange, problem)) return false;
     if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
                          &exchange->match, problem))
-        return request_authorize(exchange, problem) && prepare_body(exchange, problem);
+        return request_authorize(exchange, problem) &&
+               server_deprecation_apply(exchange, problem) && prepare_body(exchange, problem);
     if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
     struct proto_problem unauthorized;
     if (!request_authorize(exchange, &unauthorized)) *problem = unauthorized;

@@ -171,9 +171,13 @@ export type BatchLine = (BatchPair | BatchNearest | BatchMatrix | BatchSetDistan
 /** Members of the answer to return, as `a,b` or as an array. */
 export type BatchNames = (string | string[]);
 
+/** Former name of `select`. */
+export type BatchFormerNames = (string | string[]);
+
 export type BatchPair = {
   query: ("distance" | "path");
-  fields?: BatchNames;
+  select?: BatchNames;
+  fields?: BatchFormerNames;
   geometry?: ("full" | "xyz" | "none");
   from: Point;
   to: Point;
@@ -182,14 +186,16 @@ export type BatchPair = {
 
 export type BatchNearest = {
   query: "nearest";
-  fields?: BatchNames;
+  select?: BatchNames;
+  fields?: BatchFormerNames;
   geometry?: ("full" | "xyz" | "none");
   point: Point;
 };
 
 export type BatchMatrix = {
   query: "matrix";
-  fields?: BatchNames;
+  select?: BatchNames;
+  fields?: BatchFormerNames;
   geometry?: ("full" | "xyz" | "none");
   sources: MatrixPoints;
   targets: MatrixPoints;
@@ -198,7 +204,8 @@ export type BatchMatrix = {
 
 export type BatchCurveDistance = {
   query: "curve-distance";
-  fields?: BatchNames;
+  select?: BatchNames;
+  fields?: BatchFormerNames;
   geometry?: ("full" | "xyz" | "none");
   a: Curve;
   b: Curve;
@@ -207,7 +214,8 @@ export type BatchCurveDistance = {
 
 export type BatchSetDistance = {
   query: "distance-to-set";
-  fields?: BatchNames;
+  select?: BatchNames;
+  fields?: BatchFormerNames;
   geometry?: ("full" | "xyz" | "none");
   set: Set;
   points: EvaluationPoints;
@@ -1309,7 +1317,7 @@ export type GeodesicAnswer = {
     uv: Place;
     xyz: Vector;
   })[];
-  /** `from` and `to` for `geodesic`, `curve` for `point-curve-distance`, `a` and `b` for `curve-distance`. */
+  /** `from` and `to` for `path`, `curve` for `point-curve-distance`, `a` and `b` for `curve-distance`. */
   ends: {
     from?: GeodesicEnd;
     to?: GeodesicEnd;
@@ -1540,6 +1548,11 @@ export interface SubdivisionQueries {
     answer: LimitPairAnswer;
   };
   /** Store the surface as a triangle mesh */
+  "tessellate": {
+    body: DiscretizeRequest;
+    answer: Mesh;
+  };
+  /** Store the surface as a triangle mesh */
   "discretize": {
     body: DiscretizeRequest;
     answer: Mesh;
@@ -1557,6 +1570,11 @@ export interface NurbsQueries {
   "nearest": {
     body: FootRequest;
     answer: FootAnswer;
+  };
+  /** Get the shortest path between two points of the surface */
+  "path": {
+    body: GeodesicRequest;
+    answer: GeodesicAnswer;
   };
   /** Get the shortest path between two points of the surface */
   "geodesic": {

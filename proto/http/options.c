@@ -110,7 +110,7 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
 static bool refuse_field(struct proto_problem *problem, const char *name, int size,
                          const char *const *names)
 {
-    proto_problem_refuse(problem, "fields", "the answer has no field \"%.*s\"; it has", size, name);
+    proto_problem_refuse(problem, "select", "the answer has no field \"%.*s\"; it has", size, name);
     append_words(problem, names);
     return false;
 }
@@ -118,7 +118,7 @@ static bool refuse_field(struct proto_problem *problem, const char *name, int si
 static bool parse_fields(const struct proto_parameters *parameters, const char *const *names,
                          uint32_t *out, struct proto_problem *problem)
 {
-    const char *text = parameters->get(parameters->user, "fields");
+    const char *text = parameters->get(parameters->user, "select");
     if (!text) return true;
     uint32_t fields = 0;
     for (bool more = true; more;) {

@@ -1,4 +1,4 @@
-/* Options: the query string, and what every query takes from it: fields, geometry, timeout_ms. */
+/* Options: the query string, and what every query takes from it: select, geometry, timeout_ms. */
 #ifndef PROTO_OPTIONS_H
 #define PROTO_OPTIONS_H
 

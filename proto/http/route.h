@@ -27,6 +27,13 @@ enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO
 #define PROTO_ROUTE_SEGMENTS 6
 #define PROTO_ROUTE_CAPTURES 2
 
+/* A former name of a path or of a query parameter. It works as its replacement does, and the answer
+ * says so. */
+struct proto_deprecation {
+    const char *name, *replacement; /* of paths: templates */
+    int64_t since;                  /* Unix time */
+};
+
 struct proto_route {
     enum proto_method method;
     enum proto_access access;
@@ -41,7 +48,11 @@ struct proto_route {
     uint32_t segment_count;                     /* "/" has none */
     const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text, or NULL: captures */
     void (*handle)(struct server_exchange *exchange);
-    const struct server_query_kind *kind; /* of a query about a mesh; else NULL */
+    const struct server_query_kind *kind;                  /* of a query about a mesh; else NULL */
+    const struct proto_deprecation *deprecation;           /* of this path; NULL: it is current */
+    const struct proto_deprecation *deprecated_parameters; /* ends with name NULL; NULL: none */
+    /* path of the page about the current operation; set if any of the two above is */
+    const char *documentation;
 };
 
 extern const struct proto_route proto_routes[];

@@ -5,6 +5,10 @@
 
 #include "proto/json/decode.h"
 
+/* the line's member that selects members of the answer */
+#define SELECT        "select"
+#define FORMER_SELECT "fields"
+
 /* --- lines ------------------------------------------------------------------------------------ */
 
 static bool is_blank(const struct proto_batch_line *line)
@@ -64,11 +68,26 @@ static bool take_member(json_t *document, const char *member, const char *expect
     out[0] = '\0';
     *found = value != NULL;
     if (!value) return true;
-    bool is_list = strcmp(member, "fields") == 0 && json_is_array(value);
+    bool is_list =
+        json_is_array(value) && (strcmp(member, SELECT) == 0 || strcmp(member, FORMER_SELECT) == 0);
     if (!(is_list ? append_names(value, out, size) : append_string(value, out, size)))
         return refuse_member(problem, member, expected);
     json_object_del(document, member);
     return true;
+}
+
+/* Takes the names of members, under either name. */
+static bool take_select(struct proto_batch_query *query, struct proto_problem *problem)
+{
+    json_t *document = query->document;
+    query->is_former = json_object_get(document, FORMER_SELECT) != NULL;
+    if (query->is_former && json_object_get(document, SELECT))
+        return proto_problem_refuse(problem, "/" FORMER_SELECT,
+                                    "\"" FORMER_SELECT "\" is the former name of \"" SELECT
+                                    "\"; send only \"" SELECT "\"");
+    return take_member(document, query->is_former ? FORMER_SELECT : SELECT,
+                       "names of members, as \"a,b\" or as [\"a\", \"b\"]", query->select,
+                       sizeof query->select, &query->has_select, problem);
 }
 
 static bool take_members(struct proto_batch_query *query, struct proto_problem *problem)
@@ -80,8 +99,7 @@ static bool take_members(struct proto_batch_query *query, struct proto_problem *
     if (!proto_decode_member(document, "", "query", problem)) return false;
     return take_member(document, "query", "the name of a query, a string", query->name,
                        sizeof query->name, &has_name, problem) &&
-           take_member(document, "fields", "names of fields, as \"a,b\" or as [\"a\", \"b\"]",
-                       query->fields, sizeof query->fields, &query->has_fields, problem) &&
+           take_select(query, problem) &&
            take_member(document, "geometry", "full, xyz or none", query->geometry,
                        sizeof query->geometry, &query->has_geometry, problem);
 }
@@ -124,7 +142,7 @@ struct view {
 static const char *get_of_batch(void *user, const char *name)
 {
     const struct view *view = user;
-    return strcmp(name, "fields") == 0 ? NULL : view->defaults->get(view->defaults->user, name);
+    return strcmp(name, SELECT) == 0 ? NULL : view->defaults->get(view->defaults->user, name);
 }
 
 static void visit_of_batch(void *user, bool (*visit)(void *context, const char *name),
@@ -146,7 +164,7 @@ bool proto_batch_parse(const struct proto_parameters *parameters, struct proto_o
 static const char *get_of_line(void *user, const char *name)
 {
     const struct view *view = user;
-    if (view->query->has_fields && strcmp(name, "fields") == 0) return view->query->fields;
+    if (view->query->has_select && strcmp(name, SELECT) == 0) return view->query->select;
     if (view->query->has_geometry && strcmp(name, "geometry") == 0) return view->query->geometry;
     return view->defaults->get(view->defaults->user, name);
 }
@@ -160,11 +178,12 @@ static void visit_of_line(void *user, bool (*visit)(void *context, const char *n
 /* A parameter that the line itself said is a member of it. */
 static bool put_in_line(const struct proto_batch_query *query, struct proto_problem *problem)
 {
-    bool is_fields = query->has_fields && strcmp(problem->parameter, "fields") == 0;
+    bool is_select = query->has_select && strcmp(problem->parameter, SELECT) == 0;
     bool is_geometry = query->has_geometry && strcmp(problem->parameter, "geometry") == 0;
-    if (!is_fields && !is_geometry) return false;
+    if (!is_select && !is_geometry) return false;
     problem->parameter[0] = '\0';
-    return proto_problem_at(problem, is_fields ? "/fields" : "/geometry");
+    if (is_geometry) return proto_problem_at(problem, "/geometry");
+    return proto_problem_at(problem, query->is_former ? "/" FORMER_SELECT : "/" SELECT);
 }
 
 bool proto_batch_options(const struct proto_batch_query *query,

@@ -12,8 +12,8 @@
  *         proto_batch_end(&writer, begin);
  *     }
  *
- * A line is the body of a query with its name, {"query": "distance", …}, and perhaps "fields" (a
- * string as in the query string, or an array of names) and "geometry". Its answer is {"status":
+ * A line is the body of a query with its name, {"query": "distance", …}, and perhaps "select" (a
+ * string as in the query string, or an array of names; formerly "fields") and "geometry". Its answer is {"status":
  * 200, …the answer} or {"status": 4xx, …the problem}, which names the line. */
 #ifndef PROTO_BATCH_H
 #define PROTO_BATCH_H
@@ -24,7 +24,7 @@
 #include "proto/json/writer.h"
 
 #define PROTO_BATCH_LINE   (256 << 10) /* most bytes of a line */
-#define PROTO_BATCH_FIELDS 256         /* most bytes of "fields", its NUL included */
+#define PROTO_BATCH_SELECT 256         /* most bytes of "select", its NUL included */
 
 struct proto_batch_line { /* all zero stands before the first line */
     const char *text;     /* within the batch; without its end of line */
@@ -41,9 +41,10 @@ bool proto_batch_next(const char *text, size_t size, struct proto_batch_line *li
 struct proto_batch_query { /* all zero is an empty one */
     json_t *document;      /* the query's own body: what was not the line's */
     char name[PROTO_BATCH_NAME];
-    char fields[PROTO_BATCH_FIELDS]; /* as in the query string */
+    char select[PROTO_BATCH_SELECT]; /* as in the query string */
     char geometry[PROTO_BATCH_NAME];
-    bool has_fields, has_geometry;
+    bool has_select, has_geometry;
+    bool is_former; /* the line says "fields" instead of "select" */
 };
 
 /* invalid_request, with pointers into the line; too_large. Freed by proto_batch_query_free. */

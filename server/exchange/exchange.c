@@ -233,6 +233,14 @@ static bool copy_head(struct server_exchange *to, const struct server_exchange *
     return true;
 }
 
+/* A parameter's name in a copy of the target; a replaced name is static. */
+static const char *copied_name(const struct server_exchange *to, const struct server_exchange *from,
+                               const char *name)
+{
+    bool is_static = name < from->target || name >= from->target + from->target_size;
+    return is_static ? name : to->target + (name - from->target);
+}
+
 static bool copy_target(struct server_exchange *to, const struct server_exchange *from)
 {
     to->target = malloc(from->target_size);
@@ -241,11 +249,12 @@ static bool copy_target(struct server_exchange *to, const struct server_exchange
     to->target_size = from->target_size;
     to->path = to->target + (from->path - from->target);
     to->match = from->match;
+    to->deprecation = from->deprecation;
     for (uint32_t i = 0; i < from->match.capture_count; i++)
         to->match.captures[i].text = to->target + (from->match.captures[i].text - from->target);
     to->parameter_count = from->parameter_count;
     for (uint32_t i = 0; i < from->parameter_count; i++) {
-        to->parameters[i].name = to->target + (from->parameters[i].name - from->target);
+        to->parameters[i].name = copied_name(to, from, from->parameters[i].name);
         to->parameters[i].value = to->target + (from->parameters[i].value - from->target);
     }
     return true;

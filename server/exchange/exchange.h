@@ -125,6 +125,8 @@ struct server_exchange {
     char *copies;      /* of method and headers; NULL: they are the transport's */
     const char *fault; /* why the request could not be read, a sentence; NULL: it could */
     struct proto_route_match match; /* route NULL: none found */
+    /* the former name that the request uses (deprecation.h); NULL: none */
+    const struct proto_deprecation *deprecation;
     char request_id[SERVER_REQUEST_ID];
     struct server_grant grant;
     const char *tenant;      /* whose names it is about (kind.h), borrowed from the grant; or "" */

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "proto/http/accept.h"
+#include "server/exchange/deprecation.h"
 #include "server/exchange/etag.h"
 #include "server/exchange/events.h"
 #include "server/base/gzip.h"
@@ -18,8 +19,9 @@
 #define JSON         "application/json"
 #define PROBLEM_JSON "application/problem+json"
 #define EXPOSED_HEADERS                                                                            \
-    "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, " \
-    "X-Request-Id"
+    "Allow, Content-Encoding, Deprecation, ETag, Link, Location, Preference-Applied, "             \
+    "Retry-After, "                                                                                \
+    "WWW-Authenticate, X-Request-Id"
 /* shown as a document, data loads nothing */
 #define DATA_POLICY "default-src 'none'; frame-ancestors 'none'"
 
@@ -182,8 +184,11 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
 {
     struct proto_writer writer;
     size_t size = 0;
+    struct proto_problem sent = *problem;
+    snprintf(sent.parameter, sizeof sent.parameter, "%s",
+             server_deprecation_sent(exchange, problem->parameter));
     proto_writer_init(&writer, PROBLEM_MOST);
-    proto_problem_encode(&writer, problem);
+    proto_problem_encode(&writer, &sent);
     char *text = proto_writer_take(&writer, &size);
     proto_writer_free(&writer);
     exchange->response.header_count = 0;
@@ -337,6 +342,15 @@ static void allow_origin(struct server_exchange *exchange)
     add_header(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
 }
 
+/* Says that the request uses a former name. */
+static void mark_deprecation(struct server_exchange *exchange)
+{
+    if (!exchange->deprecation) return;
+    server_reply_header(exchange, "Deprecation", "@%lld", (long long)exchange->deprecation->since);
+    server_reply_header(exchange, "Link", "<%s>; rel=\"deprecation\"; type=\"text/html\"",
+                        exchange->match.route->documentation);
+}
+
 void server_reply_seal(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
@@ -348,6 +362,7 @@ void server_reply_seal(struct server_exchange *exchange)
         name_packed_form(tag);
     if (response->media_type) add_header(response, "Content-Type", response->media_type);
     allow_origin(exchange);
+    mark_deprecation(exchange);
     add_header(response, "X-Request-Id", exchange->request_id);
     add_header(response, "X-Content-Type-Options", "nosniff");
     add_header(response, "Content-Security-Policy",

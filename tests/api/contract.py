@@ -2,7 +2,7 @@
 
 An answer is right when its operation documents the status, the media type, the problem's code, the headers and the body, and nothing of
 them is missing that it promises. Answers are open in the document. Here they are closed: a member that is not documented is a fault. A
-required member may be missing only where the request could leave it out by `fields`. Needs Debian's python3-yaml and python3-jsonschema.
+required member may be missing only where the request could leave it out by `select`. Needs Debian's python3-yaml and python3-jsonschema.
 """
 import functools
 import gzip
@@ -23,7 +23,7 @@ JSON_TYPES = ("application/json", "application/problem+json")
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
 # Any answer may have these; all other headers are documented.
 COMMON_HEADERS = {"cache-control", "connection", "content-encoding", "content-length", "content-security-policy", "content-type",
-                  "cross-origin-resource-policy", "date", "referrer-policy", "strict-transport-security", "transfer-encoding", "vary",
+                  "cross-origin-resource-policy", "date", "deprecation", "link", "referrer-policy", "strict-transport-security", "transfer-encoding", "vary",
                   "x-content-type-options", "x-request-id"}
 PAGE_HEADERS = ("access-control-",)  # what a page of a listed origin is told
 # Of answers that belong to no operation.
@@ -102,8 +102,8 @@ class Operation:
         return [word for schema in schemas for word in schema.get("items", schema).get("enum", ())]
 
     def left_out(self, target):
-        """Names of the members that a request to the target may leave out of its answer. The lines of a batch have `fields` of their own."""
-        return tuple(self.words("fields")) if "fields=" in target.partition("?")[2] else ()
+        """Names of the members that a request to the target may leave out of its answer. The lines of `queries` have a `select` of their own."""
+        return tuple(self.words("select")) if re.search(r"(?:^|&)(?:select|fields)=", target.partition("?")[2]) else ()
 
     def examples(self, document):
         """(media type, bytes) of each request body that is shown."""
@@ -121,7 +121,7 @@ class Contract:
         self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}
-        self.names_of_fields = tuple(sorted({word for each in self.operations for word in each.words("fields")}))
+        self.names_of_fields = tuple(sorted({word for each in self.operations for word in each.words("select")}))
         self.schemas = {}
 
     def operation(self, method, target):
@@ -243,7 +243,7 @@ class Contract:
             yield f"{place}: {operation.name} does not document the job's {job['response']['status']} {job['response']['media_type']}"
         elif job["response"]["media_type"] in JSON_TYPES:
             # a job's `request` has no query
-            yield from self.invalid(thinned(job["result"]), content["schema"], f"{place}, the job's result", tuple(operation.words("fields")))
+            yield from self.invalid(thinned(job["result"]), content["schema"], f"{place}, the job's result", tuple(operation.words("select")))
 
 
 @functools.cache

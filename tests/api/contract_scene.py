@@ -1,7 +1,7 @@
 """What the documented requests are asked about: for each operation the request that the contract shows, on surfaces that it shows, too.
 
 A new operation needs nothing here when its parameters and its body have examples that work on the surfaces of `Scene.fill`: the mesh
-`tetrahedron`, the control mesh `cube`, the NURBS surface `sheet`, what their examples of `discretize` and `tessellate` make, a field and a
+`tetrahedron`, the control mesh `cube`, the NURBS surface `sheet`, what their examples of `tessellate` make, a field and a
 job. What these can't tell stands in the tables below.
 """
 import json
@@ -59,7 +59,7 @@ class Scene:
     def fill(self):
         """Each time anew; what is there already is not changed by it."""
         self.put_surfaces()
-        for operation in ("post_nurbs_tessellate", "post_subdivision_discretize"):
+        for operation in ("post_nurbs_tessellate", "post_subdivision_tessellate"):
             self.must("POST", self.path(self.by_name[operation]), self.shown_body(operation), JSON)
         self.field = self.must("POST", self.path(self.by_name["create_field"]), FIELD, JSON).json["id"]
         self.job = self.finished_job()

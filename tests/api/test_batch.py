@@ -67,7 +67,7 @@ class Batches(TestCase):
             self.assertEqual({**alone.json, "elements": [{"line": number + 1}]}, found[number])
 
     def test_a_bad_line_spoils_only_itself(self):
-        good = json.dumps({"query": "distance", "from": {"vertex": 0}, "to": {"vertex": 1}, "fields": "distance"})
+        good = json.dumps({"query": "distance", "from": {"vertex": 0}, "to": {"vertex": 1}, "select": "distance"})
         bad = ["nonsense", "[]", "{}", '{"query": 3}', '{"query": "batch"}', '{"query": "distance"', "\x00", "\xff",
                '"x"', "{} {}", '{"query":"distance","query":"path"}', "[" * 50]
         body = "".join(f"{good}\n{line}\n" for line in bad)
@@ -86,7 +86,7 @@ class Batches(TestCase):
             self.assertNotEqual(other["pointer"], "/query")
 
     def test_blank_lines_are_skipped_and_counted(self):
-        line = '{"query":"nearest","point":{"vertex":0},"fields":["vertex"]}'
+        line = '{"query":"nearest","point":{"vertex":0},"select":["vertex"]}'
         found = self.answers("ball", f"\n\n{line}\r\n \t\r\n\nnonsense\n{line}")
         self.assertEqual(found[::2], [{"status": 200, "vertex": 0}] * 2)
         self.assert_line(found[1], 400, "invalid_request", 6)
@@ -96,29 +96,29 @@ class Batches(TestCase):
     def test_fields_and_geometry(self):
         pair = {"from": {"vertex": 0}, "to": {"vertex": 30}}
         found = self.answers("ball", lines_of(
-            {"query": "distance", **pair, "fields": "distance"},
-            {"query": "distance", **pair, "fields": ["to", "distance"]},
-            {"query": "path", **pair, "fields": ["path"], "geometry": "xyz"},
+            {"query": "distance", **pair, "select": "distance"},
+            {"query": "distance", **pair, "select": ["to", "distance"]},
+            {"query": "path", **pair, "select": ["path"], "geometry": "xyz"},
             {"query": "path", **pair, "geometry": "none"},
-            {"query": "distance", **pair, "fields": "reason"},
-            {"query": "distance", **pair, "fields": "path"},
+            {"query": "distance", **pair, "select": "reason"},
+            {"query": "distance", **pair, "select": "path"},
             {"query": "distance", **pair, "geometry": "all"},
-            {"query": "distance", **pair, "fields": 3}))
+            {"query": "distance", **pair, "select": 3}))
         self.assertEqual([list(answer) for answer in found[:2]], [["status", "distance"], ["status", "distance", "to"]])
         self.assertTrue(all(len(point) == 3 for point in found[2]["path"]["points"]))
         self.assertEqual(list(found[3]["path"]), ["length"])
         self.assertEqual(found[4], {"status": 200})
-        for number, pointer in ((5, "/fields"), (6, "/geometry"), (7, "/fields")):
+        for number, pointer in ((5, "/select"), (6, "/geometry"), (7, "/select")):
             self.assertEqual(self.assert_line(found[number], 400, "invalid_request", number + 1)["pointer"], pointer)
 
     def test_options_of_the_query_string_are_defaults(self):
         pair = {"from": {"vertex": 0}, "to": {"vertex": 30}}
-        body = lines_of({"query": "path", **pair}, {"query": "path", **pair, "geometry": "full", "fields": "path"},
+        body = lines_of({"query": "path", **pair}, {"query": "path", **pair, "geometry": "full", "select": "path"},
                         {"query": "nearest", "point": {"vertex": 0}})
-        found = self.answers("ball", body, "?fields=distance,path&geometry=none")
+        found = self.answers("ball", body, "?select=distance,path&geometry=none")
         self.assertEqual((list(found[0]), list(found[0]["path"])), (["status", "distance", "path"], ["length"]))
         self.assertEqual((list(found[1]), list(found[1]["path"])), (["status", "path"], ["length", "points"]))
-        self.assertEqual(self.assert_line(found[2], 400, "invalid_request", 3)["parameter"], "fields")
+        self.assertEqual(self.assert_line(found[2], 400, "invalid_request", 3)["parameter"], "select")
         for query in ("?geometry=all", "?from=v:0", "?timeout_ms=0"):
             self.assert_problem(self.batch("ball", body, query), 400, "invalid_request")
 
@@ -159,7 +159,7 @@ class Batches(TestCase):
         numbers = random.Random(7)
         pairs = [(numbers.randrange(642), numbers.randrange(642)) for _ in range(2000)]
         found = self.answers("ball", lines_of(*(
-            {"query": "distance", "from": {"vertex": a}, "to": {"vertex": b}, "fields": "distance"} for a, b in pairs)))
+            {"query": "distance", "from": {"vertex": a}, "to": {"vertex": b}, "select": "distance"} for a, b in pairs)))
         every = [{"vertex": number} for number in range(642)]
         matrix = self.daemon.ask("ball", "matrix", {"sources": every, "targets": every}).json["distances"]
         for (a, b), answer in zip(pairs, found, strict=True):
@@ -207,7 +207,7 @@ class Streams(TestCase):
         cls.daemon.put("ball", sample("icosphere", level=3))
         cls.daemon.put("large", sample("icosphere", level=6))
         some = [{"vertex": number} for number in range(8)]
-        cls.slow = {"query": "matrix", "sources": some, "targets": some, "fields": "distances"}
+        cls.slow = {"query": "matrix", "sources": some, "targets": some, "select": "distances"}
 
     def begin(self, mesh, body, query="", **headers):
         """A connection whose answer is not read yet."""
@@ -243,7 +243,7 @@ class Streams(TestCase):
         numbers = random.Random(3)
         body = lines_of(*({"query": "path", "from": {"vertex": numbers.randrange(642)}, "to": {"vertex": numbers.randrange(642)}}
                           for _ in range(500)))
-        started = self.daemon.request("POST", "/v1/meshes/ball/batch", body, {**NDJSON, "Prefer": "respond-async"})
+        started = self.daemon.request("POST", "/v1/meshes/ball/queries", body, {**NDJSON, "Prefer": "respond-async"})
         self.assertEqual(self.daemon.ended(started)["state"], "done")
         whole = self.daemon.get(started.headers["Location"] + "/result").body
         for coding in ("identity", "gzip"):
@@ -282,7 +282,7 @@ class Streams(TestCase):
 
     def test_a_slow_reader_stops_the_work_and_memory_stays_bounded(self):
         every = [{"vertex": number} for number in range(642)]
-        row = {"query": "matrix", "sources": every, "targets": every, "fields": "distances"}  # 7 MB
+        row = {"query": "matrix", "sources": every, "targets": every, "select": "distances"}  # 7 MB
         connection, answer = self.begin("ball", lines_of(*[row] * 6))
         wait_until(self.is_idle)  # the work waits, and no worker with it
         self.assertLess(self.daemon.metric('memory_bytes{class="flight"}'), 24 << 20)
@@ -301,7 +301,7 @@ class Streams(TestCase):
         with Daemon("--drain-ms", "300") as daemon:
             daemon.put("large", sample("icosphere", level=6))
             connection = http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=60)
-            connection.request("POST", "/v1/meshes/large/batch", lines_of(self.QUICK, *[self.slow] * 1000), NDJSON)
+            connection.request("POST", "/v1/meshes/large/queries", lines_of(self.QUICK, *[self.slow] * 1000), NDJSON)
             answer = connection.getresponse()
             answer.readline()
             self.assertEqual(daemon.stop(), 0)
@@ -320,7 +320,7 @@ class Parked(unittest.TestCase):
                 {"query": "distance", "from": {"vertex": 5}, "to": {"vertex": number}} for number in range(1000, 1010)))
 
             def ask():
-                results.append(daemon.request("POST", "/v1/meshes/large/batch", body, NDJSON))
+                results.append(daemon.request("POST", "/v1/meshes/large/queries", body, NDJSON))
 
             threads = [threading.Thread(target=ask) for _ in range(8)]
             for thread in threads:

@@ -104,9 +104,9 @@ class Examples(TestCase):
         self.each(check)
 
     def test_every_field_can_be_asked_for(self):
-        """`fields` takes the names that are listed, one by one, and no other; `geometry` its words."""
+        """`select` takes the names that are listed, one by one, and no other; `geometry` its words."""
         def check(operation):
-            for name in ("fields", "geometry"):
+            for name in ("select", "geometry"):
                 for word in operation.words(name):
                     self.right(operation, self.scene.ask(operation).plus(query=f"{name}={word}"))
                 if operation.words(name):
@@ -190,8 +190,8 @@ class Checker(unittest.TestCase):
         self.assertRegex(self.faults(body=self.ANSWER.replace(b'"distance":1', b'"distance":"1"'))[0], "/distance")
 
     def test_a_required_member(self):
-        """`fields` leaves out members of the answer itself, none of the points in it."""
-        projected = self.TARGET + "&fields=distance,from"
+        """`select` leaves out members of the answer itself, none of the points in it."""
+        projected = self.TARGET + "&select=distance,from"
         for body in (b'{"distance":1}', b'{"distance":1,"from":' + self.POINT + b"}"):
             self.assertRegex(self.faults(body=body)[0], "required")
             self.assertEqual(self.faults(body=body, target=projected), [])

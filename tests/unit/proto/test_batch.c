@@ -48,20 +48,39 @@ static void takes_its_own_members_out(void **state)
     struct proto_batch_query query;
     struct proto_problem problem;
     assert_true(
-        decode("{\"from\":1,\"query\":\"path\",\"geometry\":\"xyz\",\"fields\":[\"a\",\"b\"]}",
+        decode("{\"from\":1,\"query\":\"path\",\"geometry\":\"xyz\",\"select\":[\"a\",\"b\"]}",
                &query, &problem));
     assert_string_equal(query.name, "path");
-    assert_string_equal(query.fields, "a,b");
+    assert_string_equal(query.select, "a,b");
     assert_string_equal(query.geometry, "xyz");
-    assert_true(query.has_fields && query.has_geometry);
+    assert_true(query.has_select && query.has_geometry);
     assert_int_equal(json_object_size(query.document), 1);
     assert_non_null(json_object_get(query.document, "from"));
     proto_batch_query_free(&query);
     proto_batch_query_free(&query);
-    assert_true(decode("{\"query\":\"path\",\"fields\":\"a,b\"}", &query, &problem));
-    assert_string_equal(query.fields, "a,b");
+    assert_true(decode("{\"query\":\"path\",\"select\":\"a,b\"}", &query, &problem));
+    assert_string_equal(query.select, "a,b");
     assert_false(query.has_geometry);
     proto_batch_query_free(&query);
+}
+
+static void takes_the_former_name_of_select(void **state)
+{
+    (void)state;
+    struct proto_batch_query query;
+    struct proto_problem problem;
+    assert_true(decode("{\"query\":\"path\",\"fields\":[\"a\",\"b\"]}", &query, &problem));
+    assert_string_equal(query.select, "a,b");
+    assert_true(query.has_select && json_object_size(query.document) == 0);
+    struct proto_options options;
+    struct proto_parameters none = NO_QUERY;
+    assert_false(proto_batch_options(&query, &none, (const char *const[]){"distance", NULL},
+                                     &options, &problem));
+    assert_pointer(&problem, "/fields");
+    proto_batch_query_free(&query);
+    assert_false(
+        decode("{\"query\":\"path\",\"fields\":\"a\",\"select\":\"a\"}", &query, &problem));
+    assert_pointer(&problem, "/fields");
 }
 
 static void refuses_bad_lines(void **state)
@@ -74,9 +93,9 @@ static void refuses_bad_lines(void **state)
         {"[]", ""},
         {"{}", "/query"},
         {"{\"query\":1}", "/query"},
-        {"{\"query\":\"path\",\"fields\":1}", "/fields"},
-        {"{\"query\":\"path\",\"fields\":[]}", "/fields"},
-        {"{\"query\":\"path\",\"fields\":[\"a\",1]}", "/fields"},
+        {"{\"query\":\"path\",\"select\":1}", "/select"},
+        {"{\"query\":\"path\",\"select\":[]}", "/select"},
+        {"{\"query\":\"path\",\"select\":[\"a\",1]}", "/select"},
         {"{\"query\":\"path\",\"geometry\":[\"xyz\"]}", "/geometry"},
         {"{\"query\":\"path\"} {}", ""},
         {"{\"query\":\"0123456789012345678901234567890123456789012345678901234567890123\"}",
@@ -98,13 +117,13 @@ static void fields_have_a_largest_size(void **state)
     for (int names = 127; names <= 129; names++) {
         struct proto_batch_query query;
         struct proto_problem problem;
-        char text[1024] = "{\"query\":\"path\",\"fields\":[\"a\"";
+        char text[1024] = "{\"query\":\"path\",\"select\":[\"a\"";
         for (int i = 1; i < names; i++) strcat(text, ",\"a\"");
         strcat(text, "]}");
-        bool fits = names <= PROTO_BATCH_FIELDS / 2;
+        bool fits = names <= PROTO_BATCH_SELECT / 2;
         assert_int_equal(decode(text, &query, &problem), fits);
-        if (!fits) assert_pointer(&problem, "/fields");
-        if (fits) assert_int_equal(strlen(query.fields), 2 * names - 1);
+        if (!fits) assert_pointer(&problem, "/select");
+        if (fits) assert_int_equal(strlen(query.select), 2 * names - 1);
         if (fits) proto_batch_query_free(&query);
     }
 }
@@ -134,15 +153,15 @@ static const char *const names[] = {"distance", "reason", NULL};
 static void a_line_goes_before_the_query_string(void **state)
 {
     (void)state;
-    struct proto_batch_query query = {.fields = "reason", .has_fields = true};
+    struct proto_batch_query query = {.select = "reason", .has_select = true};
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters =
-        QUERY("fields", "distance", "geometry", "none", "timeout_ms", "5");
+        QUERY("select", "distance", "geometry", "none", "timeout_ms", "5");
     assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
     assert_true(options.fields == 2 && options.geometry == PROTO_GEOMETRY_NONE &&
                 options.timeout_ms == 5);
-    query.has_fields = false;
+    query.has_select = false;
     assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
     assert_int_equal(options.fields, 1);
     struct proto_parameters none = NO_QUERY;
@@ -153,20 +172,20 @@ static void a_line_goes_before_the_query_string(void **state)
 static void a_bad_option_is_named_where_it_stands(void **state)
 {
     (void)state;
-    struct proto_batch_query query = {.fields = "nix", .has_fields = true};
+    struct proto_batch_query query = {.select = "nix", .has_select = true};
     struct proto_options options;
     struct proto_problem problem;
-    struct proto_parameters parameters = QUERY("fields", "x");
+    struct proto_parameters parameters = QUERY("select", "x");
     assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
-    assert_pointer(&problem, "/fields");
+    assert_pointer(&problem, "/select");
     assert_string_equal(problem.parameter, "");
     query = (struct proto_batch_query){
-        .geometry = "nix", .has_geometry = true, .has_fields = true, .fields = "reason"};
+        .geometry = "nix", .has_geometry = true, .has_select = true, .select = "reason"};
     assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
     assert_pointer(&problem, "/geometry");
     query = (struct proto_batch_query){0};
     assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
-    assert_parameter(&problem, "fields");
+    assert_parameter(&problem, "select");
 }
 
 static void the_query_string_is_checked_as_a_whole(void **state)
@@ -174,7 +193,7 @@ static void the_query_string_is_checked_as_a_whole(void **state)
     (void)state;
     struct proto_options options;
     struct proto_problem problem;
-    struct proto_parameters parameters = QUERY("fields", "whatever", "timeout_ms", "9");
+    struct proto_parameters parameters = QUERY("select", "whatever", "timeout_ms", "9");
     assert_true(proto_batch_parse(&parameters, &options, &problem));
     assert_int_equal(options.timeout_ms, 9);
     parameters = QUERY("geometry", "nix");
@@ -262,6 +281,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blank_lines_count_and_are_skipped),
         cmocka_unit_test(takes_its_own_members_out),
+        cmocka_unit_test(takes_the_former_name_of_select),
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(fields_have_a_largest_size),
         cmocka_unit_test(a_line_has_a_largest_size),

@@ -72,14 +72,14 @@ static void what_is_not_asked_for_is_not_wanted(void **state)
     assert_false(proto_evaluation_wanted(&options, false, false) &
                  (PROTO_EVALUATION_FIELD_PATH | PROTO_EVALUATION_FIELD_GRADIENT));
     assert_true(proto_evaluation_wanted(&options, true, true) & PROTO_EVALUATION_FIELD_GRADIENT);
-    parameters = QUERY("fields", "distance,path");
+    parameters = QUERY("select", "distance,path");
     assert_true(proto_options_parse(&parameters, proto_evaluation_fields,
                                     proto_evaluate_field_parameters, &options, &problem));
     assert_int_equal(proto_evaluation_wanted(&options, false, false),
                      PROTO_EVALUATION_FIELD_DISTANCE);
     assert_int_equal(proto_evaluation_wanted(&options, true, true),
                      PROTO_EVALUATION_FIELD_DISTANCE | PROTO_EVALUATION_FIELD_PATH);
-    parameters = QUERY("fields", "results");
+    parameters = QUERY("select", "results");
     assert_true(proto_options_parse(&parameters, proto_evaluation_fields,
                                     proto_evaluate_field_parameters, &options, &problem));
     assert_true(proto_evaluation_wanted(&options, true, true) & PROTO_EVALUATION_FIELD_NEAREST);

@@ -1,8 +1,8 @@
 #include "support.h"
 
 static const char *const fields[] = {"distance", "from", "to", NULL};
-static const char *const common[] = {"timeout_ms", "fields", "geometry", NULL};
-static const char *const names[] = {"from", "to", "timeout_ms", "fields", "geometry", NULL};
+static const char *const common[] = {"timeout_ms", "select", "geometry", NULL};
+static const char *const names[] = {"from", "to", "timeout_ms", "select", "geometry", NULL};
 static const char *const few[] = {"from", "timeout_ms", NULL};
 
 static void reads_the_options(void **state)
@@ -15,13 +15,13 @@ static void reads_the_options(void **state)
     assert_int_equal(options.fields, 7);
     assert_int_equal(options.geometry, PROTO_GEOMETRY_FULL);
     assert_int_equal(options.timeout_ms, 0);
-    parameters = QUERY("from", "v:1", "fields", "to,distance", "geometry", "xyz", "timeout_ms",
+    parameters = QUERY("from", "v:1", "select", "to,distance", "geometry", "xyz", "timeout_ms",
                        "250", "to", "v:2");
     assert_true(proto_options_parse(&parameters, fields, names, &options, &problem));
     assert_int_equal(options.fields, 5);
     assert_int_equal(options.geometry, PROTO_GEOMETRY_XYZ);
     assert_int_equal(options.timeout_ms, 250);
-    parameters = QUERY("geometry", "none", "fields", "to,to");
+    parameters = QUERY("geometry", "none", "select", "to,to");
     assert_true(proto_options_parse(&parameters, fields, names, &options, &problem));
     assert_int_equal(options.fields, 4);
     assert_int_equal(options.geometry, PROTO_GEOMETRY_NONE);
@@ -31,15 +31,15 @@ static void refuses_bad_values(void **state)
 {
     (void)state;
     static const char *const cases[][2] = {
-        {"fields", ""},
-        {"fields", ","},
-        {"fields", "distance,"},
-        {"fields", ",distance"},
-        {"fields", "Distance"},
-        {"fields", "dist"},
-        {"fields", "distance,path"},
-        {"fields", "distances"},
-        {"fields", "distance to"},
+        {"select", ""},
+        {"select", ","},
+        {"select", "distance,"},
+        {"select", ",distance"},
+        {"select", "Distance"},
+        {"select", "dist"},
+        {"select", "distance,path"},
+        {"select", "distances"},
+        {"select", "distance to"},
         {"geometry", ""},
         {"geometry", "XYZ"},
         {"geometry", "fully"},
@@ -77,9 +77,9 @@ static void an_answer_without_fields_has_none_to_choose(void **state)
     struct proto_parameters parameters = QUERY("from", "v:1", "timeout_ms", "250");
     assert_true(proto_options_parse(&parameters, NULL, few, &options, &problem));
     assert_int_equal(options.timeout_ms, 250);
-    parameters = QUERY("fields", "distance");
+    parameters = QUERY("select", "distance");
     assert_false(proto_options_parse(&parameters, NULL, few, &options, &problem));
-    assert_parameter(&problem, "fields");
+    assert_parameter(&problem, "select");
     parameters = QUERY("geometry", "xyz");
     assert_false(proto_options_parse(&parameters, NULL, few, &options, &problem));
     assert_parameter(&problem, "geometry");
@@ -93,7 +93,7 @@ static void lists_what_it_would_take(void **state)
     struct proto_parameters parameters = QUERY("geometry", "round");
     assert_false(proto_options_parse(&parameters, fields, common, &options, &problem));
     assert_string_equal(problem.detail, "expected one of: full xyz none");
-    parameters = QUERY("fields", "to,path");
+    parameters = QUERY("select", "to,path");
     assert_false(proto_options_parse(&parameters, fields, common, &options, &problem));
     assert_string_equal(problem.detail,
                         "the answer has no field \"path\"; it has distance from to");

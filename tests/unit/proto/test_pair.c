@@ -197,14 +197,14 @@ static void names_its_fields_in_the_order_of_the_bits(void **state)
     (void)state;
     struct proto_options options;
     struct proto_problem problem;
-    struct proto_parameters parameters = QUERY("fields", "path,distance");
+    struct proto_parameters parameters = QUERY("select", "path,distance");
     assert_true(proto_options_parse(&parameters, proto_path_fields, proto_get_path_parameters,
                                     &options, &problem));
     assert_int_equal(options.fields, PROTO_PATH_FIELD_PATH | PROTO_PATH_FIELD_DISTANCE);
     assert_false(proto_options_parse(&parameters, proto_distance_fields,
                                      proto_get_distance_parameters, &options, &problem));
-    assert_parameter(&problem, "fields");
-    parameters = QUERY("fields", "from,to,reason,via");
+    assert_parameter(&problem, "select");
+    parameters = QUERY("select", "from,to,reason,via");
     assert_true(proto_options_parse(&parameters, proto_distance_fields,
                                     proto_get_distance_parameters, &options, &problem));
     assert_int_equal(options.fields, PROTO_PATH_FIELD_FROM | PROTO_PATH_FIELD_TO |

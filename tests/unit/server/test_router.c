@@ -39,7 +39,7 @@ static void an_upload_and_a_question(void **state)
     assert_int_equal(PUT_SQUARE(), 201);
     assert_int_equal(PUT_SQUARE(), 200);
     struct server_exchange *exchange = exchange_of(
-        "GET", "/v1/meshes/square/distance?from=v:0&to=v%3a1&fields=distance", "", NULL);
+        "GET", "/v1/meshes/square/distance?from=v:0&to=v%3a1&select=distance", "", NULL);
     assert_int_equal(exchange->response.status, 200);
     assert_int_equal(exchange->response.size, strlen("{\"distance\":1}"));
     assert_memory_equal(exchange->response.body, "{\"distance\":1}", exchange->response.size);
