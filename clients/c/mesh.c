@@ -193,7 +193,7 @@ enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct
 {
     json_t *answer;
     enum gdc_status status =
-        ask_pair(client, mesh, "distance?fields=distance", from, to, &answer, problem);
+        ask_pair(client, mesh, "distance?select=distance", from, to, &answer, problem);
     if (status) return status;
     const json_t *value = json_object_get(answer, "distance");
     double found = json_number_value(value);
@@ -224,7 +224,7 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
 {
     json_t *answer;
     enum gdc_status status =
-        ask_pair(client, mesh, "path?fields=path&geometry=xyz", from, to, &answer, problem);
+        ask_pair(client, mesh, "path?select=path&geometry=xyz", from, to, &answer, problem);
     if (status) return status;
     const json_t *json = json_object_get(answer, "path");
     struct gdc_path found = {.length = json_number_value(json_object_get(json, "length"))};

@@ -52,6 +52,9 @@ export interface CallOptions {
 }
 
 export interface QueryOptions {
+  /** members of the answer to return, with commas between them */
+  select?: string;
+  /** @deprecated the former name of `select` */
   fields?: string;
   geometry?: "full" | "xyz" | "none";
   timeout_ms?: number;

@@ -230,7 +230,7 @@ export class Field extends Resource {
   }
 
   async distances(points) {
-    const { results } = await this.query("evaluate", { points: points.map(toPoint) }, { fields: "distance" });
+    const { results } = await this.query("evaluate", { points: points.map(toPoint) }, { select: "distance" });
     return results.map((result) => result.distance);
   }
 
@@ -254,11 +254,11 @@ export class Mesh extends Surface {
   }
 
   async distance(from, to, { via, signal } = {}) {
-    return (await this.query("distance", this.#ends(from, to, via), { fields: "distance", signal })).distance;
+    return (await this.query("distance", this.#ends(from, to, via), { select: "distance", signal })).distance;
   }
 
   async path(from, to, { via, signal } = {}) {
-    const { path } = await this.query("path", this.#ends(from, to, via), { fields: "path", geometry: "xyz", signal });
+    const { path } = await this.query("path", this.#ends(from, to, via), { select: "path", geometry: "xyz", signal });
     return path ?? null;
   }
 

@@ -358,7 +358,7 @@ def try_refusing_store(found, folder):
         for change in (uploading, removing, asking):
             found.try_all(daemon, scene, change)
         found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(ask.body.replace(b"-mesh", b"-other").replace(b"base", b"bottom"))
-                      if operation.name in ("post_cut", "post_nurbs_tessellate", "post_subdivision_discretize") else None)
+                      if operation.name in ("post_cut", "post_nurbs_tessellate", "post_subdivision_tessellate", "post_subdivision_discretize") else None)
 
 
 def try_late_removals(found, place):

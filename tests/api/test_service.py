@@ -178,11 +178,11 @@ class Service(TestCase):
 
     def test_description(self):
         service = self.daemon.get("/v1").json
-        queries = {"distance", "path", "nearest", "matrix", "batch", "distance-to-set", "fields", "evaluate",
+        queries = {"distance", "path", "nearest", "matrix", "queries", "batch", "distance-to-set", "fields", "evaluate",
                    "isolines", "voronoi", "farthest-points", "curve-distance", "cut", "trace", "exp", "log", "transport", "mean",
                    "spline", "curve"}
-        queries |= {f"nurbs/{name}" for name in ("evaluate", "nearest", "geodesic", "point-curve-distance", "curve-distance", "tessellate")}
-        queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "discretize")}
+        queries |= {f"nurbs/{name}" for name in ("evaluate", "nearest", "path", "geodesic", "point-curve-distance", "curve-distance", "tessellate")}
+        queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "tessellate", "discretize")}
         self.assertEqual(set(service["capabilities"]["queries"]), queries)
         self.assertGreater(service["limits"]["memory_budget_bytes"], 0)
 

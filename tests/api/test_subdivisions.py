@@ -235,7 +235,7 @@ class Evaluate(Subdivisions):
             answer = ask("path", {**places, "level": 6})
             self.assertLess(answer["error_estimate"], 1e-3)
             self.assertLess(abs(answer["distance"] - path["length"]), answer["error_estimate"])
-        mesh = ask("discretize", {"mesh": "spiked", "level": 4}, 201)
+        mesh = ask("tessellate", {"mesh": "spiked", "level": 4}, 201)
         self.assertEqual((mesh["faces"], mesh["boundaries"]), (3072, []))
         nearest = self.daemon.get("/v1/meshes/spiked/nearest?point=p:-2,-2,2").json
         self.assertEqual(nearest["xyz"], [-1, -1, 1])
@@ -245,7 +245,7 @@ class Evaluate(Subdivisions):
 
 class Discretize(Subdivisions):
     def test_vertices_lie_on_the_surface_and_remember(self):
-        answer = self.daemon.request("POST", "/v1/subdivisions/cube/discretize", json.dumps({"mesh": "fine", "level": 3}),
+        answer = self.daemon.request("POST", "/v1/subdivisions/cube/tessellate", json.dumps({"mesh": "fine", "level": 3}),
                                      {"Content-Type": "application/json"})
         self.assertEqual((answer.status, answer.headers["Location"]), (201, "/v1/meshes/fine"))
         self.assertEqual((answer.json["vertices"], answer.json["faces"], answer.json["genus"]), (386, 768, 0))
@@ -268,16 +268,16 @@ class Discretize(Subdivisions):
                                 ("matrix", {"sources": [corner], "targets": [end]}), ("spline", {"points": [corner, {"vertex": 5}, end]})]:
             told = self.daemon.request("POST", f"/v1/meshes/fine/{query}", json.dumps(question), {"Content-Type": "application/json"})
             self.assertEqual(told.status, 200, (query, told))
-        again = self.ask("cube", "discretize", {"mesh": "fine", "level": 3})
+        again = self.ask("cube", "tessellate", {"mesh": "fine", "level": 3})
         self.assertEqual(again["etag"], answer.json["etag"])
         self.daemon.request("DELETE", "/v1/meshes/fine")
 
     def test_tolerance(self):
-        made = [self.ask("cube", "discretize", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201) for i in (2, 4)]
+        made = [self.ask("cube", "tessellate", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201) for i in (2, 4)]
         self.assertGreater(made[1]["faces"], 30 * made[0]["faces"])
         creased = CUBE + b"t crease 5/1/0 4 5 7 6 4 10\nt corner 1/1/0 0 10\n"  # of many levels side by side, and without cracks
         self.assertIn(self.put("uneven", creased).status, (200, 201))
-        made.append(self.ask("uneven", "discretize", {"mesh": "near-3", "tolerance": 3e-3}, 201))
+        made.append(self.ask("uneven", "tessellate", {"mesh": "near-3", "tolerance": 3e-3}, 201))
         self.daemon.request("DELETE", "/v1/subdivisions/uneven")
         self.daemon.request("DELETE", "/v1/meshes/near-3")
         for mesh in made:
@@ -288,9 +288,9 @@ class Discretize(Subdivisions):
     def test_refusals(self):
         for document, pointer in [({"mesh": "x"}, ""), ({"mesh": "x", "level": 2, "tolerance": 1}, ""), ({"level": 2}, "/mesh"), ({"mesh": ".x", "level": 1}, "/mesh"),
                                   ({"mesh": "x", "level": 13}, "/level"), ({"mesh": "x", "tolerance": 0}, "/tolerance")]:
-            self.assertEqual(self.ask("cube", "discretize", document, 400)["pointer"], pointer, document)
+            self.assertEqual(self.ask("cube", "tessellate", document, 400)["pointer"], pointer, document)
         self.ask("prism", "discretize", {"mesh": "x", "level": 0}, 400)
-        self.assertIn(self.ask("cube", "discretize", {"mesh": "x", "tolerance": 1e-14}, 413)["code"], ("too_large",))
+        self.assertIn(self.ask("cube", "tessellate", {"mesh": "x", "tolerance": 1e-14}, 413)["code"], ("too_large",))
         self.assertEqual(self.daemon.get("/v1/meshes/x").status, 404)
         self.daemon.put("square", SQUARE)
         self.assert_problem(self.daemon.get("/v1/meshes/square/places"), 404, "not_found")
@@ -373,7 +373,7 @@ class Stored(Folder):
         with self.start() as daemon:
             self.assertEqual(daemon.request("PUT", "/v1/subdivisions/cube", CUBE).status, 201)
             self.assertEqual(daemon.request("PUT", "/v1/subdivisions/loop?scheme=loop", OCTAHEDRON).status, 201)
-            self.assertEqual(daemon.request("POST", "/v1/subdivisions/cube/discretize", json.dumps({"mesh": "fine", "level": 2}), headers).status, 201)
+            self.assertEqual(daemon.request("POST", "/v1/subdivisions/cube/tessellate", json.dumps({"mesh": "fine", "level": 2}), headers).status, 201)
             places = daemon.get("/v1/meshes/fine/places").json
             before = [daemon.get(f"/v1/subdivisions/{name}").json for name in ("cube", "loop")]
         with self.start() as daemon:

@@ -110,7 +110,7 @@ class Nodes(Shared):
         one, two = self.start(), self.start()
         answer = one.request("PUT", "/v1/subdivisions/cube", CUBE, {"Content-Type": "application/json"})
         self.assertEqual(answer.status, 201, answer)
-        made = two.request("POST", "/v1/subdivisions/cube/discretize", json.dumps({"level": 2, "mesh": "fine"}), {"Content-Type": "application/json"})
+        made = two.request("POST", "/v1/subdivisions/cube/tessellate", json.dumps({"level": 2, "mesh": "fine"}), {"Content-Type": "application/json"})
         self.assertEqual(made.status, 201, made)
         place = one.get("/v1/meshes/fine/places")  # needs the attachment, which the other node made
         self.assertEqual(place.status, 200, place)

@@ -64,7 +64,7 @@ class Resource:
         self.client, self.location = client, location
 
     def query(self, name: str, body: Mapping[str, Any], *, progress: Optional[Progress] = None, **query: Any) -> Dict[str, Any]:
-        """Any query of the contract: the answer to POST `location`/`name`. Keywords go into the query string (`fields`, `geometry`, `timeout_ms`). With
+        """Any query of the contract: the answer to POST `location`/`name`. Keywords go into the query string (`select`, `geometry`, `timeout_ms`). With
         `progress` it is a job that is awaited, and `progress` is told how far it is."""
         return self.client.call("POST", f"{self.location}/{name}", query, body, progress=progress).json
 
@@ -112,7 +112,7 @@ class Field(Resource):
 
     def distances(self, at: Sequence[PointLike]) -> List[Optional[float]]:
         """The distance at each point; None where there is none."""
-        results = self.query("evaluate", {"points": points.all_as_json(at)}, fields="distance")["results"]
+        results = self.query("evaluate", {"points": points.all_as_json(at)}, select="distance")["results"]
         return [result["distance"] for result in results]
 
     def evaluate(self, at: Sequence[PointLike], path: bool = False, gradient: bool = False) -> List[Dict[str, Any]]:
@@ -142,11 +142,11 @@ class Mesh(Surface):
 
     def distance(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = ()) -> Optional[float]:
         """The exact distance; None if no path joins the points."""
-        return self.query("distance", self._ends(start, end, via), fields="distance")["distance"]
+        return self.query("distance", self._ends(start, end, via), select="distance")["distance"]
 
     def path(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = ()) -> Optional[Path]:
         """A shortest path; None if there is none."""
-        answer = self.query("path", self._ends(start, end, via), fields="path", geometry="xyz")
+        answer = self.query("path", self._ends(start, end, via), select="path", geometry="xyz")
         return Path.read(answer["path"]) if answer.get("path") else None
 
     def path_file(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = (), format: str = "obj", mesh: bool = False) -> bytes:

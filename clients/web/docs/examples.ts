@@ -3,7 +3,7 @@
 import { exampleBody, examplePath, type Contract } from "./contract.ts";
 
 const FIELDS = "/v1/meshes/{name}/fields";
-const MESHES = ["/v1/nurbs/{name}/tessellate", "/v1/subdivisions/{name}/discretize"];
+const MESHES = ["/v1/nurbs/{name}/tessellate", "/v1/subdivisions/{name}/tessellate"];
 
 type Headers = Record<string, string>;
 

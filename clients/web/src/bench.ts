@@ -132,7 +132,7 @@ export class Bench {
     const request: Request = {
       method: "POST",
       path: `${this.surface!.path}/distance-to-set`,
-      query: { fields: "distance,nearest" },
+      query: { select: "distance,nearest" },
       json: { set, points: fine.places.map(pointOf) },
     };
     const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);

@@ -36,7 +36,7 @@ function discretization(kind: Kind, description: Mesh | Subdivision | Nurbs): Ma
   const path = pathOf(kind, description.name);
   if (kind === "subdivisions") {
     const json = { mesh: `${description.name}-limit`, level: levelOf(description as Subdivision) };
-    return { method: "POST", path: `${path}/discretize`, json };
+    return { method: "POST", path: `${path}/tessellate`, json };
   }
   if (kind === "meshes") return null;
   return {

@@ -60,7 +60,7 @@ export class CutMode extends Mode {
     const preview = await bench.post<CutAnswer>(
       "cut",
       { curve: this.curve, select_only: true },
-      { fields: "separates,pieces" },
+      { select: "separates,pieces" },
     );
     this.names = this.freeNames(preview.pieces!.length);
     this.tell(preview, path!.length);
@@ -94,7 +94,7 @@ export class CutMode extends Mode {
     if (!bench.points.complete) return;
     const curve = this.curve;
     await bench.question(async () => {
-      const made = await bench.postLong<CutAnswer>("cut", { curve, names: this.names }, { fields: "separates,pieces" });
+      const made = await bench.postLong<CutAnswer>("cut", { curve, names: this.names }, { select: "separates,pieces" });
       await this.pieces.show(
         made.pieces!.map((piece) => piece.name!),
         JSON.stringify(curve),

@@ -84,7 +84,7 @@ export class NurbsMode extends Mode {
   private async evaluate(lines: Uv[][]): Promise<Vec3[][]> {
     if (lines.length === 0) return [];
     const path = `${this.bench.surface!.path}/evaluate`;
-    const request = { method: "POST", path, query: { fields: "points,xyz" }, json: { uv: lines.flat() } } as const;
+    const request = { method: "POST", path, query: { select: "points,xyz" }, json: { uv: lines.flat() } } as const;
     const points = (await this.bench.api.json<EvaluateAnswer>(request)).points!.map((point) => point.xyz!);
     return lines.map((line) => points.splice(0, line.length));
   }
@@ -127,7 +127,7 @@ export class NurbsMode extends Mode {
     const start = await this.locate(from);
     if (what === "point-curve")
       return bench.post("point-curve-distance", { point: start, curve: this.curve("b").curve, ...options });
-    return bench.post("geodesic", { from: start, to: await this.locate(to), ...options });
+    return bench.post("path", { from: start, to: await this.locate(to), ...options });
   }
 
   private show(found: GeodesicAnswer, curves: Uv[][]): void {
