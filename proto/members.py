@@ -107,9 +107,9 @@ def field_source(document):
 
 
 def query_names(document, item, operation):
-    """The operation's parameters in the query string."""
+    """The operation's parameters in the query string, without former names."""
     parameters = [follow(document, parameter)[0] for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]]
-    return [parameter["name"] for parameter in parameters if parameter["in"] == "query"]
+    return [parameter["name"] for parameter in parameters if parameter["in"] == "query" and not parameter.get("deprecated")]
 
 
 def fields_of(document, item, operation):
