@@ -12,7 +12,7 @@
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/thread.h"
-#include "server/jobs/job_id.h"
+#include "server/jobs/job_table.h"
 
 #define POLL_NS      UINT64_C(500000000)
 #define RENEW_NS     UINT64_C(4000000000) /* a quarter of a lease */

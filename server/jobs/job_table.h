@@ -25,8 +25,14 @@
 #include "proto/http/job.h"
 #include "server/exchange/exchange.h"
 
+#define SERVER_JOB_ID 25 /* with the NUL */
+
 struct server_deferred_job;
 struct server_job_table;
+
+/* Writes an id of a job or a batch: 12 hexadecimal digits that grow with time and 12 random ones,
+ * above all earlier ones of this process; returns the time, in seconds since 1970. Thread-safe. */
+int64_t server_job_id_create(char id[SERVER_JOB_ID]);
 
 struct server_job_limits {
     uint32_t jobs;

@@ -9,7 +9,7 @@
 #include "proto/http/page.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/batch_runner.h"
-#include "server/jobs/job_id.h"
+#include "server/jobs/job_table.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
 #include "server/store/kind.h"

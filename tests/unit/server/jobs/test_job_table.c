@@ -7,7 +7,6 @@
 
 #include "server/base/thread.h"
 #include "server/exchange/events.h"
-#include "server/jobs/job_id.h"
 #include "server/jobs/job_table.h"
 #include "server/exchange/reply.h"
 #include "server/server.h"
