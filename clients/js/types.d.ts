@@ -730,6 +730,8 @@ export type SplineAnswer = {
     binormal: Vector;
     speed: number;
   }>;
+  /** The arc length between two samples, with `spacing` or `speed: constant`. */
+  step?: number;
 };
 
 export type CurveOperationRequest = {

@@ -185,7 +185,8 @@ enum gd_status gd_spline_sample(const struct gd_mesh *mesh, const struct gd_spli
     if (!status) status = sample(&s, sampling, detail);
     if (!status && s.count < s.parameters.count) status = GD_INTERNAL;
     if (!status)
-        *out = (struct gd_spline_line){gd__route_take(mesh, &s.path), s.places, s.count};
+        *out = (struct gd_spline_line){gd__route_take(mesh, &s.path), s.places, s.count,
+                                       s.parameters.step * mesh->unit};
     else
         free(s.places);
     free(s.parameters.values);

@@ -148,6 +148,7 @@ static enum gd_status put_lengths(const struct measuring *measuring, uint32_t co
     double total = 0, gone = 0;
     for (size_t i = 0; i < measuring->count; i++) total += s[i].length;
     double steps = count ? count : fmax(1, round(total / spacing));
+    out->step = total / steps;
     enum gd_status status = reserve(out, steps + 1, control, measuring->detail);
     if (status) return status;
     for (uint32_t k = 0; k < steps; k++) {

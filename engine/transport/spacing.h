@@ -8,6 +8,7 @@
 struct gd__parameters {
     double *values; /* owned, ascending */
     uint32_t count, capacity;
+    double step; /* of equal arc lengths, in the mesh's unit; 0: they are not equal */
 };
 
 /* Those of a sampling, for a sampler that has no visitor as yet and is to be used for nothing else

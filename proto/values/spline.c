@@ -289,5 +289,7 @@ void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh
         for (uint32_t i = 0; i < line->count; i++) encode_frame(writer, mesh, &line->places[i]);
         proto_write_array_end(writer);
     }
+    if (line->step > 0 && fields & PROTO_SPLINE_FIELD_STEP)
+        proto_member_number(writer, "step", line->step);
     proto_write_object_end(writer);
 }

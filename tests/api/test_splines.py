@@ -24,6 +24,15 @@ class Splines(TestCase):
             "ball": sample("icosphere", level=2),
         })
 
+    def test_the_answer_tells_the_step(self):
+        points = [place(0.1, 0.5), place(0.9, 0.5)]
+        straight = 0.8
+        for request, count in (({"spacing": 0.3}, 3), ({"spacing": 0.6}, 1), ({"spacing": 2}, 1), ({"samples": 4, "speed": "constant"}, 4)):
+            answer = self.asked("grid", "spline", {"points": points, "frames": True, **request})
+            self.assertEqual(len(answer["frames"]), count + 1)
+            self.assertAlmostEqual(answer["step"], straight / count, delta=1e-6)
+        self.assertNotIn("step", self.asked("grid", "spline", {"points": points, "samples": 4}))
+
     # --- the curve -------------------------------------------------------------------------------------------------------
 
     def test_classical_in_the_plane(self):

@@ -141,6 +141,7 @@ struct gd_spline_line {
     struct gd_path path; /* through all places, joined by geodesics */
     struct gd_spline_place *places;
     uint32_t count;
+    double step; /* arc length between two places, of `even` and `spacing`; else 0 */
 };
 
 void gd_spline_line_free(struct gd_spline_line *line); /* NULL is harmless */
