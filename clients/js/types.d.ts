@@ -1226,6 +1226,11 @@ export type FootRequest = {
   xyz: Vector;
 };
 
+/** As `nearest` of meshes has it; the point is one in space. */
+export type FootPointRequest = {
+  point: (string | FootRequest);
+};
+
 export type FootAnswer = {
   uv: Place;
   xyz: Vector;
@@ -1531,7 +1536,7 @@ export interface SubdivisionQueries {
   };
   /** Get the point of the limit surface nearest to a point in space */
   "nearest": {
-    body: FootRequest;
+    body: (FootRequest | FootPointRequest);
     answer: LimitFootAnswer;
   };
   /** Trace geodesics from a place */
@@ -1570,7 +1575,7 @@ export interface NurbsQueries {
   };
   /** Get the point of the surface nearest to a point in space */
   "nearest": {
-    body: FootRequest;
+    body: (FootRequest | FootPointRequest);
     answer: FootAnswer;
   };
   /** Get the shortest path between two points of the surface */

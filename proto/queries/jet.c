@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "generated/requests.h"
+#include "proto/json/decode.h"
 #include "proto/json/writer.h"
 #include "proto/values/point.h"
 
@@ -91,6 +92,23 @@ void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_j
     }
     if (jet->singular) proto_field_bool(writer, &wanted, PROTO_LIMIT_JET_FIELD_SINGULAR, true);
     proto_write_object_end(writer);
+}
+
+bool proto_foot_decode(const json_t *document, struct proto_foot_request *out,
+                       struct proto_problem *problem)
+{
+    static const char *const members[] = {"point", NULL};
+    const json_t *value = json_object_get(document, "point");
+    struct proto_point point;
+    if (!value) return proto_foot_request_decode(document, out, problem);
+    if (!proto_decode_object(document, "", members, problem) ||
+        !proto_point_decode(value, "/point", &point, problem))
+        return false;
+    if (point.form != PROTO_POINT_XYZ || point.xyz.max_snap >= 0)
+        return proto_problem_refuse(problem, "/point",
+                                    "write a point of space: {\"xyz\": [1, 2, 3]} or p:1,2,3");
+    *out = (struct proto_foot_request){.xyz = {point.xyz.xyz.x, point.xyz.xyz.y, point.xyz.xyz.z}};
+    return true;
 }
 
 void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot,

@@ -15,6 +15,11 @@ bool proto_jets_decode(const json_t *document, const struct gd_parametric *surfa
 bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_places *out, struct proto_problem *problem);
 
+/* A point of space, as {"xyz"} or as {"point"} that `nearest` of meshes takes. invalid_request. */
+struct proto_foot_request;
+bool proto_foot_decode(const json_t *document, struct proto_foot_request *out,
+                       struct proto_problem *problem);
+
 /* Writes one point, of its fields the wanted ones. Normal and curvatures are null where the
  * derivatives are parallel. Where a limit jet is singular, du and dv are unit vectors, second
  * derivatives and curvatures are null, and "singular" says so; at spikes there is no normal. */

@@ -233,6 +233,11 @@ class Evaluation(Nurbs):
                 [point] = self.ask(name, "evaluate", {"uv": [foot["uv"]]})["points"]
                 self.assert_close(point["xyz"], foot["xyz"], 1e-12)
         self.assertEqual(self.refusal("ring", "nearest", {"xyz": [1, 2]})["pointer"], "/xyz")
+        for point in ({"xyz": [0.5, 0.25, 1]}, "p:0.5,0.25,1"):
+            self.assertEqual(self.ask("ring", "nearest", {"point": point}), self.ask("ring", "nearest", {"xyz": [0.5, 0.25, 1]}))
+        for point in ("v:0", "p:1,2", {"vertex": 0}, {"xyz": [0, 0, 0], "max_snap": 1}, 7):
+            self.assertEqual(self.refusal("ring", "nearest", {"point": point})["pointer"], "/point", point)
+        self.assertEqual(self.refusal("ring", "nearest", {"point": "p:0,0,0", "xyz": [0, 0, 0]})["pointer"], "/xyz")
 
     def test_nearest_of_several(self):
         """Over hills and valleys there are several places to which the way is at right angles: no sample is nearer than the answer."""

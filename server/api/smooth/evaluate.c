@@ -202,7 +202,7 @@ static bool nearest_decode(struct server_query *query, const json_t *document,
                            struct proto_problem *problem)
 {
     struct proto_foot_request wanted;
-    if (!proto_foot_request_decode(document, &wanted, problem)) return false;
+    if (!proto_foot_decode(document, &wanted, problem)) return false;
     ((struct nearest *)query)->xyz = (struct gd_vec3){wanted.xyz[0], wanted.xyz[1], wanted.xyz[2]};
     return true;
 }
