@@ -12,7 +12,7 @@
 #include "server/surfaces/kinds.h"
 
 #define SEARCH_BYTES   ((size_t)4 << 20) /* with the traces that straighten the path */
-#define BYTES_PER_EDGE 224               /* as a search on any mesh (pair_search.c) */
+#define BYTES_PER_EDGE 224               /* as a search on any mesh (query.c) */
 #define TRACE_BYTES    ((size_t)1 << 20) /* of one on the smooth surface */
 #define BUILD_SHARE    0.3               /* of the work, if there is no discretization yet */
 
