@@ -112,8 +112,8 @@ static enum gd_status call_attempt(const struct server_budgeted_call *call,
 {
     struct gd_control control = call->control;
     size_t kept = 0, taken = grant + call->aside;
-    if (!grant || !(call->is_modest ? server_budget_take_spare : server_budget_take)(
-                      budget, SERVER_BUDGET_FLIGHT, taken))
+    if (!grant || !(call->is_modest ? server_budget_take_spare
+                                    : server_budget_take)(budget, SERVER_BUDGET_FLIGHT, taken))
         return GD_BUDGET;
     control.budget_bytes = grant;
     control.workspace = space->workspace;

@@ -122,8 +122,7 @@ static inline struct server_exchange *daemon_begin(const char *method, const cha
 
 static inline void daemon_end(struct server_exchange *exchange, const char *body)
 {
-    if (!exchange->response.status && body)
-        server_body_append(&exchange->body, body, strlen(body));
+    if (!exchange->response.status && body) server_body_append(&exchange->body, body, strlen(body));
     server_router_end(exchange);
     if (exchange->response.status) {
         server_reply_seal(exchange);
