@@ -1,7 +1,7 @@
 // Many points, each with what is nearest to it: Voronoi cells, exact lines between them, distances to the set; and
 // points that cover the surface evenly.
 
-import type { Field, PointAnswer, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
+import type { Field, Point, PointAnswer, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
 import { hexOf, memberColour, type Rgb } from "../colours.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
 import { check, choice, range, Settings } from "../settings.ts";
@@ -52,7 +52,7 @@ export class SetMode extends Mode {
     if (done) bench.points.onChange(false);
   }
 
-  private get set(): { points: object[] } {
+  private get set(): { points: Point[] } {
     return { points: this.bench.points.of("points").map(pointOf) };
   }
 
