@@ -193,9 +193,24 @@ async function themes(browser) {
   }
 }
 
+/** Three triangles on one edge: refused, then mended at the press of a button. */
+async function mended(browser) {
+  const page = await browser.page("/");
+  await settle(page);
+  page.tolerate(/status of 422/);
+  await drop(page, "fan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const mend = page.getByRole("button", { name: "Mend and upload" });
+  await mend.click();
+  await page.waitForFunction(() => window.geodesicd.state.meshes === "fan");
+  await settle(page);
+  assert.equal(await mend.count(), 0);
+  assert.ok((await browser.ask("GET", "/v1/meshes/fan")).repair.edges_split > 0);
+}
+
 export const tests = {
   "time to first picture": firstPicture,
   "a file is dropped, two clicks, the API's own length": dropAndClick,
+  "a refused file is mended": mended,
   "a point is dragged": drag,
   "a link shows the same": link,
   "copy as curl": copyAsCurl,

@@ -46,9 +46,10 @@ export class Answer {
     this.readout.textContent = facts.find(({ main }) => main)?.value ?? "";
   }
 
-  fail(error: unknown): void {
+  /** Shows an error, and what mends it: a button for instance. */
+  fail(error: unknown, ...remedy: Node[]): void {
     this.error.textContent = error instanceof Error ? error.message : String(error);
-    this.body.replaceChildren();
+    this.body.replaceChildren(...remedy);
     this.readout.textContent = "";
   }
 

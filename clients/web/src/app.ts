@@ -6,7 +6,7 @@ import { Api, ApiError } from "./api.ts";
 import { Bench, isAbort } from "./bench.ts";
 import { rememberCage } from "./cages.ts";
 import { Chooser } from "./chooser.ts";
-import { byId } from "./dom.ts";
+import { button, byId } from "./dom.ts";
 import { Handles } from "./handles.ts";
 import { Latest } from "./latest.ts";
 import { Legend } from "./legend.ts";
@@ -106,9 +106,9 @@ export class App {
     await this.start();
   }
 
-  private fail(error: unknown): void {
+  private fail(error: unknown, ...remedy: Node[]): void {
     if (isAbort(error)) return;
-    this.answer.fail(error);
+    this.answer.fail(error, ...remedy);
     if (error instanceof ApiError && error.status === 401) byId<HTMLDetailsElement>("access").open = true;
   }
 
@@ -199,7 +199,9 @@ export class App {
       made = await upload(this.api, kind, file, query, onUpload, opening.signal);
       await this.list();
     } catch (error) {
-      this.fail(error);
+      const mend = (): void => void this.upload(kind, file, { ...query, repair: "split" });
+      const isMendable = error instanceof ApiError && !!error.problem.detail?.includes("?repair=split");
+      this.fail(error, ...(isMendable ? [button("Mend and upload", mend)] : []));
     }
     this.answer.hideProgress();
     this.opening = undefined;
