@@ -10,11 +10,13 @@
 
 /* --- descriptions ----------------------------------------------------------------------------- */
 
-char *proto_field_write_set(const json_t *set)
+bool proto_field_write_set(const json_t *set, char **out)
 {
     char text[PROTO_FIELD_SET];
     size_t size = json_dumpb(set, text, sizeof text, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    return size && size <= sizeof text ? strndup(text, size) : NULL;
+    bool is_short = size <= sizeof text;
+    *out = size && is_short ? strndup(text, size) : NULL;
+    return *out || !is_short;
 }
 
 static void encode_members(struct proto_writer *writer, const struct gd_mesh *mesh,

@@ -25,9 +25,9 @@ struct proto_field_description {
     uint64_t uses;            /* requests that named it; in lists only */
 };
 
-/* The text of a set for a description, the caller's to free(); NULL: it is longer than
- * PROTO_FIELD_SET, or there is no memory. */
-char *proto_field_write_set(const json_t *set);
+/* Writes the text of a set for a description into *out, the caller's to free(). *out is NULL if the
+ * text is longer than PROTO_FIELD_SET. False: out of memory. */
+bool proto_field_write_set(const json_t *set, char **out);
 
 /* Writes the description, of its fields the wanted ones. */
 void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

@@ -29,11 +29,13 @@ struct field_creation {
 static bool creation_decode(struct server_query *query, const json_t *document,
                             struct proto_problem *problem)
 {
+    struct field_creation *creation = (struct field_creation *)query;
     struct proto_field_request wanted;
-    if (!proto_field_request_decode(document, &wanted, problem)) return false;
-    ((struct field_creation *)query)->set_text =
-        proto_field_write_set(json_object_get(document, "set"));
-    return server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem);
+    if (!proto_field_request_decode(document, &wanted, problem) ||
+        !server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem))
+        return false;
+    return proto_field_write_set(json_object_get(document, "set"), &creation->set_text) ||
+           proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
 
 static void creation_release(struct server_query *query)
