@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <zlib.h>
+
+#include "server/base/gzip.h"
 
 #define MAGIC       "GDARRAYS"
 #define VERSION     1
@@ -144,7 +145,7 @@ struct crc_writer {
 
 static void crc_append(struct crc_writer *out, const void *bytes, size_t size)
 {
-    out->crc = (uint32_t)crc32(out->crc, bytes, (uInt)size);
+    out->crc = server_crc32(out->crc, bytes, size);
     proto_append(out->writer, bytes, size);
 }
 
