@@ -169,13 +169,17 @@ enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql
                                     SERVER_VALUES(server_sql_text(id))));
 }
 
+/* The row of the batch last: after a failure the batch is still found, and can be removed again. It
+ * is cancelled first, so that it counts as ended without its items. */
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
-    enum server_store_outcome outcome = sql->run(
-        sql, SERVER_SQL("DELETE FROM batches WHERE id = $1", SERVER_VALUES(server_sql_text(id))));
-    if (outcome) return outcome;
-    return sql->run(
-        sql, SERVER_SQL("DELETE FROM items WHERE batch = $1", SERVER_VALUES(server_sql_text(id))));
+    static const char *const steps[] = {
+        "UPDATE batches SET cancelled = 1 WHERE id = $1 AND cancelled = 0",
+        "DELETE FROM items WHERE batch = $1", "DELETE FROM batches WHERE id = $1"};
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    for (size_t i = 0; !outcome && i < sizeof steps / sizeof *steps; i++)
+        outcome = sql->run(sql, SERVER_SQL(steps[i], SERVER_VALUES(server_sql_text(id))));
+    return outcome;
 }
 
 /* --- items ------------------------------------------------------------------------------------ */
