@@ -148,7 +148,7 @@ class Bulk(TestCase):
         self.assertEqual(self.bulk("ball", "nearest-points", "json", points=("d", 3, xyz)), wanted)
         found = self.bulk("ball", "nearest-points", points=("I", 0, [4, 5]))
         self.assertTrue(all(math.isnan(each) for each in found["snap_distances"]))
-        answer = self.daemon.ask("ball", "nearest-points?fields=faces", {"points": objects})
+        answer = self.daemon.ask("ball", "nearest-points?select=faces", {"points": objects})
         self.assertEqual(answer.json, {"faces": wanted["faces"]})
 
 

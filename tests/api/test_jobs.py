@@ -135,7 +135,7 @@ class Answers(Jobs):
         self.wait(self.start("/v1/meshes/square/distance", pair(0, 2)), "done")
         self.assertEqual(self.ended("done"), before + 1)
         self.assertIn('geodesicd_jobs{state="running"} 0\n', self.daemon.get("/metrics").body.decode())
-        self.assertEqual(self.daemon.metric("requests_deferred"), 0)
+        wait_until(lambda: self.daemon.metric("requests_deferred") == 0)
 
     def ended(self, state):
         for line in self.daemon.get("/metrics").body.decode().splitlines():
