@@ -125,11 +125,6 @@ static bool stream_take_state(struct answer_stream *stream, struct server_exchan
     return true;
 }
 
-static const char *encoder_media_type(const struct server_answer_encoder *encoder)
-{
-    return encoder->media_type ? encoder->media_type : "application/json";
-}
-
 /* False: the state is still the exchange's. */
 static bool stream_start(struct server_exchange *exchange, unsigned status, size_t size,
                          const struct server_answer_encoder *encoder)
@@ -146,7 +141,7 @@ static bool stream_start(struct server_exchange *exchange, unsigned status, size
     stream->encode = encoder->encode;
     server_thread_wake(stream->thread);
     server_reply_coding(exchange, is_packed);
-    server_reply_stream(exchange, status, encoder_media_type(encoder), client);
+    server_reply_stream(exchange, status, "application/json", client);
     if (!is_packed) exchange->response.size = size;
     return true;
 }
@@ -202,5 +197,5 @@ void server_answer_reply(struct server_exchange *exchange, unsigned status,
         proto_writer_expect(writer, size);
         encoder->encode(exchange, writer);
     }
-    server_reply_text(exchange, status, encoder_media_type(encoder), writer);
+    server_reply_json(exchange, status, writer);
 }
