@@ -107,10 +107,11 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
 /* a day: keeps the sum of clock and timeout far from overflow */
 #define MOST_TIMEOUT_MS UINT64_C(86400000)
 
-static bool refuse_field(struct proto_problem *problem, const char *name, int size,
-                         const char *const *names)
+static bool refuse_member(struct proto_problem *problem, const char *name, int size,
+                          const char *const *names)
 {
-    proto_problem_refuse(problem, "select", "the answer has no field \"%.*s\"; it has", size, name);
+    proto_problem_refuse(problem, "select", "the answer has no member \"%.*s\"; it has", size,
+                         name);
     append_words(problem, names);
     return false;
 }
@@ -125,7 +126,7 @@ static bool parse_fields(const struct proto_parameters *parameters, const char *
         size_t size = strcspn(text, ",");
         unsigned number = find_name(names, text, size);
         if (number == MOST_NAMES)
-            return refuse_field(problem, text, size < 64 ? (int)size : 64, names);
+            return refuse_member(problem, text, size < 64 ? (int)size : 64, names);
         fields |= UINT32_C(1) << number;
         more = text[size] == ',';
         text += size + 1;

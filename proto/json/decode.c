@@ -115,7 +115,7 @@ bool proto_decode_object(const json_t *value, const char *place, const char *con
         if (is_among(name, members)) continue;
         proto_problem_refuse(
             problem, place,
-            "the field \"%.64s\" is unknown here; check its spelling or leave it out", name);
+            "the member \"%.64s\" is unknown here; check its spelling or leave it out", name);
         return proto_problem_descend(problem, name);
     }
     return true;
@@ -137,7 +137,7 @@ const json_t *proto_decode_member(const json_t *object, const char *place, const
 {
     const json_t *value = json_object_get(object, member);
     if (value) return value;
-    proto_problem_refuse(problem, place, "the field \"%s\" is missing", member);
+    proto_problem_refuse(problem, place, "the member \"%s\" is missing", member);
     proto_problem_descend(problem, member);
     return NULL;
 }

@@ -108,7 +108,7 @@ class Generated(unittest.TestCase):
         point = '"points": [{"vertex": 1}]'
         for body, fields, expected in (("{%s}" % point, "spread", "depth 4, skew 0"), ('{%s, "depth": 9}' % point, "skew", "depth 9, skew 1"),
                                        ('{%s, "depth": 10}' % point, "skew", "/depth: depth is a whole number from 1 to 9"),
-                                       ('{%s, "deep": 1}' % point, "skew", '/deep: the field "deep" is unknown here; check its spelling or leave it out')):
+                                       ('{%s, "deep": 1}' % point, "skew", '/deep: the member "deep" is unknown here; check its spelling or leave it out')):
             done = subprocess.run([program, body, fields], stdout=subprocess.PIPE, text=True)
             self.assertEqual(done.stdout, expected)
 

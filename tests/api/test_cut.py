@@ -149,10 +149,10 @@ class Cut(TestCase):
 
     def test_fields(self):
         curve = square(0.2, 0.6)
-        self.assertEqual(self.cut("grid", curve, "?fields=separates", select_only=True), {"separates": True})
-        areas = self.cut("grid", curve, "?fields=area", select_only=True)
+        self.assertEqual(self.cut("grid", curve, "?select=separates", select_only=True), {"separates": True})
+        areas = self.cut("grid", curve, "?select=area", select_only=True)
         self.assertEqual([list(piece) for piece in areas["pieces"]], [["area"], ["area"]])
-        pieces = self.cut("grid", curve, "?fields=pieces", names=["b1", "b2"])
+        pieces = self.cut("grid", curve, "?select=pieces", names=["b1", "b2"])
         self.assertEqual(list(pieces), ["pieces"])
         self.assertEqual(list(pieces["pieces"][0]), ["name", "vertices", "faces", "area", "vertex_map", "face_map"])
 

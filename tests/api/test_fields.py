@@ -43,7 +43,7 @@ class Life(Fields):
         self.assertEqual(first.headers["Location"], f"/v1/meshes/tetrahedron/fields/{field['id']}")
         self.assertEqual(first.headers["ETag"], form_tag(self.daemon.get("/v1/meshes/tetrahedron").headers["ETag"], "json"))
         self.assertEqual(self.get("tetrahedron", field["id"]).body, first.body)
-        self.assertEqual(self.daemon.get(first.headers["Location"] + "?fields=max,id").json, {"id": field["id"], "max": field["max"]})
+        self.assertEqual(self.daemon.get(first.headers["Location"] + "?select=max,id").json, {"id": field["id"], "max": field["max"]})
         self.assertEqual(self.daemon.get("/v1/meshes/tetrahedron").json["fields_cached"], 1)
 
     def test_lists_tell_fields_apart(self):
@@ -148,7 +148,7 @@ class Life(Fields):
             (f"{field}/wedges", "edge"),
             (f"{field}/wedges?edge=1", "edge"),
             (f"{field}/wedges?edge=1-3", "edge"),
-            (f"{field}/values?fields=value", "fields"),
+            (f"{field}/values?select=value", "select"),
             (f"{field}?level=1", "level"),
         ):
             problem = self.assert_problem(self.get("refusals", path), 400, "invalid_request")
@@ -198,7 +198,7 @@ class Values(Fields):
             binary = self.get(mesh, f"{field}/values", Accept="application/octet-stream")
             self.assertEqual(binary.headers["Content-Type"], "application/octet-stream")
             self.assertEqual(list(struct.unpack(f"<{len(values)}d", binary.body)), values)
-            results = self.evaluate(mesh, field, [{"vertex": number} for number in range(len(values))], "?fields=distance")
+            results = self.evaluate(mesh, field, [{"vertex": number} for number in range(len(values))], "?select=distance")
             self.assertEqual([result["distance"] for result in results], values)
 
     def test_values_that_are_none(self):
@@ -241,7 +241,7 @@ class Values(Fields):
             farthest = {"face": field["farthest"]["face"], "barycentric": field["farthest"]["barycentric"]}
             self.assertAlmostEqual(self.evaluate(mesh, field["id"], [farthest])[0]["distance"], field["max"], 9)
             points = [random_point(chance, self.faces[mesh]) for _ in range(1000)]
-            results = self.evaluate(mesh, field["id"], points, "?fields=distance")
+            results = self.evaluate(mesh, field["id"], points, "?select=distance")
             self.assertLessEqual(max(result["distance"] for result in results), field["max"] + 1e-12)
             values = self.get(mesh, f"{field['id']}/values").json["values"]
             self.assertLessEqual(max(values), field["max"] + 1e-12)

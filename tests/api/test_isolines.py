@@ -70,7 +70,7 @@ class Isolines(TestCase):
             named = [{key: value for key, value in point.items() if key != "xyz"} for point in points]
             if not named:
                 continue
-            answer = self.daemon.ask(mesh, f"fields/{field}/evaluate?fields=distance", {"points": named})
+            answer = self.daemon.ask(mesh, f"fields/{field}/evaluate?select=distance", {"points": named})
             self.assertEqual(answer.status, 200, answer)
             for result in answer.json["results"]:
                 self.assertLess(abs(result["distance"] - isoline["level"]), 1e-9 * isoline["level"])
@@ -244,7 +244,7 @@ class Lines(Isolines):
             ("count=1&tolerance=0", "tolerance"),
             ("count=1&tolerance=x", "tolerance"),
             ("count=1&arcs=yes", "arcs"),
-            ("count=1&fields=lines", "fields"),
+            ("count=1&select=lines", "select"),
             ("count=1&level=1", "level"),
         ):
             problem = self.assert_problem(self.ask("refusals", field, query), 400, "invalid_request")

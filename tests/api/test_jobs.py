@@ -33,7 +33,7 @@ class Answers(Jobs):
     def test_queries(self):
         for method, path, document in (
                 ("GET", "distance?from=v:0&to=v:2", None), ("POST", "distance", pair(0, 2)),
-                ("GET", "path?from=v:0&to=v:2&geometry=xyz", None), ("POST", "path?fields=path", pair(0, 2)),
+                ("GET", "path?from=v:0&to=v:2&geometry=xyz", None), ("POST", "path?select=path", pair(0, 2)),
                 ("GET", "nearest?point=p:0.5,0.25,3", None), ("POST", "nearest", {"point": {"vertex": 1}})):
             path = f"/v1/meshes/square/{path}"
             expected = self.daemon.request(method, path, document and json.dumps(document), JSON if document else {})

@@ -123,7 +123,7 @@ REQUESTS = [
     ("vertex beyond 32 bits", "GET", DISTANCE + "?from=v:4294967296&to=v:1", None, {}, *INVALID),
     ("coordinates that are not finite", "GET", DISTANCE + "?from=p:nan,0,0&to=v:1", None, {}, *INVALID),
     ("unknown parameter", "GET", DISTANCE + "?from=v:0&to=v:1&via=v:2&why=", None, {}, *INVALID),
-    ("unknown field", "GET", DISTANCE + "?from=v:0&to=v:1&fields=speed", None, {}, *INVALID),
+    ("unknown member", "GET", DISTANCE + "?from=v:0&to=v:1&select=speed", None, {}, *INVALID),
     ("unknown geometry", "GET", DISTANCE + "?from=v:0&to=v:1&geometry=round", None, {}, *INVALID),
     ("timeout of zero", "GET", DISTANCE + "?from=v:0&to=v:1&timeout_ms=0", None, {}, *INVALID),
     ("33 parameters", "GET", DISTANCE + "?" + "&".join(f"a{i}=1" for i in range(33)), None, {}, *INVALID),

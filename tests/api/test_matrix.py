@@ -198,9 +198,9 @@ class Forms(TestCase):
 
     def test_fields(self):
         document = {"sources": vertices([0]), "targets": vertices([1, 4])}
-        self.assertEqual(self.post("apart", document, "?fields=reasons").json, {"reasons": [[None, "no_path"]]})
-        self.assertEqual(list(self.post("apart", document, "?fields=distances").json), ["distances", "reasons"])
-        self.assert_problem(self.post("apart", document, "?fields=from"), 400, "invalid_request")
+        self.assertEqual(self.post("apart", document, "?select=reasons").json, {"reasons": [[None, "no_path"]]})
+        self.assertEqual(list(self.post("apart", document, "?select=distances").json), ["distances", "reasons"])
+        self.assert_problem(self.post("apart", document, "?select=from"), 400, "invalid_request")
         self.assert_problem(self.post("apart", document, "?via=v:1"), 400, "invalid_request")
 
     def test_refusals(self):

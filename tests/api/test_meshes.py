@@ -223,7 +223,7 @@ class Content(TestCase):
         turned = SQUARE.replace(b"f 1 3 4", b"f 3 1 4")
         self.assertEqual(self.daemon.put("turned", turned).json["orientation"]["flipped_faces"], 1)
         self.assertEqual(re.findall(rb"^f .*$", self.daemon.get("/v1/meshes/turned/content").body, re.M), [b"f 1 2 3", b"f 3 4 1"])
-        place = self.daemon.get("/v1/meshes/turned/nearest?point=f:1:0.5,0.25,0.25&fields=xyz").json["xyz"]
+        place = self.daemon.get("/v1/meshes/turned/nearest?point=f:1:0.5,0.25,0.25&select=xyz").json["xyz"]
         self.assertEqual(place, [0.5, 0.75, 0])  # the corners as they were uploaded: (1, 1), (0, 0), (0, 1)
         doubled = SQUARE.replace(b"f 1 3 4", b"f 1 2 3\nf 1 3 4")
         self.assertEqual(self.daemon.put("doubled", doubled, "?repair=split").json["repair"]["duplicate_faces"], 1)

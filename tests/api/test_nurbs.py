@@ -209,10 +209,10 @@ class Evaluation(Nurbs):
         self.assert_close(point["xyz"], [0, 0, 1], 1e-15)
 
     def test_fields(self):
-        answer = self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?fields=points,xyz,du")
+        answer = self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?select=points,xyz,du")
         self.assertEqual(answer, {"points": [{"xyz": [0, 0, 0], "du": [1, 0, 0]}, {"xyz": [1, 1, 1], "du": [1, 0, 1]}]})
-        self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?fields=xyz,du"), answer)
-        self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[1, 0]]}, "?fields=points"), self.ask("saddle", "evaluate", {"uv": [[1, 0]]}))
+        self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?select=xyz,du"), answer)
+        self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[1, 0]]}, "?select=points"), self.ask("saddle", "evaluate", {"uv": [[1, 0]]}))
 
     def test_places_that_can_not_be(self):
         problem = self.refusal("saddle", "evaluate", {"uv": [[0, 0], [0.5, 1.5]]}, 422, "point_not_on_surface")
@@ -242,7 +242,7 @@ class Evaluation(Nurbs):
     def test_nearest_of_several(self):
         """Over hills and valleys there are several places to which the way is at right angles: no sample is nearer than the answer."""
         samples = [[i / 60, j / 60] for i in range(61) for j in range(61)]
-        points = [point["xyz"] for point in self.ask("hills", "evaluate", {"uv": samples}, "?fields=points,xyz")["points"]]
+        points = [point["xyz"] for point in self.ask("hills", "evaluate", {"uv": samples}, "?select=points,xyz")["points"]]
         chance = random.Random(4)
         for _ in range(30):
             xyz = [chance.uniform(0, 7), chance.uniform(0, 7), chance.uniform(3, 9)]

@@ -87,7 +87,7 @@ class Curves(Nurbs):
         a, b = wavy(24, 0.25, 0.4, 0.15, 0.02, 5), wavy(24, 0.75, 0.6, 0.15, 0.02, 5)
         answer = self.ask("bumps", "curve-distance", {"a": a, "b": b})
         corners = lambda curve: curve["polyline"][::3]
-        least = min(self.ask("bumps", "geodesic", {"from": p, "to": q}, "?fields=length")["length"] for p in corners(a) for q in corners(b))
+        least = min(self.ask("bumps", "geodesic", {"from": p, "to": q}, "?select=length")["length"] for p in corners(a) for q in corners(b))
         self.assertLessEqual(answer["length"], least + 1e-10)
         self.assertGreater(answer["length"], 0.7 * least)
         back = self.ask("bumps", "curve-distance", {"a": b, "b": a})

@@ -127,10 +127,10 @@ class Geodesics(Nurbs):
 
     def test_geometry_and_fields(self):
         ask = lambda options: self.ask("saddle", "geodesic", {"from": [0, 0], "to": [1, 1], "samples": 3}, options)
-        self.assertEqual(set(ask("?fields=length,ends")), {"length", "ends"})
-        self.assertEqual(ask("?geometry=xyz&fields=points")["points"][::2], [[0, 0, 0], [1, 1, 1]])
+        self.assertEqual(set(ask("?select=length,ends")), {"length", "ends"})
+        self.assertEqual(ask("?geometry=xyz&select=points")["points"][::2], [[0, 0, 0], [1, 1, 1]])
         self.assertNotIn("points", ask("?geometry=none"))
-        self.assertEqual(ask("?fields=ends"), {"ends": {"from": {"uv": [0, 0], "xyz": [0, 0, 0]}, "to": {"uv": [1, 1], "xyz": [1, 1, 1]}}})
+        self.assertEqual(ask("?select=ends"), {"ends": {"from": {"uv": [0, 0], "xyz": [0, 0, 0]}, "to": {"uv": [1, 1], "xyz": [1, 1, 1]}}})
 
     def test_the_same_place(self):
         for a, b in (([0.5, 0.5], [0.5, 0.5]), ([0, 1], [2 * PI, 1 - 2 * PI])):

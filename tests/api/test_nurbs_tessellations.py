@@ -31,7 +31,7 @@ class Tessellations(Nurbs):
                 self.assertEqual(answer.headers["ETag"], form_tag(made.headers["ETag"], "json"))
                 self.assertEqual(told["nurbs"], {"name": name, "etag": self.descriptions[name]["etag"]})
                 self.assertEqual(len(told["uv"]), made.json["index_count"])
-                points = self.ask(name, "evaluate", {"uv": told["uv"]}, "?fields=points,xyz")["points"]
+                points = self.ask(name, "evaluate", {"uv": told["uv"]}, "?select=points,xyz")["points"]
                 for vertex, point in zip(self.vertices(f"{name}-mesh"), points):
                     self.assert_close(point["xyz"], vertex, 1e-15)
 
@@ -84,7 +84,7 @@ class Tessellations(Nurbs):
         whole = self.daemon.get("/v1/meshes/packed/parameters").json["uv"]
         packed = array.array("d", self.daemon.get("/v1/meshes/packed/parameters", Accept="application/octet-stream").body)
         self.assertEqual(list(packed), [x for pair in whole for x in pair])
-        self.assertEqual(set(self.daemon.get("/v1/meshes/packed/parameters?fields=periods").json), {"periods"})
+        self.assertEqual(set(self.daemon.get("/v1/meshes/packed/parameters?select=periods").json), {"periods"})
 
     def test_only_of_tessellations(self):
         self.tessellate("saddle", mesh="taken", resolution=[4, 4])

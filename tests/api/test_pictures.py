@@ -151,7 +151,7 @@ class PictureTests(TestCase):
         self.refused("?source=v:0&field=" + 32 * "0", "source")
         self.refused("?field=" + 32 * "0", "field", status=404, code="not_found")
         self.refused("?field=short", "field", status=404, code="not_found")
-        self.refused("?fields=length", "fields")
+        self.refused("?select=length", "select")
         self.refused("?geometry=none", "geometry")
         self.assertIn("components", self.refused("?from=v:0&to=v:3", "to", "two")["detail"])
         self.picture(mesh="absent", status=404)

@@ -107,7 +107,7 @@ class Pairs(TestCase):
 
     def test_fields_and_geometry(self):
         url = "/v1/meshes/grid/path?from=v:0&to=v:5"
-        self.assertEqual(list(self.daemon.get(f"{url}&fields=distance").json), ["distance"])
+        self.assertEqual(list(self.daemon.get(f"{url}&select=distance").json), ["distance"])
         points = self.daemon.get(f"{url}&geometry=xyz").json["path"]["points"]
         self.assertTrue(all(len(point) == 3 for point in points))
         self.assertNotIn("points", self.daemon.get(f"{url}&geometry=none").json["path"])

@@ -38,7 +38,7 @@ class Sets(TestCase):
         return answer.json["results"]
 
     def distances(self, mesh, members, points):
-        return [result["distance"] for result in self.results(mesh, members, points, "?fields=distance")]
+        return [result["distance"] for result in self.results(mesh, members, points, "?select=distance")]
 
     def test_flat(self):
         members = [{"xyz": [0.1, 0.2, 0]}, {"xyz": [0.9, 0.3, 0], "offset": 0.25, "label": "b"}]
@@ -98,8 +98,8 @@ class Sets(TestCase):
             return self.results("grid", [{"vertex": 0}], [{"vertex": 9}], options, path=True)[0]
 
         self.assertEqual(list(ask("")), ["distance", "nearest", "path"])
-        self.assertEqual(ask("?fields=results"), ask(""))
-        self.assertEqual(list(ask("?fields=path")), ["path"])
+        self.assertEqual(ask("?select=results"), ask(""))
+        self.assertEqual(list(ask("?select=path")), ["path"])
         self.assertTrue(all(len(point) == 3 for point in ask("?geometry=xyz")["path"]["points"]))
         self.assertNotIn("points", ask("?geometry=none")["path"])
 
@@ -144,8 +144,8 @@ class Sets(TestCase):
         many = CORNER | {"set": {"points": [{"vertex": 0}] * 65537}}
         problem = self.assert_problem(self.daemon.ask("square", "distance-to-set", many), 413, "too_large")
         self.assertEqual((problem["pointer"], problem["limit"]), ("/set/points", 65536))
-        answer = self.daemon.ask("square", "distance-to-set?fields=gradient", CORNER)
-        self.assertEqual(self.assert_problem(answer, 400, "invalid_request")["parameter"], "fields")
+        answer = self.daemon.ask("square", "distance-to-set?select=gradient", CORNER)
+        self.assertEqual(self.assert_problem(answer, 400, "invalid_request")["parameter"], "select")
         self.assert_problem(self.daemon.ask("none", "distance-to-set", CORNER), 404, "not_found")
         far = CORNER | {"set": {"points": [{"xyz": [9, 9, 9], "max_snap": 1}]}}
         problem = self.assert_problem(self.daemon.ask("square", "distance-to-set", far), 422, "point_not_on_surface")

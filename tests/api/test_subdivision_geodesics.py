@@ -54,7 +54,7 @@ class Trace(Subdivisions):
             self.assertAlmostEqual(path["length"], 0.3, 13)
             angle = [math.cos(i * math.pi / 2), math.sin(i * math.pi / 2)]
             self.assertGreater(sum(a * b for a, b in zip(angle, path["end_direction"]["xyz"])), 0.9)
-        answer = self.ask("cube", "trace?fields=start", {**question, "fan": 3})
+        answer = self.ask("cube", "trace?select=start", {**question, "fan": 3})
         self.assertEqual(list(answer), ["start"])
         self.assert_near(answer["start"]["xyz"], [0, 0, 68 / 81])
 
@@ -135,7 +135,7 @@ class Paths(Subdivisions):
         self.assertNotIn("error_estimate", answer)
         answer = self.ask("cube", "path", {"from": MIDDLE, "to": MIDDLE})
         self.assertEqual(answer["distance"], 0)
-        self.assertEqual(list(self.ask("cube", "path?fields=path&geometry=none", {"from": MIDDLE, "to": MIDDLE})["path"]), ["length"])
+        self.assertEqual(list(self.ask("cube", "path?select=path&geometry=none", {"from": MIDDLE, "to": MIDDLE})["path"]), ["length"])
         for change, pointer in [({"to": None}, "/to"), ({"level": 20}, "/level"), ({"via": []}, "/via")]:
             document = {key: value for key, value in {"from": MIDDLE, "to": MIDDLE, **change}.items() if value is not None}
             self.assertEqual(self.ask("cube", "path", document, 400)["pointer"], pointer)

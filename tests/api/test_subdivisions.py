@@ -175,11 +175,11 @@ class Evaluate(Subdivisions):
 
     def test_many_and_fields(self):
         places = [{"face": i % 6, "uv": [i / 3000, 0.5]} for i in range(3000)]
-        answer = self.ask("cube", "evaluate?fields=points,xyz", {"points": places})["points"]
+        answer = self.ask("cube", "evaluate?select=points,xyz", {"points": places})["points"]
         self.assertEqual((len(answer), list(answer[7])), (3000, ["xyz"]))
-        self.assertEqual(self.ask("cube", "evaluate?fields=xyz", {"points": places}), {"points": answer})
+        self.assertEqual(self.ask("cube", "evaluate?select=xyz", {"points": places}), {"points": answer})
         whole = self.ask("cube", "evaluate", {"points": places[:1]})
-        self.assertEqual(self.ask("cube", "evaluate?fields=points", {"points": places[:1]}), whole)
+        self.assertEqual(self.ask("cube", "evaluate?select=points", {"points": places[:1]}), whole)
 
     def test_refusals(self):
         for place, status, pointer in [({"face": 6, "uv": [0, 0]}, 400, "/points/1/face"), ({"face": 0, "uv": [1.1, 0]}, 422, "/points/1/uv"),

@@ -96,7 +96,7 @@ class Trace(Tracing):
         self.assertEqual(accepted.status, 202)
 
     def test_fields(self):
-        answer = self.asked("square", "trace?fields=start", {"start": {"vertex": 2}, "fan": 3, "length": 1})
+        answer = self.asked("square", "trace?select=start", {"start": {"vertex": 2}, "fan": 3, "length": 1})
         self.assertEqual(list(answer), ["start"])
         self.assertEqual(answer["start"]["vertex"], 2)
 

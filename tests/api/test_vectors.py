@@ -79,7 +79,7 @@ class Vectors(TestCase):
         zero = {"direction": None, "length": 0}
         answer = self.asked("apart", "log", {"from": {"vertex": 0}, "to": [{"vertex": 3}, {"vertex": 0}]})
         self.assertEqual(answer["vectors"], [nowhere, zero])
-        answer = self.asked("apart", "log?fields=vectors", {"from": {"vertex": 0}, "to": "all"})
+        answer = self.asked("apart", "log?select=vectors", {"from": {"vertex": 0}, "to": "all"})
         self.assertEqual(list(answer), ["vectors"])
         self.assertEqual([answer["vectors"][i] for i in (0, 3, 4, 5)], [zero] + [nowhere] * 3)
         answer = self.asked("loose", "log", {"from": {"vertex": 0}, "to": "all"})
@@ -119,7 +119,7 @@ class Vectors(TestCase):
                   ("apart", {"vertex": 0}, [{"vertex": 1}, {"vertex": 0}, {"vertex": 3}]),
                   ("loose", {"vertex": 0}, "all"), ("apart", {"vertex": 1}, "all"), ("ball", {"vertex": 5}, "all")]
         for mesh, start, targets in starts:
-            for query in ("log", "log?fields=vectors"):
+            for query in ("log", "log?select=vectors"):
                 for first_only in (False, True):
                     document = {"from": start, "to": targets, "first_vector_only": first_only}
                     vectors = self.asked(mesh, query, document)["vectors"]
@@ -223,7 +223,7 @@ class Vectors(TestCase):
 
     def test_no_way(self):
         document = {"from": {"vertex": 0}, "to": {"vertex": 3}, "vectors": [{"direction": 0, "length": 1}]}
-        answer = self.asked("apart", "transport?fields=distance,vectors", document)
+        answer = self.asked("apart", "transport?select=distance,vectors", document)
         self.assertEqual(answer, {"distance": None, "reason": "no_path", "vectors": None})
 
     def test_transport_refusals(self):
@@ -255,7 +255,7 @@ class Vectors(TestCase):
 
     def test_mean_fields_and_refusals(self):
         point = {"vertex": 0}
-        self.assertEqual(self.asked("square", "mean?fields=converged", {"points": [point]}), {"converged": True})
+        self.assertEqual(self.asked("square", "mean?select=converged", {"points": [point]}), {"converged": True})
         for document, pointer in [({}, "/points"), ({"points": []}, "/points"), ({"points": [point], "weights": [-1]}, "/weights"),
                                   ({"points": [point], "weights": [0]}, "/weights"), ({"points": [point], "weights": [1, 2]}, "/weights"),
                                   ({"points": [point], "method": "best"}, "/method")]:

@@ -48,7 +48,7 @@ class Via(TestCase):
         answer = self.daemon.ask("grid", "distance", document).json
         self.assertEqual(list(answer), ["distance", "from", "to", "via"])
         self.assertEqual((answer["via"][0]["snap_distance"], answer["via"][1]["vertex"]), (2, 3))
-        wanted = self.daemon.get("/v1/meshes/grid/distance?fields=via&from=v:0&to=v:9&via=v:3")
+        wanted = self.daemon.get("/v1/meshes/grid/distance?select=via&from=v:0&to=v:9&via=v:3")
         self.assertEqual(list(wanted.json), ["via"])
 
     def test_none_is_as_before(self):

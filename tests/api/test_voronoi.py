@@ -47,7 +47,7 @@ class Voronoi(TestCase):
 
     def distances(self, mesh, members, points):
         document = {"set": {"points": members}, "points": points}
-        return [result["distance"] for result in self.ask(mesh, "distance-to-set?fields=distance", document)["results"]]
+        return [result["distance"] for result in self.ask(mesh, "distance-to-set?select=distance", document)["results"]]
 
     # --- diagrams --------------------------------------------------------------------------------------------------------
 
@@ -94,7 +94,7 @@ class Voronoi(TestCase):
         for mesh in ("terrain", "torus"):
             count = self.meshes[mesh]["index_count"]
             members = [random_point(chance, self.meshes[mesh]["faces"]) for _ in range(5)]
-            labels = self.voronoi(mesh, members, "?fields=labels")
+            labels = self.voronoi(mesh, members, "?select=labels")
             self.assertEqual(list(labels), ["labels"])
             self.assertEqual(len(labels["labels"]), count)
             vertices = list(range(0, count, max(1, count // 200)))
@@ -117,7 +117,7 @@ class Voronoi(TestCase):
 
     def test_fields_and_geometry(self):
         members = [{"vertex": 0}, {"vertex": 2}]
-        self.assertEqual(list(self.voronoi("square", members, "?fields=bisectors")), ["bisectors"])
+        self.assertEqual(list(self.voronoi("square", members, "?select=bisectors")), ["bisectors"])
         [bisector] = self.voronoi("square", members, "?geometry=none")["bisectors"]
         self.assertEqual(list(bisector), ["members", "closed", "length"])
 
@@ -185,7 +185,7 @@ class Voronoi(TestCase):
         answer = self.farthest("square", count=1, start={"xyz": [0.25, 0.5, 1]})
         self.assertEqual(answer["points"][0]["snap_distance"], 1)
         self.assertEqual(self.farthest("square", "?geometry=xyz", count=1)["points"], [[0, 0, 0]])
-        self.assertEqual(list(self.farthest("square", "?fields=radii", count=1)), ["radii"])
+        self.assertEqual(list(self.farthest("square", "?select=radii", count=1)), ["radii"])
 
     def test_farthest_refusals(self):
         for document, pointer in [({}, "/count"), ({"count": 0}, "/count"), ({"count": 1.5}, "/count"), ({"count": 2, "start": 3}, "/start"),

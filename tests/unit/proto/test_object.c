@@ -65,7 +65,7 @@ static void others_are_refused_with_their_sentence(void **state)
         const char *text, *pointer, *sentence;
         bool is_too_large;
     } cases[] = {
-        {"{}", "/inner/length", "the field \"length\" is missing", false},
+        {"{}", "/inner/length", "the member \"length\" is missing", false},
         {"{\"length\":0}", "/inner/length", "a length is more than 0", false},
         {"{\"length\":\"1\"}", "/inner/length", "expected a number, not a string", false},
         {"{\"length\":1,\"count\":0}", "/inner/count", "ask for one", false},

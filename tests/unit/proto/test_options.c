@@ -96,7 +96,7 @@ static void lists_what_it_would_take(void **state)
     parameters = QUERY("select", "to,path");
     assert_false(proto_options_parse(&parameters, fields, common, &options, &problem));
     assert_string_equal(problem.detail,
-                        "the answer has no field \"path\"; it has distance from to");
+                        "the answer has no member \"path\"; it has distance from to");
 }
 
 static void a_whole_alone_is_all_of_its_parts(void **state)
