@@ -251,6 +251,12 @@ class TestCase(unittest.TestCase):
             raise AssertionError(f"the daemon ended with {status}")
 
     @classmethod
+    def skip_without_pages(cls):
+        """Skips the test if the daemon was built without the viewer and the docs."""
+        if b"VIEWER=no" in cls.daemon.get("/").body:
+            raise unittest.SkipTest("this daemon was built without the viewer (VIEWER=no)")
+
+    @classmethod
     def put_all(cls, meshes):
         """Uploads meshes by name; their descriptions by name."""
         answers = {name: cls.daemon.put(name, body) for name, body in meshes.items()}

@@ -90,10 +90,15 @@ class Roles(Keyed):
     keys = line("reader") + line("writer", "role=write") + line("old", "role=write expires=2001-01-01") + line("watch", "role=operator")
 
     def test_what_needs_no_key(self):
-        for path in ("/livez", "/readyz", "/", "/openapi.json", "/app.js", "/style.css"):
+        for path in ("/livez", "/readyz", "/", "/openapi.json"):
             self.assertEqual(self.ask("GET", path).status, 200, path)
         self.assertEqual(self.ask("HEAD", "/livez").status, 200)
         self.assertEqual(self.ask("OPTIONS", "/v1/meshes").status, 204)
+
+    def test_pages_need_no_key(self):
+        self.skip_without_pages()
+        for path in ("/app.js", "/style.css"):
+            self.assertEqual(self.ask("GET", path).status, 200, path)
 
     def test_all_else_needs_one(self):
         paths = self.ask("GET", "/openapi.json").json["paths"]

@@ -310,22 +310,31 @@ class KeepAlive(TestCase):
             self.assertEqual((answer.status, answer.headers["Connection"]), (status, None), (method, path))
         connection.close()
 
+    def assert_head(self, path):
+        head, get = self.daemon.request("HEAD", path), self.daemon.get(path)
+        self.assertEqual((head.status, head.body), (200, b""))
+        self.assertEqual(head.headers["Content-Type"], get.headers["Content-Type"])
+
     def test_head_and_allow(self):
-        for path in ("/v1", "/livez", "/v1/meshes", "/metrics", "/", "/app.js"):
-            head, get = self.daemon.request("HEAD", path), self.daemon.get(path)
-            self.assertEqual((head.status, head.body), (200, b""))
-            self.assertEqual(head.headers["Content-Type"], get.headers["Content-Type"])
+        for path in ("/v1", "/livez", "/v1/meshes", "/metrics", "/"):
+            self.assert_head(path)
         answer = self.daemon.request("PATCH", "/v1/meshes/x")
         self.assert_problem(answer, 405, "method_not_allowed")
         self.assertEqual(answer.headers["Allow"], "GET, HEAD, PUT, DELETE, OPTIONS")
 
     def test_security_headers(self):
-        for path in ("/", "/v1", "/nowhere", "/app.js"):
+        for path in ("/", "/v1", "/nowhere"):
             headers = self.daemon.get(path).headers
             self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
             self.assertIn("frame-ancestors 'none'", headers["Content-Security-Policy"])
+
+    def test_pages_have_heads_and_security_headers(self):
+        self.skip_without_pages()
         for path in ("/", "/app.js"):
+            self.assert_head(path)
             headers = self.daemon.get(path).headers
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertIn("frame-ancestors 'none'", headers["Content-Security-Policy"])
             self.assertEqual(headers["Referrer-Policy"], "no-referrer")
             self.assertEqual(headers["Cross-Origin-Resource-Policy"], "same-origin")
 
