@@ -14,7 +14,7 @@ CXXFLAGS += -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WA
 LDFLAGS  += -pthread $(SAN)
 
 # Rooms of the engine, in order of rank (see README). ROOMS="base io" builds a part of the house.
-ROOMS   ?= base mesh io window kernel guide wavefront partition field line query transport render cut nurbs subdiv
+ROOMS   ?= base mesh io repair construction window kernel guide wavefront partition field line query transport render cut nurbs subdiv
 ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
 ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
 PROTO_C   := $(wildcard proto/*/*.c)

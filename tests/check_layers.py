@@ -17,7 +17,7 @@ import re
 import sys
 
 # rooms of the engine; gd/ headers have the rank of the room that implements them
-ENGINE = {"base": 0, "mesh": 1, "io": 1, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
+ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
           "transport": 10, "render": 10, "cut": 11, "subdiv": 11, "nurbs": 11}
 PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "mesh/build.h"
+#include "mesh/construction.h"
 #include "mesh/foot.h"
 
 /* No coordinate is NaN: plain comparisons, which are single instructions where fmin and fmax are

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/large.h"
-#include "mesh/build.h"
+#include "mesh/construction.h"
 #include "mesh/bvh.h"
 
 void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)

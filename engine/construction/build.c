@@ -1,0 +1,111 @@
+/* The recipe of gd_mesh_build. */
+#include <stdlib.h>
+
+#include "mesh/construction.h"
+
+struct step {
+    enum gd_status (*run)(struct gd__construction *work);
+    double done; /* part of the whole work after it, as measured on a sphere of 328k faces */
+};
+
+static const struct step steps[] = {
+    {gd__merge_vertices, 0},   {gd__validate_corners, 0.03},
+    {gd__triangulate, 0.05},   {gd__repair, 0.05},
+    {gd__order, 0.17},         {gd__scale, 0.23},
+    {gd__connect, 0.34},       {gd__orient, 0.38},
+    {gd__check_vertices, 0.4}, {gd__make_sides, 0.65},
+    {gd__make_fans, 0.89},     {gd__summarise, 0.95},
+    {gd__make_bvh, 1},
+};
+
+static enum gd_status run_steps(struct gd__construction *work)
+{
+    work->until = 0;
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        work->begun = work->pace.fraction = work->until;
+        work->until = steps[i].done;
+        enum gd_status status = gd_control_check(work->control, work->begun);
+        if (!status) status = steps[i].run(work);
+        if (status || work->pace.status) return status;
+    }
+    return gd_control_check(work->control, 1);
+}
+
+/* A step that was stopped may have judged what it had not finished. */
+static enum gd_status outcome(const struct gd__construction *work, enum gd_status status)
+{
+    if (!work->pace.status) return status;
+    if (work->detail) *work->detail = (struct gd_detail){0};
+    return work->pace.status;
+}
+
+static uint64_t triangle_count(const struct gd_polygons *polygons)
+{
+    return gd_polygons_corner_count(polygons) - 2 * (uint64_t)polygons->polygon_count;
+}
+
+enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices)
+{
+    size_t cost = gd_mesh_build_cost(faces, vertices);
+    if (!gd_control_afford(work->control, cost)) return GD_OK;
+    return gd_fail(work->detail, GD_BUDGET,
+                   "building this mesh takes up to %zu bytes, more than the budget of %zu", cost,
+                   work->control->budget_bytes);
+}
+
+static void free_scratch(struct gd__construction *work)
+{
+    free(work->representative);
+    free(work->merged.corners);
+    free(work->merged.first);
+    free(work->triangle);
+    free(work->face_index);
+    free(work->corner);
+    free(work->neighbour);
+    free(work->component);
+}
+
+enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
+                             const struct gd_mesh_options *options,
+                             const struct gd_control *control, struct gd_mesh **out,
+                             struct gd_detail *detail)
+{
+    struct gd__construction work = {
+        .input = polygons, .polygons = polygons, .control = control, .detail = detail};
+    work.pace.control = control;
+    if (options) work.options = *options;
+    enum gd_status status = outcome(&work, gd__validate(&work));
+    if (!status) status = gd__afford(&work, triangle_count(polygons), polygons->position_count);
+    if (status) return status;
+    work.mesh = calloc(1, sizeof *work.mesh);
+    if (!work.mesh) return GD_NO_MEMORY;
+    work.mesh->bytes = sizeof *work.mesh;
+    atomic_init(&work.mesh->references, 1);
+    status = outcome(&work, run_steps(&work));
+    free_scratch(&work);
+    if (status)
+        gd_mesh_release(work.mesh);
+    else
+        *out = work.mesh;
+    return status;
+}
+
+/* Edges of a manifold: a vertex with d face corners has at most d + 1 edges, so 2 E <= 3 F + V. */
+static uint64_t most_edges(uint64_t faces, uint64_t vertices)
+{
+    uint64_t referenced = vertices < 3 * faces ? vertices : 3 * faces;
+    return (3 * faces + referenced) / 2;
+}
+
+/* Bytes: what the mesh keeps an element, the steps' working arrays that live beside it, and the
+ * table of interval.c. */
+#define COST_VERTEX 90
+#define COST_FACE   170
+#define COST_EDGE   170
+#define COST_FIXED  65536
+
+size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices)
+{
+    return COST_FIXED + COST_VERTEX * vertices + COST_FACE * faces +
+           COST_EDGE * most_edges(faces, vertices);
+}

@@ -1,0 +1,145 @@
+/* Which faces share an edge; refuses what no surface has: edges of more than two faces, and faces
+ * given twice. */
+#include <stdlib.h>
+
+#include "base/large.h"
+#include "mesh/construction.h"
+#include "mesh/edge_table.h"
+#include "construction/offenders.h"
+
+static uint32_t opposite_corner(const struct gd__construction *work, uint32_t side)
+{
+    return work->corner[side / 3][gd__previous_corner(side % 3)];
+}
+
+struct findings {
+    struct gd__offenders duplicates; /* a: a face, witness: an earlier one with the same vertices */
+    /* a, b: an edge of more than two faces, witness: its first entry in the table */
+    struct gd__offenders crowded;
+};
+
+static void add_duplicate(const struct gd__construction *work, uint32_t f, uint32_t g,
+                          struct findings *findings)
+{
+    uint32_t a = gd__input_polygon(work->mesh, f), b = gd__input_polygon(work->mesh, g);
+    gd__offenders_add(&findings->duplicates, a > b ? a : b, 0, a > b ? b : a);
+}
+
+static int compare_apices(const void *x, const void *y)
+{
+    const struct gd__edge_use *a = x, *b = y; /* `high` is the apex here */
+    if (a->high != b->high) return a->high < b->high ? -1 : 1;
+    return a->side < b->side ? -1 : a->side > b->side;
+}
+
+/* Faces with the same vertices meet at the edge of their two lowest ones: looks there only, so that
+ * each is found once. */
+static enum gd_status find_duplicates(const struct gd__construction *work,
+                                      const struct gd__edge_use *use, uint32_t count,
+                                      struct findings *findings)
+{
+    struct gd__edge_use *by_apex = malloc(count * sizeof *by_apex);
+    if (!by_apex) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < count; i++)
+        by_apex[i] = (struct gd__edge_use){opposite_corner(work, use[i].side), use[i].side};
+    qsort(by_apex, count, sizeof *by_apex, compare_apices);
+    for (uint32_t i = 1; i < count; i++) {
+        if (by_apex[i].high == by_apex[i - 1].high && by_apex[i].high > use[0].high)
+            add_duplicate(work, by_apex[i].side / 3, by_apex[i - 1].side / 3, findings);
+    }
+    free(by_apex);
+    return GD_OK;
+}
+
+/* An edge with more faces than a surface can have there. */
+static enum gd_status note_crowded(const struct gd__construction *work,
+                                   const struct gd__edge_table *table,
+                                   const struct gd__edge_run *run, struct findings *findings)
+{
+    uint32_t a = work->mesh->index_of_vertex[run->low], b = work->mesh->index_of_vertex[run->high];
+    gd__offenders_add(&findings->crowded, a < b ? a : b, a < b ? b : a, run->begin);
+    return find_duplicates(work, table->use + run->begin, run->count, findings);
+}
+
+static void join_pair(struct gd__construction *work, const struct gd__edge_use pair[2],
+                      struct findings *findings)
+{
+    uint32_t apex = opposite_corner(work, pair[0].side);
+    if (apex > pair[0].high && apex == opposite_corner(work, pair[1].side))
+        add_duplicate(work, pair[0].side / 3, pair[1].side / 3, findings);
+    work->neighbour[pair[0].side] = pair[1].side;
+    work->neighbour[pair[1].side] = pair[0].side;
+}
+
+static enum gd_status join_all(struct gd__construction *work, const struct gd__edge_table *table,
+                               struct findings *findings)
+{
+    enum gd_status status = GD_OK;
+    for (struct gd__edge_run run = {0};
+         !status && gd__pace(&work->pace, 1) && gd__edge_table_next(table, &run);) {
+        if (run.count == 1)
+            work->neighbour[table->use[run.begin].side] = GD_NONE;
+        else if (run.count == 2)
+            join_pair(work, table->use + run.begin, findings);
+        else
+            status = note_crowded(work, table, &run, findings);
+    }
+    return status;
+}
+
+static enum gd_status refuse_duplicates(const struct gd__construction *work,
+                                        const struct gd__offenders *duplicates)
+{
+    const struct gd__offender *face = &duplicates->lowest[0];
+    if (face->a == face->witness)
+        gd_fail(work->detail, GD_DUPLICATE_FACE, "face %u covers the same three vertices twice",
+                face->witness);
+    else
+        gd_fail(work->detail, GD_DUPLICATE_FACE,
+                "face %u has the same vertices as face %u; remove one of them", (unsigned)face->a,
+                face->witness);
+    uint32_t first = gd_polygons_first(work->polygons, face->witness);
+    gd__blame_weld(work, work->polygons->corners + first,
+                   gd_polygons_first(work->polygons, face->witness + 1) - first);
+    return gd__offenders_report(duplicates, GD_ELEMENT_FACE, GD_DUPLICATE_FACE, work->detail);
+}
+
+static enum gd_status refuse_crowded(const struct gd__construction *work,
+                                     const struct gd__edge_table *table,
+                                     const struct gd__offenders *crowded)
+{
+    const struct gd__offender *edge = &crowded->lowest[0];
+    const struct gd__edge_use *use = &table->use[edge->witness];
+    const uint32_t *corner = work->corner[use->side / 3];
+    uint32_t a = corner[use->side % 3], b = corner[gd__next_corner(use->side % 3)];
+    uint32_t end = table->first[(a < b ? a : b) + 1];
+    struct gd__offenders faces = {0};
+    for (uint32_t i = edge->witness; i < end && table->use[i].high == use->high; i++)
+        gd__offenders_add(&faces, gd__input_polygon(work->mesh, table->use[i].side / 3), 0, 0);
+    gd_fail(work->detail, GD_NON_MANIFOLD_EDGE,
+            "edge %u-%u belongs to %u faces (%u, %u, %u%s); at most two may share an edge",
+            (unsigned)edge->a, (unsigned)edge->b, (unsigned)faces.total,
+            (unsigned)faces.lowest[0].a, (unsigned)faces.lowest[1].a, (unsigned)faces.lowest[2].a,
+            faces.total > 3 ? ", ..." : "");
+    gd__blame_weld(work, (uint32_t[2]){(uint32_t)edge->a, (uint32_t)edge->b}, 2);
+    return gd__offenders_report(crowded, GD_ELEMENT_EDGE, GD_NON_MANIFOLD_EDGE, work->detail);
+}
+
+enum gd_status gd__connect(struct gd__construction *work)
+{
+    const struct gd_mesh *mesh = work->mesh;
+    struct gd__edge_table table = {0};
+    struct findings findings = {0};
+    work->neighbour = gd__large_array(3 * (size_t)mesh->face_count, sizeof *work->neighbour);
+    if (!work->neighbour) return GD_NO_MEMORY;
+    enum gd_status status =
+        gd__edge_table_create((const uint32_t(*)[3])work->corner, mesh->face_count,
+                              mesh->vertex_count, &work->pace, &table);
+    if (!status) status = join_all(work, &table, &findings);
+    if (!status && findings.duplicates.total)
+        status = refuse_duplicates(work, &findings.duplicates);
+    else if (!status && findings.crowded.total)
+        status = refuse_crowded(work, &table, &findings.crowded);
+    gd__edge_table_free(&table);
+    return status;
+}

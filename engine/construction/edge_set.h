@@ -1,0 +1,22 @@
+/* A set of undirected edges: open addressing, sized once. */
+#ifndef GD_CONSTRUCTION_EDGE_SET_H
+#define GD_CONSTRUCTION_EDGE_SET_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/pace.h"
+
+struct gd__edge_set {
+    uint64_t *slot;
+    uint64_t mask, seed;
+};
+
+/* Room for `most` edges. GD_NO_MEMORY, and the status of the pace. Free by gd__edge_set_free. */
+enum gd_status gd__edge_set_create(uint64_t most, struct gd__pace *pace, struct gd__edge_set *out);
+void gd__edge_set_free(struct gd__edge_set *set);
+
+void gd__edge_set_insert(struct gd__edge_set *set, uint32_t a, uint32_t b);
+bool gd__edge_set_contains(const struct gd__edge_set *set, uint32_t a, uint32_t b);
+
+#endif

@@ -1,0 +1,26 @@
+/* Offenders: what a check found wrong, the lowest-numbered elements first, however they were
+ * met. */
+#ifndef GD_CONSTRUCTION_OFFENDERS_H
+#define GD_CONSTRUCTION_OFFENDERS_H
+
+#include "gd/status.h"
+
+struct gd__offender {
+    uint64_t a, b;    /* as in struct gd_detail */
+    uint32_t witness; /* whatever the check needs to word its sentence */
+};
+
+struct gd__offenders {
+    uint64_t total;
+    uint32_t count;
+    struct gd__offender lowest[GD_DETAIL_ELEMENTS];
+};
+
+void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, uint32_t witness);
+
+/* Appends the elements to `detail`, whose sentence is written already; NULL: does nothing. Returns
+ * `status`. */
+enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind,
+                                    enum gd_status status, struct gd_detail *detail);
+
+#endif

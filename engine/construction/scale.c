@@ -1,0 +1,70 @@
+/* The inside unit: an exact power of two near the mean edge length, so that no square overflows or
+ * vanishes. */
+#include "mesh/construction.h"
+
+struct edge_range {
+    double min, mean, max; /* in the unit of `scale` */
+};
+
+static struct edge_range measure_edges(struct gd__construction *work, double scale)
+{
+    struct edge_range range = {.min = INFINITY};
+    const struct gd_mesh *mesh = work->mesh;
+    GD__PACED (&work->pace, f, mesh->face_count) {
+        for (uint32_t k = 0; k < 3; k++) {
+            struct gd_vec3 a = mesh->input_position[mesh->index_of_vertex[work->corner[f][k]]];
+            struct gd_vec3 b =
+                mesh->input_position[mesh->index_of_vertex[work->corner[f][gd__next_corner(k)]]];
+            double length = gd_vec3_length(gd_vec3_scale(gd_vec3_sub(b, a), scale));
+            range.min = fmin(range.min, length);
+            range.max = fmax(range.max, length);
+            range.mean += length;
+        }
+    }
+    range.mean /= 3.0 * mesh->face_count;
+    return range;
+}
+
+/* Largest absolute coordinate of the bounding box. */
+static double farthest_coordinate(const struct gd_mesh_summary *s)
+{
+    return fmax(fmax(fmax(fabs(s->min.x), fabs(s->max.x)), fmax(fabs(s->min.y), fabs(s->max.y))),
+                fmax(fabs(s->min.z), fabs(s->max.z)));
+}
+
+static enum gd_status place_vertices(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    mesh->position = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->position);
+    if (!mesh->position) return GD_NO_MEMORY;
+    GD__PACED (&work->pace, v, mesh->vertex_count)
+        mesh->position[v] =
+            gd_vec3_scale(mesh->input_position[mesh->index_of_vertex[v]], 1 / mesh->unit);
+    return GD_OK;
+}
+
+enum gd_status gd__scale(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    struct gd_vec3 size = gd_vec3_sub(mesh->summary.max, mesh->summary.min);
+    double extent = fmax(fmax(size.x, size.y), size.z);
+    if (!(extent >= 1 / GD_EXTENT_MAX && extent <= GD_EXTENT_MAX))
+        return gd_fail(work->detail, GD_EXTENT,
+                       "the bounding box measures %g; between %g and %g can be computed with",
+                       extent, 1 / GD_EXTENT_MAX, GD_EXTENT_MAX);
+    int exponent, finer;
+    frexp(extent, &exponent);
+    struct edge_range range = measure_edges(work, ldexp(1, -exponent));
+    frexp(range.mean, &finer);
+    double mean = ldexp(1, finer),
+           coordinate = ldexp(farthest_coordinate(&mesh->summary), -exponent) / mean;
+    if (!(range.min / mean >= 1 / GD_EXTENT_RATIO && range.max / mean <= GD_EXTENT_RATIO &&
+          coordinate <= GD_EXTENT_RATIO))
+        return gd_fail(work->detail, GD_EXTENT,
+                       "edges between %g and %g at coordinates up to %g: more than a factor of %g "
+                       "apart from their mean",
+                       ldexp(range.min, exponent), ldexp(range.max, exponent),
+                       farthest_coordinate(&mesh->summary), GD_EXTENT_RATIO);
+    mesh->unit = ldexp(1, exponent + finer);
+    return place_vertices(work);
+}

@@ -1,0 +1,113 @@
+/* The sides of the edges: numbered from the faces' neighbours, with frames from the corners'
+ * positions. */
+#include "mesh/construction.h"
+#include "construction/offenders.h"
+#include "mesh/triangle.h"
+
+static struct gd__triangle measure(const struct gd_mesh *mesh, const uint32_t corner[3])
+{
+    struct gd_vec3 a = mesh->position[corner[0]], b = mesh->position[corner[1]],
+                   c = mesh->position[corner[2]];
+    return gd__triangle_measure(gd_vec3_sub(b, a), gd_vec3_sub(c, b), gd_vec3_sub(a, c));
+}
+
+/* Side k of the triangle: its frame sees the apex at the end of the side before it and at the start
+ * of the side after it. */
+static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side *side)
+{
+    uint32_t after = gd__next_corner(k), before = gd__previous_corner(k);
+    double left_scale = 1 / (t->length[k] * t->length[before]),
+           right_scale = 1 / (t->length[k] * t->length[after]);
+    side->length = t->length[k];
+    side->left_length = t->length[before];
+    side->right_length = t->length[after];
+    side->left_x = -gd_vec3_dot(t->edge[k], t->edge[before]) * left_scale;
+    side->left_y = t->double_area * left_scale;
+    side->right_x = -gd_vec3_dot(t->edge[k], t->edge[after]) * right_scale;
+    side->right_y = -t->double_area * right_scale;
+}
+
+static void make_face(struct gd__construction *work, uint32_t face, struct gd__offenders *flat)
+{
+    struct gd_mesh *mesh = work->mesh;
+    const uint32_t *h = mesh->face_side[face];
+    struct gd__triangle t = measure(mesh, work->corner[face]);
+    for (uint32_t k = 0; k < 3; k++) {
+        struct gd_side *side = &mesh->side[h[k]];
+        frame_side(&t, k, side);
+        side->left = h[gd__previous_corner(k)] ^ 1;
+        side->right = h[gd__next_corner(k)] ^ 1;
+        if (mesh->side_face[h[k] ^ 1] == GD_NONE)
+            mesh->side[h[k] ^ 1] =
+                (struct gd_side){.length = side->length, .left = GD_NONE, .right = GD_NONE};
+    }
+    mesh->summary.area += t.double_area / 2;
+    mesh->summary.degenerate_faces += gd__triangle_flatness(&t) < GD_TOL_CAP;
+    if (gd__triangle_flatness(&t) < GD_TOL_FLAT)
+        gd__offenders_add(flat, gd__input_polygon(mesh, face), 0, face);
+}
+
+/* An edge is met first by its lower-numbered face, which gets side 2e of it, and from the other
+ * one, if there is one, as 2e + 1. */
+static uint32_t count_edges(struct gd__construction *work)
+{
+    uint32_t count = 0;
+    /* GD_NONE is greater than any side */
+    GD__PACED (&work->pace, s, 3 * work->mesh->face_count) count += work->neighbour[s] > s;
+    return count;
+}
+
+static void number_sides(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    uint32_t edge = 0;
+    GD__PACED (&work->pace, s, 3 * mesh->face_count) {
+        uint32_t face = s / 3, k = s % 3, across = work->neighbour[s];
+        uint32_t side = across > s ? 2 * edge++ : mesh->face_side[across / 3][across % 3] ^ 1;
+        mesh->face_side[face][k] = side;
+        mesh->origin[side] = work->corner[face][k];
+        mesh->side_face[side] = face;
+        if (across != GD_NONE) continue;
+        mesh->origin[side ^ 1] = work->corner[face][gd__next_corner(k)];
+        mesh->side_face[side ^ 1] = GD_NONE;
+    }
+}
+
+/* A corner by its index in the input. */
+static uint32_t named(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    return gd_mesh_original(mesh, (struct gd_vertex){mesh->index_of_vertex[vertex]}).index;
+}
+
+static enum gd_status refuse_flat_faces(const struct gd__construction *work,
+                                        const struct gd__offenders *flat)
+{
+    const struct gd_mesh *mesh = work->mesh;
+    const uint32_t *corner = work->corner[flat->lowest[0].witness];
+    gd_fail(work->detail, GD_DEGENERATE_FACE,
+            "face %u has no area: its vertices %u, %u and %u lie on one line; %s",
+            (unsigned)flat->lowest[0].a, named(mesh, corner[0]), named(mesh, corner[1]),
+            named(mesh, corner[2]),
+            work->options.repair_split
+                ? "repair found no way to mend it, welding near vertices (weld=) may be one"
+                : "remove it, or flip its longest edge");
+    return gd__offenders_report(flat, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, work->detail);
+}
+
+enum gd_status gd__make_sides(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    mesh->edge_count = count_edges(work);
+    size_t sides = 2 * (size_t)mesh->edge_count;
+    mesh->origin = gd__mesh_array(mesh, sides, sizeof *mesh->origin);
+    mesh->side_face = gd__mesh_array(mesh, sides, sizeof *mesh->side_face);
+    mesh->side = gd__mesh_sides(mesh, sides);
+    mesh->face_side = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->face_side);
+    if (!mesh->origin || !mesh->side_face || !mesh->side || !mesh->face_side) return GD_NO_MEMORY;
+    number_sides(work);
+    struct gd__offenders flat = {0};
+    GD__PACED (&work->pace, f, mesh->face_count) make_face(work, f, &flat);
+    if (flat.total) return refuse_flat_faces(work, &flat);
+    mesh->summary.area *= mesh->unit * mesh->unit;
+    return GD_OK;
+}

@@ -1,0 +1,280 @@
+/* Edges and vertices with more faces than a surface has there, cut apart.
+ *
+ * DESIGN. First it is decided which faces are joined at each edge (`neighbour`): both of two, pairs
+ * among more (face_pairing.h). The corners of a vertex that joined faces share make a fan; the fan with
+ * the lowest-numbered face keeps the vertex, each further one gets a copy. So edges and vertices
+ * are cut in one stroke.
+ *
+ * A mesh is named by the vertices of its faces, and there is one case that copies of whole fans
+ * don't express: pairs of faces at an edge whose fans hang together round both ends. There all
+ * pairs but the first get a copy of the edge's lower end for themselves, which cuts their other
+ * edges at that end as well. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/large.h"
+#include "mesh/edge_table.h"
+#include "mesh/orientation.h"
+#include "repair/repair.h"
+#include "repair/face_pairing.h"
+#include "mesh/union_find.h"
+
+struct splitting {
+    struct gd__construction *work;
+    uint32_t face_count, input_vertices;
+    uint32_t *neighbour;     /* per side: the side that it is joined to, or GD_NONE */
+    uint8_t *flipped;        /* per face: against the orientation of most faces around it */
+    struct gd__sheet *sheet; /* of one edge, as many as the largest has */
+    /* per corner, as sides are numbered: a lower corner of the same fan, see union_find.h */
+    uint32_t *fan;
+    uint32_t *copy_of; /* per copy: the input vertex */
+    uint32_t copy_count, capacity;
+};
+
+static uint32_t original(const struct splitting *s, uint32_t vertex)
+{
+    return vertex < s->input_vertices ? vertex : s->copy_of[vertex - s->input_vertices];
+}
+
+static struct gd_vec3 position(const struct splitting *s, uint32_t vertex)
+{
+    return gd__input_position(s->work, original(s, vertex));
+}
+
+static enum gd_status append_copy(struct splitting *s, uint32_t vertex, uint32_t *copy)
+{
+    if (s->copy_count == s->capacity) {
+        uint32_t capacity = s->capacity ? 2 * s->capacity : 64;
+        uint32_t *grown = realloc(s->copy_of, capacity * sizeof *grown);
+        if (!grown) return GD_NO_MEMORY;
+        s->copy_of = grown;
+        s->capacity = capacity;
+    }
+    if (s->copy_count >= GD_NONE - s->input_vertices)
+        return gd_fail(s->work->detail, GD_TOO_LARGE,
+                       "with the copies that repair makes there are too many vertices");
+    *copy = s->input_vertices + s->copy_count;
+    s->copy_of[s->copy_count++] = original(s, vertex);
+    return GD_OK;
+}
+
+static enum gd_status make_table(const struct splitting *s, struct gd__edge_table *table)
+{
+    return gd__edge_table_create((const uint32_t(*)[3])s->work->triangle, s->face_count,
+                                 s->input_vertices + s->copy_count, &s->work->pace, table);
+}
+
+/* Joins the faces of the edges that have two; returns the most faces that an edge has. */
+static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *table)
+{
+    uint32_t most = 0;
+    gd__pace_fill(&s->work->pace, s->neighbour, 3 * (size_t)s->face_count * sizeof *s->neighbour);
+    for (struct gd__edge_run run = {0};
+         gd__pace(&s->work->pace, 1) && gd__edge_table_next(table, &run);) {
+        const struct gd__edge_use *use = table->use + run.begin;
+        if (run.count > most) most = run.count;
+        if (run.count != 2) continue;
+        s->neighbour[use[0].side] = use[1].side;
+        s->neighbour[use[1].side] = use[0].side;
+    }
+    return most;
+}
+
+/* --- which faces stay together at an edge of more than two ------------------------------------ */
+
+/* Files that need this one are often oriented at random: what hangs together by edges of two faces
+ * is made consistent before anything is concluded from it. */
+static enum gd_status orient(struct splitting *s)
+{
+    uint32_t *component = gd__large_array(s->face_count, sizeof *component);
+    s->flipped = gd__large_zeroed(s->face_count, sizeof *s->flipped);
+    struct gd__orientation orientation = {
+        .corner = (const uint32_t(*)[3])s->work->triangle,
+        .neighbour = s->neighbour,
+        .face_count = s->face_count,
+        .seed_count = s->face_count,
+        .pace = &s->work->pace,
+        .flipped = s->flipped,
+        .component = component,
+    };
+    enum gd_status status = component && s->flipped ? gd__orient_faces(&orientation) : GD_NO_MEMORY;
+    free(component);
+    return status;
+}
+
+/* Fills s->sheet with the faces of an edge, paired and sorted around it. */
+static void pair_sheets(struct splitting *s, const struct gd__edge_table *table,
+                        const struct gd__edge_run *run)
+{
+    struct gd_vec3 low = position(s, run->low);
+    for (uint32_t i = 0; i < run->count; i++) {
+        uint32_t side = table->use[run->begin + i].side;
+        const uint32_t *corner = s->work->triangle[side / 3];
+        bool forward = original(s, corner[side % 3]) == original(s, run->low);
+        s->sheet[i] = (struct gd__sheet){
+            .side = side,
+            .forward = forward != (bool)s->flipped[side / 3],
+            .across = gd_vec3_sub(position(s, corner[gd__previous_corner(side % 3)]), low),
+        };
+    }
+    gd__sheets_pair(s->sheet, run->count, gd_vec3_sub(position(s, run->high), low));
+}
+
+static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_table *table,
+                                   uint32_t most)
+{
+    s->sheet = malloc(most * sizeof *s->sheet);
+    enum gd_status status = s->sheet ? orient(s) : GD_NO_MEMORY;
+    for (struct gd__edge_run run = {0};
+         !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(table, &run);) {
+        if (run.count <= 2) continue;
+        gd__mended_add(&s->work->mesh->repair->edges_split, run.low, run.high);
+        pair_sheets(s, table, &run);
+        for (uint32_t i = 0; i < run.count; i++)
+            s->neighbour[s->sheet[i].side] = s->sheet[i].partner;
+    }
+    return status;
+}
+
+/* --- a vertex for each fan -------------------------------------------------------------------- */
+
+static void join_fans(struct splitting *s)
+{
+    GD__PACED (&s->work->pace, c, 3 * s->face_count) s->fan[c] = c;
+    GD__PACED (&s->work->pace, a, 3 * s->face_count) {
+        uint32_t b = s->neighbour[a];
+        if (b == GD_NONE || b < a) continue;
+        uint32_t a_end = a - a % 3 + gd__next_corner(a % 3),
+                 b_end = b - b % 3 + gd__next_corner(b % 3);
+        bool alike = s->work->triangle[a / 3][a % 3] == s->work->triangle[b / 3][b % 3];
+        gd__unite(s->fan, a, alike ? b : b_end);
+        gd__unite(s->fan, a_end, alike ? b_end : b);
+    }
+}
+
+/* Corners in order of face: the first of a fan decides, its further ones follow. */
+static enum gd_status separate_fans(struct splitting *s)
+{
+    size_t vertices = (size_t)s->input_vertices + s->copy_count;
+    uint8_t *taken = gd__large_zeroed(vertices, sizeof *taken);
+    enum gd_status status = taken ? GD_OK : GD_NO_MEMORY;
+    if (!status) join_fans(s);
+    for (uint32_t c = 0; !status && c < 3 * s->face_count && gd__pace(&s->work->pace, 1); c++) {
+        uint32_t *vertex = &s->work->triangle[c / 3][c % 3], first = gd__find(s->fan, c);
+        if (first < c)
+            *vertex = s->work->triangle[first / 3][first % 3];
+        else if (taken[*vertex])
+            status = append_copy(s, *vertex, vertex);
+        else
+            taken[*vertex] = 1;
+    }
+    free(taken);
+    return status ? status : s->work->pace.status;
+}
+
+/* --- what is left ----------------------------------------------------------------------------- */
+
+static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t vertex)
+{
+    uint32_t *corner = s->work->triangle[side / 3];
+    return corner[0] == vertex   ? corner
+           : corner[1] == vertex ? corner + 1
+           : corner[2] == vertex ? corner + 2
+                                 : NULL;
+}
+
+/* Gives each pair of the edge but that of its first sheet a lower end of its own. A face that got
+ * another one at an edge before is not at this edge any more. */
+static enum gd_status detach_sheets(struct splitting *s, uint32_t low, uint32_t count)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 1; i < count && !status; i++) {
+        const struct gd__sheet *sheet = &s->sheet[i];
+        if (sheet->partner == s->sheet[0].side || sheet->partner < sheet->side) continue;
+        uint32_t *corner = find_corner(s, sheet->side, low);
+        uint32_t *other = sheet->partner != GD_NONE ? find_corner(s, sheet->partner, low) : NULL;
+        uint32_t copy = low;
+        if (corner || other) status = append_copy(s, low, &copy);
+        if (corner) *corner = copy;
+        if (other) *other = copy;
+    }
+    return status;
+}
+
+/* Detaches at the edges that still have more than two faces; tells whether there were any. */
+static enum gd_status detach_crowded(struct splitting *s, bool *any)
+{
+    struct gd__edge_table table;
+    enum gd_status status = make_table(s, &table);
+    if (status) return status;
+    for (struct gd__edge_run run = {0};
+         !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(&table, &run);) {
+        if (run.count <= 2) continue;
+        *any = true;
+        pair_sheets(s, &table, &run);
+        status = detach_sheets(s, run.low, run.count);
+    }
+    gd__edge_table_free(&table);
+    return status;
+}
+
+/* Joins, pairs where that is needed (the first time only), and separates. */
+static enum gd_status separate(struct splitting *s, bool *crowded)
+{
+    struct gd__edge_table table;
+    enum gd_status status = make_table(s, &table);
+    if (status) return status;
+    uint32_t most = join_pairs(s, &table);
+    *crowded = most > 2;
+    if (*crowded && !s->sheet) status = pair_crowded(s, &table, most);
+    gd__edge_table_free(&table);
+    return status ? status : separate_fans(s);
+}
+
+static enum gd_status run(struct splitting *s)
+{
+    bool crowded = false, detached = false;
+    enum gd_status status = separate(s, &crowded);
+    if (!status && crowded) status = detach_crowded(s, &detached);
+    if (!status && detached) status = separate(s, &crowded);
+    return status;
+}
+
+/* Hands the copies to the mesh and notes which vertices have some. */
+static enum gd_status keep_copies(struct splitting *s)
+{
+    struct gd_mesh *mesh = s->work->mesh;
+    if (s->copy_count == 0) return GD_OK;
+    mesh->copy_of = gd__mesh_array(mesh, s->copy_count, sizeof *mesh->copy_of);
+    uint32_t *copies = gd__large_zeroed(s->input_vertices, sizeof *copies);
+    if (mesh->copy_of && copies) {
+        memcpy(mesh->copy_of, s->copy_of, s->copy_count * sizeof *s->copy_of);
+        GD__PACED (&s->work->pace, c, s->copy_count) copies[s->copy_of[c]]++;
+        GD__PACED (&s->work->pace, v, s->input_vertices) {
+            if (copies[v]) gd__mended_add(&mesh->repair->vertices_split, v, copies[v]);
+        }
+    }
+    s->work->copy_count = mesh->repair->copies = s->copy_count;
+    enum gd_status status = mesh->copy_of && copies ? GD_OK : GD_NO_MEMORY;
+    free(copies);
+    return status;
+}
+
+enum gd_status gd__split_faces(struct gd__construction *work)
+{
+    struct splitting s = {
+        .work = work,
+        .face_count = work->mesh->face_count,
+        .input_vertices = work->input->position_count,
+    };
+    s.neighbour = gd__large_array(3 * (size_t)s.face_count, sizeof *s.neighbour);
+    s.fan = gd__large_array(3 * (size_t)s.face_count, sizeof *s.fan);
+    enum gd_status status = s.neighbour && s.fan ? run(&s) : GD_NO_MEMORY;
+    if (!status) status = keep_copies(&s);
+    free(s.neighbour);
+    free(s.fan);
+    free(s.flipped);
+    free(s.sheet);
+    free(s.copy_of);
+    return status;
+}

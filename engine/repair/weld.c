@@ -1,0 +1,188 @@
+/* Vertices within a tolerance of each other, by a spatial hash.
+ *
+ * DESIGN. Space is divided into cubic cells of twice the tolerance: what lies within the tolerance
+ * of a point is in its cell or beyond the nearer of the two faces in each direction, in 8 cells at
+ * most. The table holds only vertices that represent themselves. They are more than the tolerance
+ * apart, so a cell has room for a few dozen of them whatever the input, and each vertex costs
+ * bounded work; no file can make the table's chains long, for their hash is not the same from run
+ * to run. Tolerance 0: a cell is a position.
+ *
+ * Numbers of cells are doubles. Where they exceed 2^53, neighbouring coordinates are farther apart
+ * than the tolerance, and cells that rounding does not tell apart hold the same coordinate. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/large.h"
+#include "repair/repair.h"
+
+struct cell_table {
+    struct gd__construction *work;
+    double tolerance;
+    uint32_t *head; /* per slot: the last vertex of a cell, GD_NONE: free */
+    uint32_t *next; /* per vertex: the one before it in its cell */
+    uint64_t mask, seed;
+};
+
+/* The cell of a coordinate, never -0. */
+static double cell_of(const struct cell_table *table, double x)
+{
+    return (table->tolerance > 0 ? floor(x / (2 * table->tolerance)) : x) + 0.0;
+}
+
+static struct gd_vec3 cell_at(const struct cell_table *table, struct gd_vec3 p)
+{
+    return (struct gd_vec3){cell_of(table, p.x), cell_of(table, p.y), cell_of(table, p.z)};
+}
+
+/* The finaliser of splitmix64. */
+static uint64_t mix(uint64_t x)
+{
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+static uint64_t hash(const struct cell_table *table, struct gd_vec3 cell)
+{
+    double coordinates[3] = {cell.x, cell.y, cell.z};
+    uint64_t h = table->seed, bits;
+    for (int k = 0; k < 3; k++) {
+        memcpy(&bits, &coordinates[k], sizeof bits);
+        h = mix(h + bits);
+    }
+    return h;
+}
+
+/* The slot of a cell, or the free one where it belongs. */
+static uint32_t *find_slot(const struct cell_table *table, struct gd_vec3 cell)
+{
+    for (uint64_t i = hash(table, cell);; i++) {
+        uint32_t *head = &table->head[i & table->mask];
+        if (*head == GD_NONE) return head;
+        struct gd_vec3 other = cell_at(table, gd__input_position(table->work, *head));
+        if (other.x == cell.x && other.y == cell.y && other.z == cell.z) return head;
+    }
+}
+
+static bool are_near(const struct cell_table *table, struct gd_vec3 p, struct gd_vec3 q)
+{
+    struct gd_vec3 d = gd_vec3_sub(p, q);
+    if (table->tolerance == 0) return d.x == 0 && d.y == 0 && d.z == 0;
+    d = (struct gd_vec3){d.x / table->tolerance, d.y / table->tolerance, d.z / table->tolerance};
+    return gd_vec3_dot(d, d) <= 1;
+}
+
+static uint32_t lowest_near_in_cell(const struct cell_table *table, struct gd_vec3 cell,
+                                    struct gd_vec3 p)
+{
+    uint32_t lowest = GD_NONE;
+    for (uint32_t v = *find_slot(table, cell); v != GD_NONE; v = table->next[v]) {
+        if (v < lowest && are_near(table, p, gd__input_position(table->work, v))) lowest = v;
+    }
+    return lowest;
+}
+
+/* The cells to look at along one axis: returns how many, one or two. */
+static int cells_along(const struct cell_table *table, double x, double cells[2])
+{
+    cells[0] = cell_of(table, x);
+    if (table->tolerance == 0) return 1;
+    cells[1] = (x / (2 * table->tolerance) - cells[0] < 0.5 ? cells[0] - 1 : cells[0] + 1) + 0.0;
+    return cells[1] != cells[0] ? 2 : 1;
+}
+
+static uint32_t lowest_near(const struct cell_table *table, struct gd_vec3 p)
+{
+    double x[2], y[2], z[2];
+    int nx = cells_along(table, p.x, x), ny = cells_along(table, p.y, y),
+        nz = cells_along(table, p.z, z);
+    uint32_t lowest = GD_NONE;
+    for (int i = 0; i < nx * ny * nz; i++) {
+        struct gd_vec3 cell = {x[i % nx], y[i / nx % ny], z[i / nx / ny]};
+        uint32_t near = lowest_near_in_cell(table, cell, p);
+        if (near < lowest) lowest = near;
+    }
+    return lowest;
+}
+
+static void insert(struct cell_table *table, uint32_t vertex, struct gd_vec3 p)
+{
+    uint32_t *head = find_slot(table, cell_at(table, p));
+    table->next[vertex] = *head;
+    *head = vertex;
+}
+
+static void weld_vertex(struct cell_table *table, uint32_t vertex)
+{
+    struct gd__construction *work = table->work;
+    struct gd_vec3 p = gd__input_position(work, vertex);
+    uint32_t near = lowest_near(table, p);
+    if (near == GD_NONE) {
+        insert(table, vertex, p);
+        return;
+    }
+    struct gd_mesh_repair *repair = work->mesh->repair;
+    work->representative[vertex] = near;
+    gd__mended_add(&repair->vertices_welded, vertex, near);
+    repair->largest_shift =
+        fmax(repair->largest_shift, gd_vec3_distance(p, gd__input_position(work, near)));
+}
+
+#define STEPS_A_VERTEX 8
+
+static enum gd_status weld_all(struct cell_table *table, const uint8_t *used)
+{
+    struct gd__pace *pace = &table->work->pace;
+    uint32_t vertices = table->work->input->position_count;
+    for (uint32_t i = 0; i < vertices && gd__pace(pace, STEPS_A_VERTEX); i++) {
+        if (used[i]) weld_vertex(table, i);
+    }
+    return pace->status;
+}
+
+static void mark_used(struct gd__construction *work, uint8_t *used)
+{
+    const struct gd_polygons *polygons = work->input;
+    GD__PACED (&work->pace, c, gd_polygons_corner_count(polygons)) used[polygons->corners[c]] = 1;
+}
+
+/* Numbers of cells stay in range. */
+static enum gd_status check_tolerance(struct gd__construction *work)
+{
+    double tolerance = work->options.weld_tolerance, farthest = 0;
+    GD__PACED (&work->pace, i, work->input->position_count) {
+        struct gd_vec3 p = gd__input_position(work, i);
+        farthest = fmax(farthest, fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z)));
+    }
+    if (tolerance == 0 || farthest / tolerance <= GD_EXTENT_MAX) return GD_OK;
+    return gd_fail(work->detail, GD_INVALID_ARGUMENT,
+                   "the weld tolerance is %g where coordinates reach %g: it welds only equal "
+                   "positions, as 0 does",
+                   tolerance, farthest);
+}
+
+enum gd_status gd__weld_vertices(struct gd__construction *work)
+{
+    uint32_t vertices = work->input->position_count;
+    uint64_t slots = 16;
+    while (slots < 2 * (uint64_t)vertices) slots *= 2;
+    enum gd_status status = check_tolerance(work);
+    if (status) return status;
+    uint8_t *used = gd__large_zeroed(vertices, sizeof *used);
+    struct cell_table table = {work,
+                               work->options.weld_tolerance,
+                               gd__large_array(slots, sizeof *table.head),
+                               gd__large_array(vertices, sizeof *table.next),
+                               slots - 1,
+                               gd_now_ns() ^ (uintptr_t)used};
+    status = GD_NO_MEMORY;
+    if (used && table.head && table.next) {
+        gd__pace_fill(&work->pace, table.head, slots * sizeof *table.head);
+        mark_used(work, used);
+        status = weld_all(&table, used);
+    }
+    free(used);
+    free(table.head);
+    free(table.next);
+    return status;
+}

@@ -1,0 +1,184 @@
+#include "tests/unit/mesh/shapes.h"
+
+#include <stdlib.h>
+
+#include "tests/samples/samples.h"
+
+static void a_budget_below_the_cost_is_refused(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    assert_int_equal(sample_icosphere(3, 1, &polygons), GD_OK);
+    size_t cost = gd_mesh_build_cost(polygons.polygon_count, polygons.position_count);
+    struct gd_control control = {.budget_bytes = cost - 1};
+    struct gd_mesh *mesh = NULL;
+    struct gd_detail detail = {0};
+    assert_int_equal(gd_mesh_build(&polygons, NULL, &control, &mesh, &detail), GD_BUDGET);
+    assert_true(strlen(detail.text) > 0);
+    assert_null(mesh);
+    control.budget_bytes = cost;
+    assert_int_equal(gd_mesh_build(&polygons, NULL, &control, &mesh, NULL), GD_OK);
+    assert_true(gd_mesh_memsize(mesh) < cost);
+    assert_true(gd_mesh_memsize(mesh) > 200 * (size_t)polygons.polygon_count);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* `pairs` of triangles, each of which shares one vertex. */
+static struct gd_polygons new_bow_ties(uint32_t pairs)
+{
+    struct gd_polygons ties = {.positions = calloc(5 * pairs, sizeof *ties.positions),
+                               .corners = calloc(6 * pairs, sizeof *ties.corners),
+                               .position_count = 5 * pairs,
+                               .polygon_count = 2 * pairs};
+    for (uint32_t i = 0; i < pairs; i++) {
+        const double shape[5][3] = {{0, 0, i}, {1, 0, i}, {1, 1, i}, {-1, 0, i}, {-1, 1, i}};
+        const uint32_t corners[6] = {5 * i, 5 * i + 1, 5 * i + 2, 5 * i, 5 * i + 3, 5 * i + 4};
+        memcpy(ties.positions[5 * i], shape, sizeof shape);
+        memcpy(ties.corners + 6 * (size_t)i, corners, sizeof corners);
+    }
+    return ties;
+}
+
+static void a_budget_that_many_copies_exceed_is_refused(void **state)
+{
+    (void)state;
+    struct gd_polygons ties = new_bow_ties(5000);
+    size_t cost = gd_mesh_build_cost(ties.polygon_count, ties.position_count);
+    struct gd_control control = {.budget_bytes = cost};
+    struct gd_mesh_options options = {.repair_split = true};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&ties, &options, &control, &mesh, NULL), GD_BUDGET);
+    assert_null(mesh);
+    control.budget_bytes = gd_mesh_build_cost(ties.polygon_count, 6 * 5000);
+    assert_int_equal(gd_mesh_build(&ties, &options, &control, &mesh, NULL), GD_OK);
+    assert_int_equal(gd_mesh_repair(mesh)->copies, 5000);
+    assert_true(gd_mesh_memsize(mesh) < control.budget_bytes);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&ties);
+}
+
+struct stopwatch {
+    uint32_t calls, stop_at;
+    double last;
+};
+
+static bool count_calls(void *user, double fraction)
+{
+    struct stopwatch *watch = user;
+    assert_true(fraction >= watch->last && fraction <= 1);
+    watch->last = fraction;
+    return ++watch->calls != watch->stop_at;
+}
+
+/* Whenever it is cancelled it stops and leaves nothing behind (the sanitizer looks). */
+static void it_can_be_cancelled_at_every_report(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons = cube();
+    struct stopwatch watch = {0};
+    struct gd_control control = {.progress = count_calls, .user = &watch};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&polygons, NULL, &control, &mesh, NULL), GD_OK);
+    assert_true(watch.last == 1);
+    gd_mesh_release(mesh);
+    mesh = NULL;
+    uint32_t reports = watch.calls;
+    assert_true(reports > 10);
+    for (uint32_t i = 1; i <= reports; i++) {
+        watch = (struct stopwatch){.stop_at = i};
+        assert_int_equal(gd_mesh_build(&polygons, NULL, &control, &mesh, NULL), GD_CANCELLED);
+        assert_null(mesh);
+    }
+}
+
+/* A sphere, and beside it what a repair mends: a bow tie, a cap, a crowded edge, a face that is
+ * given twice; and a square. Each loop over the elements takes several slices. */
+static struct gd_polygons new_damaged_sphere(void)
+{
+    struct gd_polygons sphere;
+    assert_int_equal(sample_icosphere(5, 1, &sphere), GD_OK);
+    uint32_t vertices = sphere.position_count, corners = 3 * sphere.polygon_count;
+    const double more[10][3] = {{5, 0, 0}, {6, 0, 0}, {6, 1, 0},     {4, 0, 0}, {4, 1, 0},
+                                {5, 0, 9}, {7, 0, 9}, {6, 1e-14, 9}, {6, 1, 9}, {6, -1, 9}};
+    const uint32_t faces[] = {0, 1, 2, 0, 3, 4, 5, 6, 8, 5, 7, 6, 5, 9, 7, 7, 9, 6, 0, 1, 2};
+    struct gd_polygons damaged = {
+        .positions = malloc((vertices + COUNT(more)) * sizeof *damaged.positions),
+        .position_count = vertices + COUNT(more),
+        .corners = malloc((corners + COUNT(faces) + 4) * sizeof *damaged.corners),
+        .polygon_count = sphere.polygon_count + COUNT(faces) / 3 + 1,
+    };
+    damaged.first = malloc((damaged.polygon_count + 1) * sizeof *damaged.first);
+    memcpy(damaged.positions, sphere.positions, vertices * sizeof *damaged.positions);
+    memcpy(damaged.positions + vertices, more, sizeof more);
+    memcpy(damaged.corners, sphere.corners, corners * sizeof *damaged.corners);
+    for (uint32_t i = 0; i < COUNT(faces); i++) damaged.corners[corners++] = vertices + faces[i];
+    for (uint32_t i = 0; i < damaged.polygon_count; i++) damaged.first[i] = 3 * i;
+    const uint32_t square[4] = {vertices + 3, vertices + 4, vertices + 2, vertices + 1};
+    memcpy(damaged.corners + corners, square, sizeof square);
+    damaged.first[damaged.polygon_count] = corners + 4;
+    gd_polygons_free(&sphere);
+    return damaged;
+}
+
+static uint32_t count_reports(const struct gd_polygons *polygons,
+                              const struct gd_mesh_options *options)
+{
+    struct stopwatch watch = {0};
+    struct gd_control control = {.progress = count_calls, .user = &watch};
+    struct gd_mesh *mesh = NULL;
+    struct gd_detail detail = {0};
+    if (gd_mesh_build(polygons, options, &control, &mesh, &detail)) fail_msg("%s", detail.text);
+    gd_mesh_release(mesh);
+    return watch.calls;
+}
+
+/* Each loop over elements checks the control: the steps alone make far fewer checks. */
+static void it_can_be_cancelled_within_every_loop(void **state)
+{
+    (void)state;
+    const struct gd_mesh_options ways[] = {
+        {0}, {.repair_split = true}, {.weld = true}, {.weld = true, .repair_split = true}};
+    struct gd_polygons damaged = new_damaged_sphere(), sphere;
+    assert_int_equal(sample_icosphere(5, 1, &sphere), GD_OK);
+    for (uint32_t way = 0; way < COUNT(ways); way++) {
+        const struct gd_polygons *polygons = ways[way].repair_split ? &damaged : &sphere;
+        uint32_t reports = count_reports(polygons, &ways[way]);
+        assert_true(reports > 100);
+        for (uint32_t i = 1; i <= reports; i++) {
+            struct stopwatch watch = {.stop_at = i};
+            struct gd_control control = {.progress = count_calls, .user = &watch};
+            struct gd_mesh *mesh = NULL;
+            struct gd_detail detail = {0};
+            assert_int_equal(gd_mesh_build(polygons, &ways[way], &control, &mesh, &detail),
+                             GD_CANCELLED);
+            assert_null(mesh);
+            assert_int_equal(watch.calls, i);
+            assert_int_equal(detail.total, 0);
+        }
+    }
+    gd_polygons_free(&damaged);
+    gd_polygons_free(&sphere);
+}
+
+static void a_deadline_in_the_past_stops_it(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons = cube();
+    struct gd_control control = {.deadline_ns = gd_now_ns()};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&polygons, NULL, &control, &mesh, NULL), GD_DEADLINE);
+    assert_null(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_budget_below_the_cost_is_refused),
+        cmocka_unit_test(a_budget_that_many_copies_exceed_is_refused),
+        cmocka_unit_test(it_can_be_cancelled_at_every_report),
+        cmocka_unit_test(it_can_be_cancelled_within_every_loop),
+        cmocka_unit_test(a_deadline_in_the_past_stops_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
