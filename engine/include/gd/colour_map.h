@@ -2,6 +2,10 @@
 #ifndef GD_COLOUR_MAP_H
 #define GD_COLOUR_MAP_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Components of linear light, in [0,1] (glTF has these; pictures and web pages have them
  * encoded). */
 struct gd_colour {
@@ -17,5 +21,9 @@ struct gd_colour gd_colour_map(double part);
 
 /* A component as sRGB encodes it (IEC 61966-2-1), cut to [0,1]. */
 double gd_colour_encode(double linear);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 
 #include "gd/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_control {
     /* most bytes that the call may hold at a time, its result included; 0: no limit */
     size_t budget_bytes;
@@ -32,5 +36,9 @@ GD_MUST_USE enum gd_status gd_control_check(const struct gd_control *control, do
 
 /* GD_OK, or GD_BUDGET when `bytes` exceed the budget. `control` may be NULL. */
 GD_MUST_USE enum gd_status gd_control_afford(const struct gd_control *control, size_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 
 #include "gd/io.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* From this sharpness on a tag is infinitely sharp, as in OpenSubdiv and USD. */
 #define GD_SHARPNESS_INFINITE 10.0
 
@@ -51,5 +55,9 @@ GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
                                                 const struct gd_read_limits *limits,
                                                 struct gd_control_mesh *out,
                                                 struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,6 +16,10 @@
 #include "gd/landmarks.h"
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_curve {
     struct gd_point *points; /* owned; no two consecutive ones are equal */
     uint32_t count;          /* at least 1 */
@@ -62,5 +66,9 @@ GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
  * gd_curve_seed_count of them. */
 uint32_t gd_curve_seed_count(const struct gd_curve *curve);
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

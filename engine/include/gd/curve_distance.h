@@ -16,6 +16,10 @@
 
 #include "gd/curve.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A place on a curve. */
 struct gd_curve_place {
     struct gd_point point;
@@ -51,5 +55,9 @@ GD_MUST_USE enum gd_status gd_curve_farthest(const struct gd_field *field, const
                                              const struct gd_curve *b,
                                              const struct gd_control *control,
                                              struct gd_curve_distance *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,6 +16,10 @@
 #include "gd/curve.h"
 #include "gd/polygons.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_cut_request { /* all borrowed */
     /* closed, or from one boundary point to another; may cross itself */
     const struct gd_curve *curve;
@@ -66,5 +70,9 @@ GD_MUST_USE enum gd_status gd_cut_along(const struct gd_mesh *mesh,
                                         const struct gd_cut_request *request,
                                         const struct gd_control *control, struct gd_cut *out,
                                         struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

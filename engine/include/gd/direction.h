@@ -21,6 +21,10 @@
 
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_direction {
     double angle;        /* radians; in [0, 2 pi), at a boundary vertex in [0, total angle] */
     struct gd_vec3 xyz;  /* of unit length */
@@ -56,5 +60,9 @@ struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const stru
  * there is cos(a) x + sin(a) y. O(1). */
 void gd_direction_axes(const struct gd_mesh *mesh, struct gd_face face, struct gd_vec3 *x,
                        struct gd_vec3 *y);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

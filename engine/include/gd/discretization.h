@@ -11,6 +11,10 @@
 
 #include "gd/limit.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_discretize_options {
     /* every edge of the control mesh becomes 2^level; from 1 on where it has polygons that are no
        quads (Loop: no triangles), at most 12 */
@@ -45,5 +49,9 @@ GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_discretize_options *options,
                                          const struct gd_control *control,
                                          struct gd_discretization *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

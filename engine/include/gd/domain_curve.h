@@ -14,6 +14,10 @@
 
 #include "gd/parametric.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_DOMAIN_CURVE_COUNT_MAX 65536
 /* that a place may lie away from the domain in a closed direction */
 #define GD_DOMAIN_CURVE_PERIODS_MAX 1000000
@@ -64,5 +68,9 @@ void gd_domain_curve_range(const struct gd_domain_curve *curve, double *low, dou
 
 /* (u, v) at a parameter, which is wrapped on closed curves and clamped on others. */
 void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv[2]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

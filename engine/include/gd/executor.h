@@ -5,6 +5,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* `run` calls task(context, i) once for each i in [0, count), in any order, on any threads, and
  * returns when all have returned. `width` is how many may run at a time (>= 1). A NULL executor
  * means: one after the other on the calling thread. */
@@ -19,5 +23,9 @@ struct gd_executor {
  * failure through `context`. */
 void gd_executor_run(const struct gd_executor *executor,
                      void (*task)(void *context, uint32_t index), void *context, uint32_t count);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -20,6 +20,10 @@
 #include "gd/executor.h"
 #include "gd/path.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_field;
 
 /* A source: a point, or a straight segment within one face, without its ends, which are to be seeds
@@ -205,5 +209,9 @@ void gd_field_write_image(const struct gd_field *field, void *bytes);
 GD_MUST_USE enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes,
                                                size_t size, void (*release)(void *user), void *user,
                                                struct gd_field **out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

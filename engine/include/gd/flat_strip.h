@@ -12,6 +12,10 @@
 #include "gd/mesh.h"
 #include "gd/path.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Counter-clockwise, as the face is from outside. */
 struct gd_flat_face {
     double corners[3][2];
@@ -35,5 +39,9 @@ void gd_flat_strip_free(struct gd_flat_strip *strip);
 GD_MUST_USE enum gd_status gd_flat_strip_of(const struct gd_mesh *mesh, const struct gd_path *path,
                                             const struct gd_control *control,
                                             struct gd_flat_strip *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

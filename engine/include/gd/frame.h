@@ -5,6 +5,10 @@
 
 #include "gd/spline.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_frame {
     double parameter;
     struct gd_vec3 position; /* in the caller's unit */
@@ -16,5 +20,9 @@ struct gd_frame {
 
 /* The frame of a place. O(1). Thread-safe. */
 struct gd_frame gd_frame_at(const struct gd_mesh *mesh, const struct gd_spline_place *place);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 #include "gd/domain_curve.h"
 #include "gd/tessellation.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_GEODESIC_TOLERANCE           1e-11
 #define GD_GEODESIC_TOLERANCE_LEAST     1e-14
 #define GD_GEODESIC_DEGREE              3
@@ -107,5 +111,9 @@ GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tesse
 GD_MUST_USE enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
                                               const struct gd_geodesic *geodesic, uint32_t count,
                                               double (*uv)[2], struct gd_vec3 *xyz);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

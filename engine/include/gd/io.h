@@ -34,6 +34,10 @@
 #include "gd/polygons.h"
 #include "gd/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* X(NAME, name = spelling in ?format=, media type) */
 #define GD_FORMAT_MAP(X)                                                                           \
     X(OBJ, obj, "model/obj")                                                                       \
@@ -109,5 +113,9 @@ GD_MUST_USE enum gd_status gd_write_polygons_within(const struct gd_polygons *po
                                                     enum gd_format format,
                                                     const struct gd_control *control, char **out,
                                                     size_t *size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -24,6 +24,10 @@
 
 #include "gd/field.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Counter-clockwise about its centre from angle `from` to `to` (an arc within rounding may run
  * backwards). Angles and (u, v) are in the frame of the face's plane whose origin is the face's
  * corner 0 and whose x axis points to its corner 1 (gd_mesh_corners).
@@ -95,5 +99,9 @@ GD_MUST_USE enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh,
 
 /* How many points that polyline has. O(arcs). */
 uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double tolerance);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 #include "gd/control.h"
 #include "gd/mesh.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_landmarks;
 
 /* Builds up to 16 landmarks, each as far as can be from those before. They keep the mesh alive.
@@ -37,5 +41,9 @@ void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
  * GD_NO_MEMORY. That the numbers are the ones written is for the caller's checksum to say. */
 GD_MUST_USE enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *bytes,
                                                    size_t size, struct gd_landmarks **out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

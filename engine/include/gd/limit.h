@@ -16,6 +16,10 @@
 #include "gd/subdivision.h"
 #include "gd/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_limit_point {
     uint32_t face, corner; /* corner: 0 but in polygons of n != 4 corners */
     double u, v;
@@ -75,5 +79,9 @@ struct gd_limit_foot {
 GD_MUST_USE enum gd_status gd_limit_nearest(const struct gd_subdivision *surface,
                                             struct gd_vec3 xyz, const struct gd_control *control,
                                             struct gd_limit_foot *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -22,6 +22,10 @@
 #include "gd/mesh.h"
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_LIMIT_LEVEL_MOST 12
 
 struct gd_limit_mesh;
@@ -63,5 +67,9 @@ GD_MUST_USE enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
 /* The place of a point of the mesh; on edges between faces in any of them. The same cost. */
 struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
                                           const struct gd_point *point);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "gd/limit.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_limit_step {
     struct gd_limit_point place;
     struct gd_vec3 position;
@@ -75,5 +79,9 @@ GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
                                           const struct gd_limit_point *places, size_t count,
                                           const struct gd_control *control,
                                           struct gd_limit_geodesic *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

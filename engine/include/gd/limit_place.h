@@ -8,6 +8,10 @@
 
 #include "gd/limit.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Is it a place of the surface? u and v that are outside of their face by no more than 1e-9 are
  * moved into it. `detail` may be NULL. Errors: GD_OUT_OF_RANGE (face or corner),
  * GD_INVALID_ARGUMENT (u, v). O(1). Thread-safe. */
@@ -21,5 +25,9 @@ struct gd_vec3 gd_limit_direction(const struct gd_limit_jet *jet, double angle);
 /* The angle of a vector that is projected onto the tangent plane, in [0, 2 pi); 0 when nothing of
  * it is left; NAN without a normal. */
 double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 #include "gd/limit_mesh.h"
 #include "gd/limit_path.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_limit_shortest {
     /* on the limit surface; INFINITY: no path leads there, and there are no steps */
     double distance;
@@ -32,5 +36,9 @@ GD_MUST_USE enum gd_status
 gd_limit_shortest_find(const struct gd_limit_mesh *fine, const struct gd_limit_point *from,
                        const struct gd_limit_point *to, const struct gd_control *control,
                        struct gd_limit_shortest *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The point of the surface nearest to `xyz`; ties go to the lowest-numbered face. `max_snap` < 0:
  * any distance will do; else a nearest point farther than it is GD_NOT_ON_SURFACE. `*distance` (may
  * be NULL) is how far `xyz` was moved, in the mesh's unit. Errors: GD_INVALID_ARGUMENT (not
@@ -19,5 +23,9 @@ GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct 
 GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -12,6 +12,10 @@
 #include "gd/landmarks.h"
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_mean_request {
     const struct gd_point *points; /* borrowed; at least one, all of one component */
     const double *weights;         /* >= 0, not all 0; NULL: equal ones. Borrowed */
@@ -45,5 +49,9 @@ GD_MUST_USE enum gd_status gd_mean_find(const struct gd_mesh *mesh,
                                         const struct gd_mean_request *request,
                                         const struct gd_control *control, struct gd_mean *out,
                                         struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

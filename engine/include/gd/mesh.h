@@ -26,6 +26,10 @@
 #include "gd/status.h"
 #include "gd/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_mesh;
 
 /* Named by input index, so that a vertex can't be passed as a face. */
@@ -185,5 +189,9 @@ uint32_t gd_mesh_source_face(const struct gd_mesh *mesh, struct gd_face face);
 /* The triangles as polygons of their own (owned by the caller): all index_count positions, faces as
  * gd_mesh_corners in order of index; indices without a face are left out. GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 
 #include "gd/parametric.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_NURBS_DEGREE_MAX 15
 #define GD_NURBS_COUNT_MAX  4096 /* control points in one direction */
 
@@ -62,5 +66,9 @@ enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_
  * the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller owns one reference of `*out`. */
 GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
                                            struct gd_parametric **out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

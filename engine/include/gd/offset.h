@@ -5,6 +5,10 @@
 #include "gd/curve.h"
 #include "gd/isoline.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The isoline of the curve's exact field at a distance > 0: all points of the surface that are so
  * far from the curve, on both sides of it and around its ends. None where nothing is that far. The
  * caller frees `*out` by gd_isoline_free. `control` and `detail` may be NULL. Errors:
@@ -13,5 +17,9 @@
 GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                            double distance, const struct gd_control *control,
                                            struct gd_isoline *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

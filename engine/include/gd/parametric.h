@@ -23,6 +23,10 @@
 #include "gd/status.h"
 #include "gd/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_parametric;
 
 /* Position and derivatives at a place. */
@@ -153,5 +157,9 @@ struct gd_profile {
 GD_MUST_USE enum gd_status gd_parametric_revolution(const struct gd_profile *profile,
                                                     struct gd_parametric **out,
                                                     struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,6 +6,10 @@
 
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_path {
     double length;           /* of the polyline itself */
     uint32_t count;          /* points, at least 1 */
@@ -13,5 +17,9 @@ struct gd_path {
 };
 
 void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is harmless */
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

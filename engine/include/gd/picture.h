@@ -21,6 +21,10 @@
 
 #include "gd/field.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_PICTURE_LEAST    16   /* pixels of a side */
 #define GD_PICTURE_MOST     4096 /* pixels of a side */
 #define GD_PICTURE_PIXELS   ((uint32_t)3840 * 2160)
@@ -75,5 +79,9 @@ GD_MUST_USE enum gd_status gd_picture_png(const struct gd_picture *picture,
 GD_MUST_USE enum gd_status gd_picture_svg(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,
                                           size_t *size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

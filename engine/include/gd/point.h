@@ -13,6 +13,10 @@
 
 #include "gd/mesh.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum gd_point_kind { GD_POINT_VERTEX, GD_POINT_EDGE, GD_POINT_FACE };
 
 struct gd_point {
@@ -72,5 +76,9 @@ static inline bool gd_point_equal(const struct gd_point *a, const struct gd_poin
     return a->kind == b->kind && a->element == b->element &&
            memcmp(a->weight, b->weight, sizeof a->weight) == 0;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_NONE UINT32_MAX
 
 struct gd_polygons {
@@ -37,5 +41,9 @@ static inline bool gd_polygons_are_triangles(const struct gd_polygons *polygons)
 
 /* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
 void gd_polygons_free(struct gd_polygons *polygons);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

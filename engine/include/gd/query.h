@@ -8,6 +8,10 @@
 #include "gd/field.h"
 #include "gd/landmarks.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What is wanted of a pair; `false` and `true` are a distance and a path. */
 enum gd_pair_wish {
     GD_PAIR_DISTANCE,
@@ -43,5 +47,9 @@ GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struc
                                          const struct gd_landmarks *landmarks,
                                          const struct gd_control *control,
                                          struct gd_pair_answer *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "gd/curve.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_RESAMPLING_POINTS (1u << 20)
 
 struct gd_resampling {
@@ -23,5 +27,9 @@ GD_MUST_USE enum gd_status gd_curve_resample(const struct gd_mesh *mesh,
                                              const struct gd_curve *curve, uint32_t count,
                                              const struct gd_control *control,
                                              struct gd_resampling *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

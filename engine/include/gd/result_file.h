@@ -23,6 +23,10 @@
 #include "gd/polygons.h"
 #include "gd/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* X(NAME, name = spelling in ?format=, media type) */
 #define GD_RESULT_FORMAT_MAP(X)                                                                    \
     X(PLY, ply, "application/x-ply")                                                               \
@@ -58,5 +62,9 @@ GD_MUST_USE enum gd_status gd_write_result(const struct gd_result *result,
 
 /* Upper bound of the bytes that writing takes, the result included. */
 size_t gd_result_cost(const struct gd_result *result);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

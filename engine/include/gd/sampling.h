@@ -11,6 +11,10 @@
 #include "gd/executor.h"
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Farthest-point sampling: `count` > 0 points to `points`, the first of them `start`, and to
  * `radii` how far the surface is from them: radii[i] is the greatest distance of any point of the
  * surface to the nearest of points 0 to i; so it is also how far point i + 1 is from all before it,
@@ -25,5 +29,9 @@ GD_MUST_USE enum gd_status
 gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_point *start, uint32_t count,
                      const struct gd_control *control, const struct gd_executor *executor,
                      struct gd_point *points, double *radii, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -15,6 +15,10 @@
 
 #include "gd/curve.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_SHORTENING_PIECES 16   /* when no number is given */
 #define GD_SHORTENING_ROUNDS 1000 /* most of them on the way to a closed geodesic */
 
@@ -42,5 +46,9 @@ GD_MUST_USE enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
                                             const struct gd_curve *curve, uint32_t rounds,
                                             uint32_t pieces, const struct gd_control *control,
                                             struct gd_shortening *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 #include "gd/status.h"
 #include "gd/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GD_SPACE_CURVE_COUNT_MAX 65536
 
 /* A B-spline in space, borrowed; `degree` 0 with one point: a point (no knots). A polyline has
@@ -37,5 +41,9 @@ struct gd_space_foot {
 GD_MUST_USE enum gd_status gd_space_distance(const struct gd_space_curve *from,
                                              const struct gd_space_curve *to,
                                              struct gd_space_foot *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

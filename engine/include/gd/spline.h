@@ -31,6 +31,10 @@
 #include "gd/landmarks.h"
 #include "gd/vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum gd_tangent_rule {
     /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)): reversed points, reversed
        curve */
@@ -163,5 +167,9 @@ GD_MUST_USE enum gd_status gd_spline_curve(const struct gd_mesh *mesh,
                                            const struct gd_spline_sampling *sampling,
                                            const struct gd_control *control, struct gd_curve *out,
                                            struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

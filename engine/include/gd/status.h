@@ -9,6 +9,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* X(number, NAME, name, sentence) */
 #define GD_STATUS_MAP(X)                                                                           \
     X(0, OK, ok, "success")                                                                        \
@@ -97,5 +101,9 @@ enum gd_status gd_fail(struct gd_detail *detail, enum gd_status status, const ch
 /* Appends an offending element to `detail` (NULL: does nothing); beyond GD_DETAIL_ELEMENTS it only
  * counts. */
 void gd_detail_add(struct gd_detail *detail, enum gd_element kind, uint64_t a, uint64_t b);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 #include "gd/control.h"
 #include "gd/control_mesh.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum gd_scheme {
     GD_SCHEME_CATMULL_CLARK, /* polygons of any number of corners */
     GD_SCHEME_LOOP           /* triangles */
@@ -67,5 +71,9 @@ enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface);
 
 /* Of the control mesh. O(1). */
 struct gd_subdivision_summary gd_subdivision_summary(const struct gd_subdivision *surface);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

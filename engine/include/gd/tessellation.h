@@ -17,6 +17,10 @@
 #include "gd/parametric.h"
 #include "gd/point.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_tessellation;
 
 #define GD_TESSELLATION_FACES     4096 /* about so many when nothing is said */
@@ -67,5 +71,9 @@ void gd_tessellation_parameters(const struct gd_tessellation *tessellation,
 GD_MUST_USE enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation,
                                                  double u, double v, struct gd_point *out,
                                                  struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -29,6 +29,10 @@
 #include "gd/direction.h"
 #include "gd/path.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum gd_vertex_rule { GD_VERTEX_RULE_BISECT, GD_VERTEX_RULE_NORMAL };
 enum gd_boundary_rule { GD_BOUNDARY_RULE_STOP, GD_BOUNDARY_RULE_SLIDE };
 
@@ -93,5 +97,9 @@ gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_point *start,
  * O(its faces). */
 struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point,
                                  uint32_t count, uint32_t i);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,29 +4,37 @@
 
 #include <math.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_vec3 {
     double x, y, z;
 };
 
 static inline struct gd_vec3 gd_vec3_add(struct gd_vec3 a, struct gd_vec3 b)
 {
-    return (struct gd_vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+    struct gd_vec3 result = {a.x + b.x, a.y + b.y, a.z + b.z};
+    return result;
 }
 
 static inline struct gd_vec3 gd_vec3_sub(struct gd_vec3 a, struct gd_vec3 b)
 {
-    return (struct gd_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+    struct gd_vec3 result = {a.x - b.x, a.y - b.y, a.z - b.z};
+    return result;
 }
 
 static inline struct gd_vec3 gd_vec3_scale(struct gd_vec3 a, double s)
 {
-    return (struct gd_vec3){a.x * s, a.y * s, a.z * s};
+    struct gd_vec3 result = {a.x * s, a.y * s, a.z * s};
+    return result;
 }
 
 /* a + s b */
 static inline struct gd_vec3 gd_vec3_along(struct gd_vec3 a, double s, struct gd_vec3 b)
 {
-    return (struct gd_vec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+    struct gd_vec3 result = {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+    return result;
 }
 
 static inline double gd_vec3_dot(struct gd_vec3 a, struct gd_vec3 b)
@@ -36,7 +44,8 @@ static inline double gd_vec3_dot(struct gd_vec3 a, struct gd_vec3 b)
 
 static inline struct gd_vec3 gd_vec3_cross(struct gd_vec3 a, struct gd_vec3 b)
 {
-    return (struct gd_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    struct gd_vec3 result = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    return result;
 }
 
 static inline double gd_vec3_length(struct gd_vec3 a)
@@ -48,5 +57,9 @@ static inline double gd_vec3_distance(struct gd_vec3 a, struct gd_vec3 b)
 {
     return gd_vec3_length(gd_vec3_sub(a, b));
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -21,6 +21,10 @@
 #include "gd/field.h"
 #include "gd/trace.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_vector {
     struct gd_direction direction; /* any where the length is 0 */
     double length;
@@ -78,5 +82,9 @@ struct gd_vector gd_vector_combine(const struct gd_mesh *mesh, const struct gd_p
 GD_MUST_USE enum gd_status gd_vector_log_all(const struct gd_field *field,
                                              const struct gd_control *control, double *angles,
                                              double *lengths, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

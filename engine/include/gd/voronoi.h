@@ -27,6 +27,10 @@
 
 #include "gd/field.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A line that two members are equally near to, and no other is nearer: closed, or with ends that
  * are triple points or lie on the boundary. */
 struct gd_bisector {
@@ -70,5 +74,9 @@ GD_MUST_USE enum gd_status gd_voronoi_trace(const struct gd_field *field,
 
 /* frees the arrays and zeroes; NULL is harmless */
 void gd_voronoi_free(struct gd_voronoi *voronoi);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -9,6 +9,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct gd_workspace;
 
 /* An empty one; NULL without memory. */
@@ -24,5 +28,9 @@ void gd_workspace_trim(struct gd_workspace *workspace);
 /* Memory of fields that were released is kept for the next ones, up to so many bytes in the whole
  * process; 0, as at first, keeps none. Thread-safe. */
 void gd_spare_memory(size_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
