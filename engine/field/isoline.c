@@ -6,14 +6,44 @@
 #include "field/isoline_parts.h"
 
 /* An isoline from edge to edge and face to face: finds all crossings and chains, then follows chain
- * after chain. */
+ * after chain.
+ *
+ * DESIGN. Edges and faces are kept in blocks of BLOCK neighbours. The index has, of each block, the
+ * least and the largest level whose isoline one of its elements can meet. A level visits the
+ * elements of such blocks only: a small part of the surface, since the mesh keeps in one block what
+ * lies close together. */
 
-enum { STEPS_AN_ARC = 8 /* to put it into the caller's terms */ };
+#define INDEX_SHARE 0.4 /* of the work of one level */
+
+enum { STEPS_AN_ARC = 8 /* to put it into the caller's terms */, BLOCK = GD__CROSSING_BLOCK };
+
+struct levels {
+    double least, most;
+};
+
+/* Without fmin's care for NaN, of which there is none: one instruction each. */
+static inline double lesser(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+struct gd_isoline_index {
+    const struct gd_field *field; /* retained */
+    struct levels *edges, *faces; /* by block; `faces` is in the memory of `edges` */
+    uint32_t edge_blocks, face_blocks;
+};
 
 struct tracer {
+    const struct gd_isoline_index *index;
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     double level; /* inside unit */
+    double begun; /* the fraction of the call that was done before */
     struct gd__pace pace;
     struct gd__parts parts;
     struct gd__places places;
@@ -29,6 +59,7 @@ static void close_tracer(struct tracer *tracer)
 {
     free(tracer->parts.crossing);
     free(tracer->parts.first_crossing);
+    free(tracer->parts.is_crossed);
     free(tracer->parts.piece);
     free(tracer->parts.chain);
     free(tracer->places.at);
@@ -47,78 +78,127 @@ static enum gd_status step(struct tracer *tracer, double fraction)
                         2 * (parts->crossing_capacity * sizeof *parts->crossing +
                              parts->piece_capacity * sizeof *parts->piece +
                              parts->chain_capacity * sizeof *parts->chain);
-    tracer->pace.fraction = fraction;
+    tracer->pace.fraction = tracer->begun + (1 - tracer->begun) * fraction;
     return gd__pace_step(&tracer->pace, 1);
 }
 
 /* Along an edge the distance changes by no more than its length; an end that a partial field has
  * not reached counts as that far. */
+static struct levels edge_levels(double a, double b, double length)
+{
+    double sum = lesser(a, b + length) + lesser(b, a + length);
+    return (struct levels){0.5 * (sum - length), 0.5 * (sum + length)};
+}
+
+static bool levels_have(const struct levels *levels, double level)
+{
+    double slack = GD_TOL_CHECK * level;
+    return levels->least <= level + slack && levels->most >= level - slack;
+}
+
 static bool may_cross_edge(const struct tracer *tracer, uint32_t edge)
 {
     const double *distance = tracer->field->distance;
-    double length = tracer->mesh->side[2 * edge].length,
-           a = distance[tracer->mesh->origin[2 * edge]],
-           b = distance[tracer->mesh->origin[2 * edge + 1]];
-    double sum = fmin(a, b + length) + fmin(b, a + length), slack = GD_TOL_CHECK * tracer->level;
-    return sum - length <= 2 * (tracer->level + slack) &&
-           sum + length >= 2 * (tracer->level - slack);
+    const uint32_t *origin = &tracer->mesh->origin[2 * (size_t)edge];
+    const struct levels levels = edge_levels(distance[origin[0]], distance[origin[1]],
+                                             tracer->mesh->side[2 * (size_t)edge].length);
+    return levels_have(&levels, tracer->level);
 }
 
-static enum gd_status cross_edges(struct tracer *tracer)
+/* The crossings of a block's edges. The entry behind them is set, too. */
+static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
 {
-    const struct gd_mesh *mesh = tracer->mesh;
+    uint32_t edge = block * BLOCK, count = tracer->mesh->edge_count,
+             end = count - edge < BLOCK ? count : edge + BLOCK;
     enum gd_status status = GD_OK;
-    tracer->parts.first_crossing =
-        malloc(sizeof *tracer->parts.first_crossing * ((size_t)mesh->edge_count + 1));
-    if (!tracer->parts.first_crossing) return GD_NO_MEMORY;
-    for (uint32_t edge = 0; edge < mesh->edge_count && !status; edge++) {
+    tracer->parts.is_crossed[block] = true;
+    for (; edge < end && !status; edge++) {
         tracer->parts.first_crossing[edge] = tracer->parts.crossing_count;
-        status = step(tracer, 0.45 * edge / mesh->edge_count);
+        status = step(tracer, 0.45 * edge / count);
         if (!status && may_cross_edge(tracer, edge))
             status = gd__isoline_cross_edge(tracer->field, edge, tracer->level, &tracer->pace,
                                             &tracer->places, &tracer->parts);
     }
-    tracer->parts.first_crossing[mesh->edge_count] = tracer->parts.crossing_count;
+    tracer->parts.first_crossing[end] = tracer->parts.crossing_count;
+    return status;
+}
+
+static enum gd_status cross_edges(struct tracer *tracer)
+{
+    const struct gd_isoline_index *index = tracer->index;
+    enum gd_status status = GD_OK;
+    tracer->parts.first_crossing =
+        malloc(sizeof *tracer->parts.first_crossing * ((size_t)tracer->mesh->edge_count + 1));
+    tracer->parts.is_crossed = calloc(index->edge_blocks, sizeof *tracer->parts.is_crossed);
+    if (!tracer->parts.first_crossing || !tracer->parts.is_crossed) return GD_NO_MEMORY;
+    for (uint32_t block = 0; block < index->edge_blocks && !status; block++)
+        if (levels_have(&index->edges[block], tracer->level))
+            status = cross_edge_block(tracer, block);
     return status;
 }
 
 static bool has_crossings(const struct tracer *tracer, uint32_t face)
 {
     for (int k = 0; k < 3; k++) {
-        const uint32_t *first =
-            &tracer->parts.first_crossing[tracer->mesh->face_side[face][k] >> 1];
-        if (first[0] < first[1]) return true;
+        uint32_t first, end;
+        gd__edge_crossings(&tracer->parts, tracer->mesh->face_side[face][k] >> 1, &first, &end);
+        if (first < end) return true;
     }
     return false;
 }
 
-/* A line that crosses no edge of the face lies around a seed in it, or around a maximum: no point
- * is farther than by way of a corner. */
-static bool may_hold_loop(const struct tracer *tracer, uint32_t face)
+static bool holds_seed(const struct gd_field *field, uint32_t face)
 {
-    const struct gd_field *field = tracer->field;
     const struct gd__face_seed *seed = gd__field_seeds_in(field, face);
-    if (seed < field->face_seeds + field->face_seed_count && seed->face == face) return true;
-    const struct gd_side *s = &tracer->mesh->side[tracer->mesh->face_side[face][0]];
-    double a = s->length, b = s->right_length, c = s->left_length,
-           reach[3] = {fmax(a, c), fmax(a, b), fmax(b, c)};
-    for (int k = 0; k < 3; k++) {
-        double distance = field->distance[tracer->mesh->origin[tracer->mesh->face_side[face][k]]];
-        if (distance >= tracer->level || distance + reach[k] < tracer->level) return false;
-    }
-    return true;
+    return seed < field->face_seeds + field->face_seed_count && seed->face == face;
 }
 
-static enum gd_status cross_faces(struct tracer *tracer)
+/* Of the lines that cross no edge of the face, those around a maximum in it: no point is farther
+ * than by way of a corner, and the corners are nearer. `least` may be more than `most`. */
+static struct levels loop_levels(const struct gd_field *field, uint32_t face)
 {
-    const struct gd_mesh *mesh = tracer->mesh;
+    const struct gd_mesh *mesh = field->mesh;
+    const struct gd_side *s = &mesh->side[mesh->face_side[face][0]];
+    double a = s->length, b = s->right_length, c = s->left_length,
+           reach[3] = {larger(a, c), larger(a, b), larger(b, c)};
+    struct levels levels = {0, INFINITY};
+    for (int k = 0; k < 3; k++) {
+        double distance = field->distance[mesh->origin[mesh->face_side[face][k]]];
+        levels.least = larger(levels.least, distance);
+        levels.most = lesser(levels.most, distance + reach[k]);
+    }
+    return levels;
+}
+
+/* A line that crosses no edge of the face lies around a seed in it, or around a maximum. */
+static bool may_hold_loop(const struct tracer *tracer, uint32_t face)
+{
+    if (holds_seed(tracer->field, face)) return true;
+    const struct levels levels = loop_levels(tracer->field, face);
+    return levels.least < tracer->level && levels.most >= tracer->level;
+}
+
+static enum gd_status cross_face_block(struct tracer *tracer, uint32_t block)
+{
+    uint32_t face = block * BLOCK, count = tracer->mesh->face_count,
+             end = count - face < BLOCK ? count : face + BLOCK;
     enum gd_status status = GD_OK;
-    for (uint32_t face = 0; face < mesh->face_count && !status; face++) {
-        status = step(tracer, 0.45 + 0.45 * face / mesh->face_count);
+    for (; face < end && !status; face++) {
+        status = step(tracer, 0.45 + 0.45 * face / count);
         if (!status && (has_crossings(tracer, face) || may_hold_loop(tracer, face)))
             status = gd__isoline_cross_face(tracer->field, face, tracer->level, &tracer->pace,
                                             &tracer->scratch, &tracer->parts);
     }
+    return status;
+}
+
+static enum gd_status cross_faces(struct tracer *tracer)
+{
+    const struct gd_isoline_index *index = tracer->index;
+    enum gd_status status = GD_OK;
+    for (uint32_t block = 0; block < index->face_blocks && !status; block++)
+        if (levels_have(&index->faces[block], tracer->level))
+            status = cross_face_block(tracer, block);
     return status;
 }
 
@@ -290,22 +370,144 @@ static enum gd_status export_lines(struct tracer *tracer, double level, struct g
     return status;
 }
 
-enum gd_status gd_isoline_trace(const struct gd_field *field, double level,
-                                const struct gd_control *control, struct gd_isoline *out)
+/* --- the index -------------------------------------------------------------------------------- */
+
+static void levels_widen(struct levels *levels, struct levels by)
 {
+    levels->least = lesser(levels->least, by.least);
+    levels->most = larger(levels->most, by.most);
+}
+
+/* What may meet the face widens its block and those of its edges. */
+static void index_face(struct gd_isoline_index *index, uint32_t face)
+{
+    const struct gd_mesh *mesh = index->field->mesh;
+    const double *distance = index->field->distance;
+    const uint32_t *sides = mesh->face_side[face];
+    const struct gd_side *s = &mesh->side[sides[0]];
+    double length[3] = {s->length, s->right_length, s->left_length}, at[3], least = 0, most;
+    for (int k = 0; k < 3; k++) at[k] = distance[mesh->origin[sides[k]]];
+    struct levels *whole = &index->faces[face / BLOCK];
+    for (int k = 0; k < 3; k++) {
+        struct levels levels = edge_levels(at[k], at[(k + 1) % 3], length[k]);
+        levels_widen(&index->edges[(sides[k] >> 1) / BLOCK], levels);
+        levels_widen(whole, levels);
+        least = larger(least, at[k]);
+    }
+    most =
+        lesser(at[0] + larger(length[0], length[2]),
+               lesser(at[1] + larger(length[0], length[1]), at[2] + larger(length[1], length[2])));
+    if (least <= most) levels_widen(whole, (struct levels){least, most});
+}
+
+static enum gd_status index_faces(struct gd_isoline_index *index, double share,
+                                  const struct gd_control *control)
+{
+    const struct gd_field *field = index->field;
+    uint32_t count = field->mesh->face_count;
+    struct gd__pace pace = {.control = control, .held = gd_isoline_index_bytes(field->mesh)};
+    enum gd_status status = gd__pace_check(&pace);
+    for (uint32_t i = 0; i < index->edge_blocks + index->face_blocks; i++)
+        index->edges[i] = (struct levels){INFINITY, -INFINITY};
+    for (uint32_t face = 0; face < count && !status; face++) {
+        pace.fraction = share * face / count;
+        status = gd__pace_step(&pace, 2);
+        index_face(index, face);
+    }
+    for (uint32_t i = 0; i < field->face_seed_count; i++)
+        levels_widen(&index->faces[field->face_seeds[i].face / BLOCK],
+                     (struct levels){-INFINITY, INFINITY});
+    return status;
+}
+
+static uint32_t blocks_of(uint32_t count)
+{
+    return count / BLOCK + (count % BLOCK > 0);
+}
+
+size_t gd_isoline_index_bytes(const struct gd_mesh *mesh)
+{
+    return sizeof(struct gd_isoline_index) +
+           ((size_t)blocks_of(mesh->edge_count) + blocks_of(mesh->face_count)) *
+               sizeof(struct levels);
+}
+
+/* The index is that share of the control's call. */
+static enum gd_status index_create(const struct gd_field *field, double share,
+                                   const struct gd_control *control, struct gd_isoline_index **out)
+{
+    struct gd_isoline_index *index = calloc(1, sizeof *index);
+    if (!index) return GD_NO_MEMORY;
+    index->field = gd_field_retain(field);
+    index->edge_blocks = blocks_of(field->mesh->edge_count);
+    index->face_blocks = blocks_of(field->mesh->face_count);
+    index->edges = malloc(((size_t)index->edge_blocks + index->face_blocks) * sizeof *index->edges);
+    enum gd_status status = GD_NO_MEMORY;
+    if (index->edges) {
+        index->faces = index->edges + index->edge_blocks;
+        status = index_faces(index, share, control);
+    }
+    if (status)
+        gd_isoline_index_destroy(index);
+    else
+        *out = index;
+    return status;
+}
+
+enum gd_status gd_isoline_index_create(const struct gd_field *field,
+                                       const struct gd_control *control,
+                                       struct gd_isoline_index **out)
+{
+    return index_create(field, 1, control, out);
+}
+
+void gd_isoline_index_destroy(struct gd_isoline_index *index)
+{
+    if (!index) return;
+    gd_field_release(index->field);
+    free(index->edges);
+    free(index);
+}
+
+/* --- one level -------------------------------------------------------------------------------- */
+
+static enum gd_status trace_level(const struct gd_isoline_index *index, double level, double begun,
+                                  const struct gd_control *control, struct gd_isoline *out)
+{
+    const struct gd_field *field = index->field;
     if (!(level >= 0 && isfinite(level))) return GD_INVALID_ARGUMENT;
-    struct tracer tracer = {.field = field,
+    struct tracer tracer = {.index = index,
+                            .field = field,
                             .mesh = field->mesh,
                             .level = level / field->mesh->unit,
+                            .begun = begun,
                             .pace = {.control = control}};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;
-    enum gd_status status = gd_control_check(control, 0);
+    enum gd_status status = gd_control_check(control, begun);
     if (!status) status = cross_edges(&tracer);
     if (!status) status = cross_faces(&tracer);
     if (!status) status = gd__pace_check(&tracer.pace);
     if (!status) status = find_lines(&tracer);
     if (!status) status = export_lines(&tracer, level, out);
     close_tracer(&tracer);
+    return status;
+}
+
+enum gd_status gd_isoline_trace_indexed(const struct gd_isoline_index *index, double level,
+                                        const struct gd_control *control, struct gd_isoline *out)
+{
+    return trace_level(index, level, 0, control, out);
+}
+
+enum gd_status gd_isoline_trace(const struct gd_field *field, double level,
+                                const struct gd_control *control, struct gd_isoline *out)
+{
+    struct gd_isoline_index *index;
+    if (!(level >= 0 && isfinite(level))) return GD_INVALID_ARGUMENT;
+    enum gd_status status = index_create(field, INDEX_SHARE, control, &index);
+    if (status) return status;
+    status = trace_level(index, level, INDEX_SHARE, control, out);
+    gd_isoline_index_destroy(index);
     return status;
 }
 

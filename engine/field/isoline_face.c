@@ -74,8 +74,9 @@ static enum gd_status append_crossings(const struct work *work, uint32_t face)
     for (int k = 0; k < 3; k++) {
         uint32_t side = mesh->face_side[face][k], edge = side >> 1;
         double length = mesh->side[side].length;
-        for (uint32_t i = work->parts->first_crossing[edge];
-             i < work->parts->first_crossing[edge + 1] && !status; i++) {
+        uint32_t first, end;
+        gd__edge_crossings(work->parts, edge, &first, &end);
+        for (uint32_t i = first; i < end && !status; i++) {
             const struct gd__crossing *crossing = &work->parts->crossing[i];
             double t = side & 1 ? length - crossing->t : crossing->t;
             status = append_end(

@@ -67,16 +67,27 @@ struct gd__chain {
     bool has_arcs; /* not all of it is there to bridge rounding */
 };
 
-/* What a trace has found. Crossings of edge e: first_crossing[e] to first_crossing[e + 1]. All zero
- * is empty. */
+#define GD__CROSSING_BLOCK 64 /* edges */
+
+/* What a trace has found. Crossings of edge e: see gd__edge_crossings. All zero is empty. */
 struct gd__parts {
     struct gd__crossing *crossing;
-    uint32_t *first_crossing;
+    uint32_t *first_crossing; /* by edge, one more behind each block; set in crossed blocks only */
+    bool *is_crossed;         /* by block of edges */
     struct gd__piece *piece;
     struct gd__chain *chain;
     uint32_t crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count,
         chain_capacity;
 };
+
+/* The edge's crossings are those from `*first` on, up to `*end`. */
+static inline void gd__edge_crossings(const struct gd__parts *parts, uint32_t edge, uint32_t *first,
+                                      uint32_t *end)
+{
+    bool is_crossed = parts->is_crossed[edge / GD__CROSSING_BLOCK];
+    *first = is_crossed ? parts->first_crossing[edge] : 0;
+    *end = is_crossed ? parts->first_crossing[edge + 1] : 0;
+}
 
 /* Scratch of an edge and of a face, reused; all zero is empty. */
 struct gd__places {

@@ -79,6 +79,21 @@ GD_MUST_USE enum gd_status gd_isoline_trace(const struct gd_field *field, double
                                             const struct gd_control *control,
                                             struct gd_isoline *out);
 
+/* Where on the surface the isolines of each level can be: made once, it spares every level but the
+ * first the pass over all edges and faces. Retains its field. Immutable: any number of threads may
+ * trace by it. Errors of making: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+struct gd_isoline_index;
+GD_MUST_USE enum gd_status gd_isoline_index_create(const struct gd_field *field,
+                                                   const struct gd_control *control,
+                                                   struct gd_isoline_index **out);
+void gd_isoline_index_destroy(struct gd_isoline_index *index); /* NULL is harmless */
+size_t gd_isoline_index_bytes(const struct gd_mesh *mesh);
+
+/* gd_isoline_trace by the index of the field: the same isoline. */
+GD_MUST_USE enum gd_status gd_isoline_trace_indexed(const struct gd_isoline_index *index,
+                                                    double level, const struct gd_control *control,
+                                                    struct gd_isoline *out);
+
 /* frees the arrays and zeroes; NULL is harmless */
 void gd_isoline_free(struct gd_isoline *isoline);
 

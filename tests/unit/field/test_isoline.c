@@ -342,13 +342,46 @@ static void it_asks_its_control(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* One index serves every level, and the field is its own. */
+static void levels_by_one_index(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(40, 0.2, 3, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seed = {.point = test_point(mesh, (struct test_place){700, {0.2, 0.3, 0.5}})};
+    struct gd_field *field = test_field(mesh, &seed, 1, 0);
+    struct gd_isoline_index *index;
+    check_ok(gd_isoline_index_create(field, NULL, &index), NULL);
+    for (int k = 0; k < 20; k++) {
+        double level = 0.001 + 0.06 * k;
+        struct gd_isoline alone, indexed;
+        check_ok(gd_isoline_trace(field, level, NULL, &alone), NULL);
+        check_ok(gd_isoline_trace_indexed(index, level, NULL, &indexed), NULL);
+        assert_int_equal(alone.line_count, indexed.line_count);
+        assert_true(total_length(&alone) == total_length(&indexed) && alone.line_count > 0);
+        gd_isoline_free(&alone);
+        gd_isoline_free(&indexed);
+    }
+    struct gd_isoline refused;
+    assert_int_equal(gd_isoline_trace_indexed(index, -1, NULL, &refused), GD_INVALID_ARGUMENT);
+    gd_field_release(field);
+    check_ok(gd_isoline_trace_indexed(index, 0.5, NULL, &refused), NULL);
+    gd_isoline_free(&refused);
+    gd_isoline_index_destroy(index);
+    gd_isoline_index_destroy(NULL);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(circles_in_the_plane),  cmocka_unit_test(levels_through_vertices),
         cmocka_unit_test(circles_about_an_apex), cmocka_unit_test(two_seeds_in_the_plane),
         cmocka_unit_test(loops_within_one_face), cmocka_unit_test(on_a_cube),
-        cmocka_unit_test(what_is_refused),       cmocka_unit_test(it_asks_its_control),
+        cmocka_unit_test(levels_by_one_index),   cmocka_unit_test(what_is_refused),
+        cmocka_unit_test(it_asks_its_control),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
