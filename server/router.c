@@ -7,6 +7,7 @@
 
 #include "server/access/access.h"
 #include "server/query/handlers.h"
+#include "server/query/query.h"
 #include "server/query/request.h"
 #include "server/exchange/deprecation.h"
 #include "server/exchange/reply.h"
@@ -161,7 +162,8 @@ static bool prepare_body(struct server_exchange *exchange, struct proto_problem 
         return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
                                  "send the request body with a Content-Length, or chunked");
     if (!check_media_type(exchange, problem)) return false;
-    if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
+    bool is_bulk = route->kind && ((const struct server_query_kind *)route->kind)->read_arrays;
+    if (route->query && !is_bulk && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
     if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
         limit = BATCH_BODY_LIMIT;
     return server_body_prepare(&exchange->body, exchange->host->budget, exchange->body.declared,

@@ -78,6 +78,12 @@ export class Job {
 
 /** What lies at a path of the daemon. */
 export class Resource {
+  /** An answer as typed arrays by name, row after row: of `matrix`, `isolines`, `trace`, `voronoi` and others. */
+  queryArrays(
+    name: string,
+    body: object,
+    query?: { form?: "f64" | "f32"; [parameter: string]: unknown },
+  ): Promise<Record<string, Float64Array | Float32Array | Uint32Array>>;
   readonly client: Client;
   readonly location: string;
   describe(): Promise<unknown>;
@@ -137,6 +143,10 @@ export class Mesh extends Surface<types.MeshQueries> {
   /** A rendered picture; the query as the contract has it, points in compact form: { source: "v:12", view: "iso" }. */
   picture(form?: "png" | "svg", query?: Record<string, string | number | boolean | undefined>): Promise<ArrayBuffer>;
   nearest(point: PointLike): Promise<types.PointAnswer>;
+  /** The distance of each pair, NaN without a path. Vertices as Uint32Array, else rows of three coordinates; one point may stand for all pairs. */
+  pairs(from: Uint32Array | Float64Array | Float32Array, to: Uint32Array | Float64Array | Float32Array): Promise<Float64Array>;
+  /** The nearest points to rows of three coordinates: `faces`, `barycentric`, `xyz`, `snap_distances`. */
+  nearestPoints(xyz: Float64Array | Float32Array | Uint32Array): Promise<Record<string, Float64Array | Uint32Array>>;
   /** A row per source, NaN where there is no distance. */
   matrix(
     sources: readonly PointLike[],

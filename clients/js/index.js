@@ -113,6 +113,42 @@ async function readFloats(response) {
   return Float64Array.from({ length: view.byteLength / 8 }, (_, i) => view.getFloat64(8 * i, true));
 }
 
+/* The arrays container, version 1: server/doc/020 of the daemon. */
+function readArrays(buffer) {
+  const view = new DataView(buffer), arrays = {};
+  if (new TextDecoder().decode(buffer.slice(0, 8)) !== "GDARRAYS" || view.getUint32(8, true) !== 1) throw new GeodesicError("no arrays container of version 1");
+  for (let i = 0, at = 16; i < view.getUint32(12, true); i++, at += 64) {
+    const name = new TextDecoder().decode(buffer.slice(at, at + 32)).replace(/\0+$/, "");
+    const Type = { 1: Float64Array, 2: Float32Array, 3: Uint32Array }[view.getUint32(at + 32, true)];
+    const bytes = Number(view.getBigUint64(at + 56, true));
+    arrays[name] = new Type(buffer, Number(view.getBigUint64(at + 48, true)), bytes / Type.BYTES_PER_ELEMENT);
+  }
+  return arrays;
+}
+
+/* Typed arrays by name: Uint32Array of elements, the others of rows of three numbers. */
+function writeArrays(arrays) {
+  const names = Object.keys(arrays), padded = (size) => Math.ceil(size / 8) * 8;
+  let offset = 16 + 64 * names.length;
+  const bytes = new Uint8Array(offset + names.reduce((sum, name) => sum + padded(arrays[name].byteLength), 0));
+  const view = new DataView(bytes.buffer);
+  new TextEncoder().encodeInto("GDARRAYS", bytes);
+  view.setUint32(8, 1, true);
+  view.setUint32(12, names.length, true);
+  names.forEach((name, i) => {
+    const values = arrays[name], at = 16 + 64 * i, isIndex = values instanceof Uint32Array;
+    new TextEncoder().encodeInto(name, bytes.subarray(at, at + 31));
+    view.setUint32(at + 32, isIndex ? 3 : values instanceof Float32Array ? 2 : 1, true);
+    view.setUint32(at + 36, isIndex ? 0 : 3, true);
+    view.setBigUint64(at + 40, BigInt(values.length / (isIndex ? 1 : 3)), true);
+    view.setBigUint64(at + 48, BigInt(offset), true);
+    view.setBigUint64(at + 56, BigInt(values.byteLength), true);
+    bytes.set(new Uint8Array(values.buffer, values.byteOffset, values.byteLength), offset);
+    offset += padded(values.byteLength);
+  });
+  return bytes;
+}
+
 /* --- jobs ------------------------------------------------------------------------------------------------------------- */
 
 /* The events of a stream: [name, data]. */
@@ -185,6 +221,11 @@ export class Resource {
 
   async query(name, body, { onProgress, signal, ...query } = {}) {
     return (await this.client.call("POST", `${this.location}/${name}`, { query, body, onProgress, signal })).json();
+  }
+
+  async queryArrays(name, body, { form = "f64", ...query } = {}) {
+    const call = { query: { ...query, format: form }, body };
+    return readArrays(await (await this.client.call("POST", `${this.location}/${name}`, call)).arrayBuffer());
   }
 
   async describe() {
@@ -275,6 +316,19 @@ export class Mesh extends Surface {
     return this.query("nearest", { point: toPoint(point) });
   }
 
+  async #bulk(name, arrays) {
+    const call = { query: { format: "f64" }, body: writeArrays(arrays), headers: { "Content-Type": FLOATS } };
+    return readArrays(await (await this.client.call("POST", `${this.location}/${name}`, call)).arrayBuffer());
+  }
+
+  async pairs(from, to) {
+    return (await this.#bulk("pairs", { from, to })).distances;
+  }
+
+  async nearestPoints(xyz) {
+    return this.#bulk("nearest-points", { points: xyz });
+  }
+
   async matrix(sources, targets, { maxDistance, onProgress } = {}) {
     const body = { sources: sources.map(toPoint), targets: targets.map(toPoint), max_distance: maxDistance };
     const call = { body, headers: { Accept: FLOATS }, onProgress };
@@ -310,6 +364,11 @@ export class Client {
     }
   }
 
+  /* On this machine, and not in a browser, which sets the header itself. */
+  get #isNear() {
+    return typeof process === "object" && /^(localhost|\[::1\]|127\.[\d.]+)$/.test(new URL(this.url).hostname);
+  }
+
   async #fetch(target, init) {
     try {
       return await fetch(this.url + target, init);
@@ -342,6 +401,7 @@ export class Client {
   async call(method, path, { query, body, headers = {}, onProgress, signal, repeatable = true } = {}) {
     if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress)).response();
     const sent = { ...this.headers, ...headers };
+    if (this.#isNear) sent["Accept-Encoding"] ??= "identity"; // packing takes longer than the way
     if (body !== undefined && !isBytes(body)) {
       body = JSON.stringify(body);
       sent["Content-Type"] ??= "application/json";

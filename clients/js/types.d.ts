@@ -165,6 +165,30 @@ export type MatrixAnswer = {
   reasons?: ("no_path" | "beyond_max_distance" | null)[][];
 };
 
+export type PairsRequest = {
+  from: BulkPoints;
+  to: BulkPoints;
+};
+
+export type PairsAnswer = {
+  /** A distance per pair; `null` where there is no path between the points. */
+  distances: Distance[];
+};
+
+export type NearestPointsRequest = {
+  points: BulkPoints;
+};
+
+export type NearestPointsAnswer = {
+  faces: number[];
+  barycentric: Array<[number, number, number]>;
+  xyz: Array<[number, number, number]>;
+  /** Distance by which each point was moved to the surface; `null` for points that name an element. */
+  snap_distances: (number | null)[];
+};
+
+export type BulkPoints = Point[];
+
 /** The body of a query, with the name of the query and, optionally, parameters of its query string. */
 export type BatchLine = (BatchPair | BatchNearest | BatchMatrix | BatchSetDistance | BatchCurveDistance);
 
@@ -1459,6 +1483,16 @@ export interface MeshQueries {
   "matrix": {
     body: MatrixRequest;
     answer: MatrixAnswer;
+  };
+  /** Distances of many pairs of points */
+  "pairs": {
+    body: PairsRequest;
+    answer: PairsAnswer;
+  };
+  /** Locate many points on the surface */
+  "nearest-points": {
+    body: NearestPointsRequest;
+    answer: NearestPointsAnswer;
   };
   /** Get the distances of points to a set */
   "distance-to-set": {

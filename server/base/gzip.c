@@ -66,6 +66,11 @@ bool server_gzip(const void *bytes, size_t size, struct proto_writer *out)
     return !out->failure;
 }
 
+uint32_t server_crc32(uint32_t sum, const void *bytes, size_t size)
+{
+    return (uint32_t)crc32_z(sum, bytes, size);
+}
+
 /* --- decompression ---------------------------------------------------------------------------- */
 
 struct server_inflater {

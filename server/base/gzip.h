@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "proto/json/writer.h"
 
@@ -48,5 +49,8 @@ enum server_inflate_outcome server_inflate(struct server_inflater *inflater, con
 
 /* Whether the member that was begun is complete. */
 bool server_inflater_is_whole(const struct server_inflater *inflater);
+
+/* The sum CRC-32 of what `sum` is of (0: nothing) and the bytes behind it. */
+uint32_t server_crc32(uint32_t sum, const void *bytes, size_t size);
 
 #endif

@@ -125,6 +125,11 @@ static bool stream_take_state(struct answer_stream *stream, struct server_exchan
     return true;
 }
 
+static const char *encoder_media_type(const struct server_answer_encoder *encoder)
+{
+    return encoder->media_type ? encoder->media_type : "application/json";
+}
+
 /* False: the state is still the exchange's. */
 static bool stream_start(struct server_exchange *exchange, unsigned status, size_t size,
                          const struct server_answer_encoder *encoder)
@@ -141,7 +146,7 @@ static bool stream_start(struct server_exchange *exchange, unsigned status, size
     stream->encode = encoder->encode;
     server_thread_wake(stream->thread);
     server_reply_coding(exchange, is_packed);
-    server_reply_stream(exchange, status, "application/json", client);
+    server_reply_stream(exchange, status, encoder_media_type(encoder), client);
     if (!is_packed) exchange->response.size = size;
     return true;
 }
@@ -197,5 +202,5 @@ void server_answer_reply(struct server_exchange *exchange, unsigned status,
         proto_writer_expect(writer, size);
         encoder->encode(exchange, writer);
     }
-    server_reply_json(exchange, status, writer);
+    server_reply_text(exchange, status, encoder_media_type(encoder), writer);
 }

@@ -40,9 +40,10 @@ struct server_answer_encoder {
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
     /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream counts them */
     size_t *held;
+    const char *media_type; /* static; NULL: application/json */
 };
 
-/* Replies with the encoder's text as JSON, or with a problem. `writer` is empty, of
+/* Replies with the encoder's text, or with a problem. `writer` is empty, of
  * server_reply_writer. A stream takes the exchange's state over and frees it at its end. */
 void server_answer_reply(struct server_exchange *exchange, unsigned status,
                          struct proto_writer *writer, const struct server_answer_encoder *encoder);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "proto/http/accept.h"
 #include "server/exchange/answer_stream.h"
@@ -23,7 +24,7 @@
 #define BYTES_AN_EDGE  224
 #define BYTES_A_SEARCH ((size_t)1 << 20) /* on a mesh of any size */
 
-enum { MOST_FORMS = 8 };
+enum { MOST_FORMS = 12 };
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -343,6 +344,13 @@ static bool form_read_mesh(struct server_query *query, const struct proto_parame
                                 "this format can't have the mesh with it; glb and obj can");
 }
 
+enum server_arrays_form server_query_arrays_form(const struct server_query *query)
+{
+    return query->kind->list_arrays && query->form >= SERVER_FORM_FIRST
+               ? server_arrays_form(form_at(query->kind, query->form)->name)
+               : SERVER_ARRAYS_NONE;
+}
+
 /* The name of the answer's form in its entity tag. */
 static const char *form_name(const struct server_query *query)
 {
@@ -358,6 +366,51 @@ static void query_reply_bytes(struct server_query *query)
     if (!bytes) return;
     query->kind->bytes(query, bytes);
     server_reply_bytes(query->exchange, 200, BYTES, bytes, size);
+}
+
+bool server_query_list_lines(struct server_query *query, const struct server_lines *lines,
+                             struct proto_problem *problem)
+{
+    query->lines = *lines;
+    query->lines.first =
+        server_query_allocate(query, lines->count + (size_t)1, sizeof *lines->first);
+    if (!query->lines.first) {
+        server_query_fail(query, GD_BUDGET, "the answer", problem);
+        return false;
+    }
+    if (!server_lines_count(&query->lines)) {
+        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                          "the lines have more points than an array of indices can count");
+        return proto_problem_limit(problem, UINT32_MAX);
+    }
+    server_arrays_add_lines(&query->arrays, &query->lines);
+    return true;
+}
+
+static void query_encode_arrays(struct server_exchange *exchange, struct proto_writer *writer)
+{
+    const struct server_query *query = exchange->state;
+    server_arrays_write(&query->arrays, server_query_arrays_form(query), writer);
+}
+
+/* A stream may own the query when this returns. */
+static void query_reply_arrays(struct server_query *query)
+{
+    const struct server_form *form = form_at(query->kind, query->form);
+    const struct server_answer_encoder encoder = {
+        .encode = query_encode_arrays, .held = &query->held, .media_type = form->media_type};
+    struct server_exchange *exchange = query->exchange;
+    struct proto_problem problem;
+    struct proto_writer writer;
+    if (!query->kind->list_arrays(query, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
+                        query->kind->name, form->name);
+    server_reply_writer(exchange, &writer);
+    server_answer_reply(exchange, 200, &writer, &encoder);
+    proto_writer_free(&writer);
 }
 
 static void query_reply_form(struct server_query *query)
@@ -407,6 +460,8 @@ static void query_reply(struct server_query *query)
         query_reply_json(query, status);
     else if (query->form == SERVER_FORM_BYTES)
         query_reply_bytes(query);
+    else if (server_query_arrays_form(query))
+        query_reply_arrays(query);
     else
         query_reply_form(query);
 }
@@ -435,6 +490,22 @@ static bool query_join(struct server_exchange *exchange)
     return query->kind->answer && server_field_query_join(query);
 }
 
+static bool query_is_arrays(const struct server_query *query)
+{
+    const char *type = server_exchange_header(query->exchange, "Content-Type");
+    return query->kind->read_arrays && type &&
+           strncasecmp(type, SERVER_ARRAYS_MEDIA, strlen(SERVER_ARRAYS_MEDIA)) == 0;
+}
+
+static bool query_read_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct server_body *body = &query->exchange->body;
+    struct server_arrays arrays;
+    return server_arrays_read(body->bytes, body->size, query->kind->array_names, &arrays,
+                              problem) &&
+           query->kind->read_arrays(query, &arrays, problem);
+}
+
 static bool query_read(struct server_query *query, struct proto_problem *problem)
 {
     const struct server_query_kind *kind = query->kind;
@@ -444,8 +515,11 @@ static bool query_read(struct server_query *query, struct proto_problem *problem
     if (!proto_options_parse(&parameters, route->fields, route->parameters, &query->options,
                              problem))
         return false;
+    if (kind->has_bare_points && !parameters.get(parameters.user, "geometry"))
+        query->options.geometry = PROTO_GEOMETRY_XYZ;
     if (kind->forms && !form_read_mesh(query, &parameters, problem)) return false;
     if (!has_body) return kind->parse(query, &parameters, problem);
+    if (query_is_arrays(query)) return query_read_arrays(query, problem);
     json_t *document = server_request_document(query->exchange, problem);
     if (!document) return false;
     bool ok = kind->decode(query, document, problem);

@@ -29,6 +29,7 @@
 #include "proto/values/set.h"
 #include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
+#include "server/query/arrays.h"
 #include "server/surfaces/catalogue.h"
 #include "server/surfaces/surface.h"
 
@@ -83,6 +84,8 @@ struct server_query {
     struct server_monitor *part;
     const struct gd_landmarks *landmarks; /* of the mesh; NULL: there are none */
     const struct gd_executor *executor;   /* NULL: no second thread */
+    struct server_arrays arrays;          /* of the answer, if its form is one of arrays */
+    struct server_lines lines;            /* of server_query_list_lines */
 };
 
 struct server_query_kind {
@@ -90,10 +93,16 @@ struct server_query_kind {
     size_t size;                        /* of its own struct */
     const struct server_form *forms;    /* the answer's other forms, or NULL */
     bool uses_landmarks, uses_executor; /* in server_query_call */
+    bool has_bare_points;               /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document,
                    struct proto_problem *problem);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters,
                   struct proto_problem *problem);
+    /* Reads a request that is arrays (arrays.h), whose names are array_names, instead of JSON; both
+     * NULL: it is JSON always. */
+    const char *const *array_names;
+    bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays,
+                        struct proto_problem *problem);
     /* NULL: a default, see above */
     enum server_query_turn (*glance)(struct server_query *query, struct proto_problem *problem);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
@@ -115,6 +124,9 @@ struct server_query_kind {
      * problem. */
     bool (*write)(const struct server_query *query, struct server_answer_file *out,
                   struct proto_problem *problem);
+    /* Lists the arrays of an answer that is DONE, for the forms of arrays.h; they live as long as
+     * the query. False with the problem. NULL: the answer has no such forms. */
+    bool (*list_arrays)(struct server_query *query, struct proto_problem *problem);
     void (*release)(struct server_query *query);
     /* Returns the answer's status and adds headers; NULL: 200. */
     unsigned (*status)(struct server_query *query);
@@ -163,6 +175,13 @@ enum server_query_turn server_query_end_draft(struct server_query *query, enum g
  * cancellation. To be called now and then, so that no work is in vain. */
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
+
+/* The form of arrays that the answer has, or SERVER_ARRAYS_NONE. */
+enum server_arrays_form server_query_arrays_form(const struct server_query *query);
+
+/* Adds lines to the answer's arrays: `lines` without `first`. False with the problem. */
+bool server_query_list_lines(struct server_query *query, const struct server_lines *lines,
+                             struct proto_problem *problem);
 
 /* Holds more bytes of the budget until the query ends. GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);

@@ -55,7 +55,8 @@ class Isolines(TestCase):
         return answer.json
 
     def ask(self, mesh, field, query):
-        return self.daemon.get(f"/v1/meshes/{mesh}/fields/{field}/isolines?{query}")
+        geometry = "" if "geometry=" in query else "geometry=full&"
+        return self.daemon.get(f"/v1/meshes/{mesh}/fields/{field}/isolines?{geometry}{query}")
 
     def trace(self, mesh, field, query):
         answer = self.ask(mesh, field, query)
@@ -82,15 +83,15 @@ class Lines(Isolines):
     def test_the_example(self):
         self.daemon.put("tetrahedron", TETRAHEDRON)
         field = self.make("tetrahedron", vertices(0))["id"]
-        isolines = self.trace("tetrahedron", field, "levels=0.25&arcs=true")
+        isolines = self.trace("tetrahedron", field, "levels=0.25&arcs=true&geometry=xyz")
         example = self.daemon.get("/openapi.json").json["paths"]["/v1/meshes/{name}/fields/{id}/isolines"]["get"]
         example = example["responses"]["200"]["content"]["application/json"]["example"]["isolines"]
         self.assertEqual(list(isolines[0]), list(example[0]))
         (line,), (told,) = isolines[0]["lines"], example[0]["lines"]
         self.assertEqual(list(line), list(told))
-        self.assertEqual([list(point) for point in line["points"]], [list(point) for point in told["points"]])
+        self.assertEqual(len(line["points"]), len(told["points"]))
         for point, expected in zip(line["points"], told["points"]):
-            self.assertLess(math.dist(point["xyz"], expected["xyz"]), 1e-15)
+            self.assertLess(math.dist(point, expected), 1e-15)
         for arc, expected in zip(line["arcs"], told["arcs"]):
             self.assertEqual(arc["face"], expected["face"])
             self.assertLess(abs(arc["start"] - expected["start"]) + abs(arc["end"] - expected["end"]), 1e-14)
@@ -284,9 +285,9 @@ class Lines(Isolines):
     def test_the_deadline_ends_it(self):
         self.daemon.put("deadline", sample("icosphere", level=6))
         field = self.make("deadline", vertices(0))["id"]
-        answer = self.ask("deadline", field, "count=1000&geometry=none&timeout_ms=30")
+        answer = self.ask("deadline", field, "count=1000&timeout_ms=30")
         self.assert_problem(answer, 504, "deadline_exceeded")
-        self.assertEqual(self.ask("deadline", field, "count=2&geometry=none").status, 200)
+        self.assertEqual(self.ask("deadline", field, "count=2").status, 200)
 
 
 class Memory(Isolines):

@@ -67,6 +67,12 @@ class Meshes(TestCase):
         self.assertEqual(row[0], 1)
         self.assertNotEqual(row[1], row[1])
 
+    def test_bulk(self):
+        pairs = list(self.square.pairs([0, 0], [1, 2]))
+        self.assertEqual([round(value, 12) for value in pairs], [round(self.square.distance(0, 1), 12), round(self.square.distance(0, 2), 12)])
+        self.assertEqual(list(self.square.pairs([0], [(1.0, 0.0, 0.0)])), [self.square.distance(0, (1.0, 0.0, 0.0))])
+        self.assertEqual(len(self.square.nearest_points([(0.2, 0.1, 1.0)])["faces"]), 1)
+
     def test_fields(self):
         field = self.square.field([0, 1], progress=lambda part: None)
         self.assertEqual([round(float(value), 12) for value in field.values()], [0, 0, 1, 1])
@@ -74,6 +80,8 @@ class Meshes(TestCase):
             self.assertAlmostEqual(distance, expected, delta=1e-12)
         self.assertAlmostEqual(field.max, field.distances([field.farthest])[0])
         self.assertIn("gradient", field.evaluate([2], gradient=True)[0])
+        lines = field.query_arrays("isolines", {"levels": [0.5]})
+        self.assertEqual((len(lines["first"]), len(lines["level"])), (2, 1))
         self.assertEqual(len(field.isolines([0.5])), 1)
         self.assertTrue(field.isolines_file([0.5], "csv", tolerance=0.1).startswith(b"line,point,x,y,z,along,level\r\n"))
         self.assertIn(b"\nf ", field.isolines_file([0.25, 0.5], mesh=True))

@@ -80,7 +80,7 @@ class Voronoi(TestCase):
         chance = random.Random(5)
         for mesh in ("terrain", "torus", "box"):
             members = [random_point(chance, self.meshes[mesh]["faces"]) | {"offset": chance.random() * 0.1} for _ in range(6)]
-            answer = self.voronoi(mesh, members)
+            answer = self.voronoi(mesh, members, "?geometry=full")
             self.assertGreater(len(answer["bisectors"]), 4)
             for bisector in answer["bisectors"]:
                 points = [as_request(point) for point in bisector["points"]]

@@ -10,7 +10,7 @@ import sys
 import urllib.parse
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
-from . import points
+from . import arrays, points
 from .errors import GeodesicError, NotFound
 from .jobs import Job, Progress
 from .points import Point, PointLike, Vec3
@@ -67,6 +67,15 @@ class Resource:
         """Any query of the contract: the answer to POST `location`/`name`. Keywords go into the query string (`select`, `geometry`, `timeout_ms`). With
         `progress` it is a job that is awaited, and `progress` is told how far it is."""
         return self.client.call("POST", f"{self.location}/{name}", query, body, progress=progress).json
+
+    def query_arrays(self, name: str, body: Mapping[str, Any], *, form: str = "f64", **query: Any) -> Dict[str, Any]:
+        """The same as arrays by name (`matrix`, `isolines`, `trace`, `voronoi`, …): numpy's, or without numpy an array.array each, row after row; with the
+        form "f32" of single precision."""
+        return arrays.read(self.client.call("POST", f"{self.location}/{name}", {**query, "format": form}, body).body)
+
+    def _bulk(self, name: str, given: Mapping[str, Any]) -> Dict[str, Any]:
+        headers = {"Content-Type": arrays.MEDIA_TYPE}
+        return arrays.read(self.client.call("POST", f"{self.location}/{name}", {"format": "f64"}, arrays.write(given), headers).body)
 
     def delete(self) -> None:
         self.client.call("DELETE", self.location)
@@ -162,6 +171,15 @@ class Mesh(Surface):
     def nearest(self, point: PointLike) -> Point:
         """The point of the surface that is meant, with all that is known of it."""
         return Point.read(self.query("nearest", {"point": points.as_json(point)}))
+
+    def pairs(self, starts: Any, ends: Any) -> Any:
+        """The distance of each pair of a start and an end, NaN where there is no path. Both are arrays or lists: of vertices, or of rows of three
+        coordinates, whose nearest points are taken; one of them may have one point for all pairs."""
+        return self._bulk("pairs", {"from": starts, "to": ends})["distances"]
+
+    def nearest_points(self, xyz: Any) -> Dict[str, Any]:
+        """The nearest points of the surface to rows of three coordinates: arrays `faces`, `barycentric`, `xyz`, `snap_distances`."""
+        return self._bulk("nearest-points", {"points": xyz})
 
     def matrix(self, sources: Sequence[PointLike], targets: Sequence[PointLike], max_distance: Optional[float] = None,
                progress: Optional[Progress] = None) -> Any:

@@ -262,6 +262,38 @@ static void exp_encode(const struct server_query *query, struct proto_writer *wr
     proto_write_object_end(writer);
 }
 
+static const struct gd_point *trace_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct trace_query *own = user;
+    *count = own->traces[line].path.count;
+    return own->traces[line].path.points;
+}
+
+static void traces_read_lengths(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct trace_query *own = source;
+    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = own->traces[first + i].path.length;
+}
+
+/* A vector that is null has a line without points. Without paths each line is its last point. */
+static bool traces_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct trace_query *own = (struct trace_query *)query;
+    const struct server_lines lines = {.mesh = query->surface->mesh,
+                                       .count = own->traces ? own->count : 0,
+                                       .points = trace_points,
+                                       .user = own};
+    if (!server_query_list_lines(query, &lines, problem)) return false;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = lines.count,
+                                                             .read = traces_read_lengths,
+                                                             .source = own});
+    return true;
+}
+
+static const struct server_form trace_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+
 static void trace_release(struct server_query *query)
 {
     struct trace_query *own = (struct trace_query *)query;
@@ -275,6 +307,8 @@ const struct server_query_kind server_query_trace = {.name = "trace",
                                                      .decode = trace_decode,
                                                      .solve = trace_solve,
                                                      .encode = trace_encode,
+                                                     .forms = trace_forms,
+                                                     .list_arrays = traces_list_arrays,
                                                      .release = trace_release};
 
 const struct server_query_kind server_query_exp = {.name = "exp",
@@ -282,6 +316,8 @@ const struct server_query_kind server_query_exp = {.name = "exp",
                                                    .decode = exp_decode,
                                                    .solve = trace_solve,
                                                    .encode = exp_encode,
+                                                   .forms = trace_forms,
+                                                   .list_arrays = traces_list_arrays,
                                                    .release = trace_release};
 
 /* --- log -------------------------------------------------------------------------------------- */

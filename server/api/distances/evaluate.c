@@ -19,6 +19,8 @@ struct evaluation {
     struct server_query query; /* first */
     uint32_t wanted;           /* fields of each result */
     double *distances;
+    uint32_t *members;    /* of an answer as arrays; UINT32_MAX: none */
+    double (*nearest)[3]; /* where it is nearest; NAN: nowhere */
 };
 
 /* --- the question ----------------------------------------------------------------------------- */
@@ -40,6 +42,9 @@ static bool evaluation_locate(struct server_query *query, struct proto_points *p
     struct evaluation *evaluation = (struct evaluation *)query;
     bool ok = server_query_locate(query, points, problem);
     evaluation->wanted = wanted;
+    if (server_query_arrays_form(query)) /* which have neither */
+        evaluation->wanted &=
+            ~(uint32_t)(PROTO_EVALUATION_FIELD_PATH | PROTO_EVALUATION_FIELD_GRADIENT);
     query->field.is_quick = ok && evaluation_is_quick(evaluation);
     return ok;
 }
@@ -131,6 +136,20 @@ static enum gd_status result_find_nearest(const struct evaluation *evaluation,
     return GD_OK;
 }
 
+/* For an answer as arrays; NULL: there is no distance. */
+static void result_keep(struct evaluation *evaluation, uint32_t i,
+                        const struct proto_result *result)
+{
+    double *xyz = evaluation->nearest[i];
+    struct gd_vec3 at = {NAN, NAN, NAN};
+    bool has_nearest = result && evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST;
+    if (has_nearest) at = gd_point_position(evaluation->query.surface->mesh, &result->nearest);
+    evaluation->members[i] = has_nearest ? result->member : UINT32_MAX;
+    xyz[0] = at.x;
+    xyz[1] = at.y;
+    xyz[2] = at.z;
+}
+
 static enum gd_status result_write(struct evaluation *evaluation, const struct gd_field *field,
                                    uint32_t i)
 {
@@ -145,7 +164,9 @@ static enum gd_status result_write(struct evaluation *evaluation, const struct g
         status = result_find_nearest(evaluation, field, point, &result, &path);
     if (!status && wanted & PROTO_EVALUATION_FIELD_GRADIENT)
         status = result_find_gradient(mesh, field, point, &result);
-    if (!status)
+    if (!status && server_query_arrays_form(query))
+        result_keep(evaluation, i, wanted ? &result : NULL);
+    else if (!status)
         proto_result_encode(&query->draft, mesh, query->field.set, &result, evaluation->wanted,
                             query->options.geometry);
     gd_path_free(&path);
@@ -178,25 +199,64 @@ static enum gd_status evaluation_write(struct evaluation *evaluation, const stru
     return status;
 }
 
+static enum gd_status evaluation_reserve(struct evaluation *evaluation)
+{
+    struct server_query *query = &evaluation->query;
+    uint32_t count = query->points.count;
+    evaluation->distances = server_query_allocate(query, count, sizeof *evaluation->distances);
+    if (!evaluation->distances) return GD_BUDGET;
+    if (!server_query_arrays_form(query)) return GD_OK;
+    evaluation->members = server_query_allocate(query, count, sizeof *evaluation->members);
+    evaluation->nearest = server_query_allocate(query, count, sizeof *evaluation->nearest);
+    return evaluation->members && evaluation->nearest ? GD_OK : GD_BUDGET;
+}
+
 static enum server_query_turn evaluation_answer(struct server_query *query,
                                                 const struct gd_field *field,
                                                 struct server_monitor *part,
                                                 struct proto_problem *problem)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
-    evaluation->distances = malloc(query->points.count * sizeof *evaluation->distances);
-    enum gd_status status =
-        evaluation->distances ? evaluation_write(evaluation, field, part) : GD_NO_MEMORY;
-    free(evaluation->distances);
+    enum gd_status status = evaluation_reserve(evaluation);
+    if (!status) status = evaluation_write(evaluation, field, part);
     return server_query_end_draft(query, status, "the answer", problem);
 }
+
+static bool evaluation_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct evaluation *evaluation = (const struct evaluation *)query;
+    uint32_t count = query->points.count;
+    (void)problem;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "distance",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = count,
+                                                             .source = evaluation->distances});
+    if (!(evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST)) return true;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "member",
+                                                             .type = SERVER_ARRAY_INDICES,
+                                                             .rows = count,
+                                                             .source = evaluation->members});
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "nearest",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .columns = 3,
+                                                             .rows = count,
+                                                             .source = evaluation->nearest});
+    return true;
+}
+
+static const struct server_form evaluation_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
 
 const struct server_query_kind server_query_evaluate_field = {.name = "evaluate",
                                                               .size = sizeof(struct evaluation),
                                                               .decode = field_evaluation_decode,
+                                                              .forms = evaluation_forms,
+                                                              .list_arrays = evaluation_list_arrays,
                                                               .answer = evaluation_answer};
 
 const struct server_query_kind server_query_distance_to_set = {.name = "distance-to-set",
                                                                .size = sizeof(struct evaluation),
                                                                .decode = set_evaluation_decode,
+                                                               .forms = evaluation_forms,
+                                                               .list_arrays =
+                                                                   evaluation_list_arrays,
                                                                .answer = evaluation_answer};

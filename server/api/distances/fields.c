@@ -234,7 +234,8 @@ static bool values_parse(struct server_query *query, const struct proto_paramete
                          struct proto_problem *problem)
 {
     (void)parameters;
-    query->with_mesh = query->form >= SERVER_FORM_FIRST; /* whatever ?mesh= says */
+    query->with_mesh = query->form >= SERVER_FORM_FIRST &&
+                       !server_query_arrays_form(query); /* whatever ?mesh= says */
     query->field.is_quick = values_count(query) <= QUICK_VERTICES;
     return server_field_query_of_resource(query, problem);
 }
@@ -278,6 +279,7 @@ static size_t values_bytes(const struct server_query *query, void *out)
 static const struct server_form values_forms[] = {{"ply", "application/x-ply", false},
                                                   {"glb", "model/gltf-binary", false},
                                                   {"csv", "text/csv", false},
+                                                  SERVER_ARRAYS_FORMS,
                                                   {NULL, NULL, false}};
 
 static bool values_write(const struct server_query *query, struct server_answer_file *out,
@@ -289,6 +291,17 @@ static bool values_write(const struct server_query *query, struct server_answer_
                                problem);
 }
 
+static bool values_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    (void)problem;
+    server_arrays_add(&query->arrays,
+                      &(struct server_array){.name = "values",
+                                             .type = SERVER_ARRAY_NUMBERS,
+                                             .rows = values_count(query),
+                                             .source = ((struct values_query *)query)->values});
+    return true;
+}
+
 const struct server_query_kind server_query_get_field_values = {.name = "values",
                                                                 .size = sizeof(struct values_query),
                                                                 .forms = values_forms,
@@ -296,6 +309,7 @@ const struct server_query_kind server_query_get_field_values = {.name = "values"
                                                                 .answer = values_answer,
                                                                 .encode = values_encode,
                                                                 .bytes = values_bytes,
+                                                                .list_arrays = values_list_arrays,
                                                                 .write = values_write};
 
 /* --- wedges on an edge ------------------------------------------------------------------------ */

@@ -3,6 +3,7 @@
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "gd/voronoi.h"
 #include "proto/json/member.h"
@@ -14,7 +15,8 @@
 #define BYTES_A_TRACE   ((size_t)1 << 20)
 #define ISOLINE_EDGE    32     /* bytes an edge of the mesh, while an isoline is traced, */
 #define BISECTOR_EDGE   48     /* and while bisectors are */
-#define ISOLINE_SHARE   0.5    /* of the work, to trace; the rest is to write */
+#define INDEX_SHARE     0.2    /* of the work, to make the isolines' index */
+#define ISOLINE_SHARE   0.5    /* of a level's work, to trace; the rest is to write */
 #define BISECTOR_POINTS 500000 /* most of an answer */
 #define PORTION         512    /* elements that are written between two checks of the control */
 #define WHAT            "the answer"
@@ -47,6 +49,7 @@ struct isolines_query {
     bool is_file, has_flat_points;
     uint64_t points, arcs; /* written so far */
     const struct gd_field *field;
+    struct gd_isoline_index *index;
     double level; /* in work, and its lines */
     struct gd_isoline isoline;
     struct gd_path *lines; /* of a file; else they are in the draft */
@@ -89,6 +92,7 @@ static void isolines_release(struct server_query *query)
 {
     struct isolines_query *own = (struct isolines_query *)query;
     for (uint32_t i = 0; i < own->line_count; i++) gd_path_free(&own->lines[i]);
+    gd_isoline_index_destroy(own->index);
     free(own->lines);
     free(own->levels);
     proto_isolines_free(&own->wanted);
@@ -123,6 +127,7 @@ static enum gd_status line_flatten(struct isolines_query *own, const struct gd_i
     if (status) return status;
     status = gd_isoline_flatten(query->surface->mesh, line, own->tolerance, control, &path);
     if (!status && own->is_file) {
+        path.length = line->length; /* of the arcs */
         own->lines[own->line_count++] = path;
         return GD_OK;
     }
@@ -200,8 +205,17 @@ static bool lines_write(struct isolines_query *own, const struct server_monitor 
 static enum gd_status isoline_trace(void *user, const struct gd_control *control, size_t *kept)
 {
     struct isolines_query *own = user;
-    enum gd_status status = gd_isoline_trace(own->field, own->level, control, &own->isoline);
+    enum gd_status status =
+        gd_isoline_trace_indexed(own->index, own->level, control, &own->isoline);
     if (!status) *kept = own->isoline.bytes;
+    return status;
+}
+
+static enum gd_status isolines_index(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct isolines_query *own = user;
+    enum gd_status status = gd_isoline_index_create(own->field, control, &own->index);
+    if (!status) *kept = gd_isoline_index_bytes(own->query.surface->mesh);
     return status;
 }
 
@@ -231,10 +245,15 @@ static enum server_query_turn isolines_answer(struct server_query *query,
     struct isolines_query *own = (struct isolines_query *)query;
     uint32_t count = own->wanted.level_count;
     own->field = field;
+    struct server_monitor first = server_monitor_portion(part, 0, INDEX_SHARE),
+                          rest = server_monitor_portion(part, INDEX_SHARE, 1 - INDEX_SHARE);
+    enum gd_status status =
+        server_query_call(query, &first, isolines_index, own, trace_grant(query, 0));
+    if (status) return server_query_fail(query, status, "the isolines", problem);
     proto_write_object_begin(&query->draft);
     proto_member_array(&query->draft, "isolines");
     for (uint32_t i = 0; i < count; i++) {
-        struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
+        struct server_monitor one = server_monitor_portion(&rest, (double)i / count, 1.0 / count);
         own->level = own->wanted.levels[i];
         if (!level_write(own, &one, problem)) return SERVER_QUERY_FAILED;
     }
@@ -253,15 +272,51 @@ static bool isolines_write(const struct server_query *query, struct server_answe
     return server_result_write_lines(query, &lines, out, problem);
 }
 
-static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
+static const struct gd_point *isolines_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct isolines_query *own = user;
+    *count = own->lines[line].count;
+    return own->lines[line].points;
+}
+
+static void isolines_read_lengths(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct isolines_query *own = source;
+    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = own->lines[first + i].length;
+}
+
+static bool isolines_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct isolines_query *own = (struct isolines_query *)query;
+    const struct server_lines lines = {.mesh = query->surface->mesh,
+                                       .count = own->line_count,
+                                       .points = isolines_points,
+                                       .user = own};
+    if (!server_query_list_lines(query, &lines, problem)) return false;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "level",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = own->line_count,
+                                                             .source = own->levels});
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = own->line_count,
+                                                             .read = isolines_read_lengths,
+                                                             .source = own});
+    return true;
+}
+
+static const struct server_form isolines_forms[] = {
+    SERVER_RESULT_LINE_FORMS, SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
 
 const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .size = sizeof(struct isolines_query),
                                                         .forms = isolines_forms,
+                                                        .has_bare_points = true,
                                                         .decode = isolines_decode,
                                                         .parse = isolines_parse,
                                                         .answer = isolines_answer,
                                                         .write = isolines_write,
+                                                        .list_arrays = isolines_list_arrays,
                                                         .release = isolines_release};
 
 /* --- Voronoi diagrams ------------------------------------------------------------------------- */
@@ -379,6 +434,65 @@ static void voronoi_encode(const struct server_query *query, struct proto_writer
     proto_write_object_end(writer);
 }
 
+static const struct gd_point *bisector_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct voronoi_query *own = user;
+    *count = own->found.bisectors[line].point_count;
+    return own->found.bisectors[line].points;
+}
+
+static void bisectors_read_members(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct voronoi_query *own = source;
+    uint32_t(*members)[2] = out;
+    for (uint64_t i = 0; i < count; i++)
+        memcpy(members[i], own->found.bisectors[first + i].members, sizeof members[i]);
+}
+
+static void bisectors_read_lengths(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct voronoi_query *own = source;
+    for (uint64_t i = 0; i < count; i++)
+        ((double *)out)[i] = own->found.bisectors[first + i].length;
+}
+
+static bool bisectors_list_arrays(struct voronoi_query *own, struct proto_problem *problem)
+{
+    struct server_query *query = &own->query;
+    uint32_t count = own->found.bisector_count;
+    const struct server_lines lines = {
+        .mesh = query->surface->mesh, .count = count, .points = bisector_points, .user = own};
+    if (!server_query_list_lines(query, &lines, problem)) return false;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "members",
+                                                             .type = SERVER_ARRAY_INDICES,
+                                                             .columns = 2,
+                                                             .rows = count,
+                                                             .read = bisectors_read_members,
+                                                             .source = own});
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = count,
+                                                             .read = bisectors_read_lengths,
+                                                             .source = own});
+    return true;
+}
+
+static bool voronoi_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct voronoi_query *own = (struct voronoi_query *)query;
+    if (own->labels)
+        server_arrays_add(
+            &query->arrays,
+            &(struct server_array){.name = "labels",
+                                   .type = SERVER_ARRAY_INDICES,
+                                   .rows = gd_mesh_summary(query->surface->mesh)->index_count,
+                                   .source = own->labels});
+    return !(query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) ||
+           bisectors_list_arrays(own, problem);
+}
+
+static const struct server_form voronoi_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+
 static void voronoi_release(struct server_query *query)
 {
     gd_voronoi_free(&((struct voronoi_query *)query)->found);
@@ -389,4 +503,7 @@ const struct server_query_kind server_query_voronoi = {.name = "voronoi",
                                                        .decode = voronoi_decode,
                                                        .answer = voronoi_answer,
                                                        .encode = voronoi_encode,
+                                                       .forms = voronoi_forms,
+                                                       .has_bare_points = true,
+                                                       .list_arrays = voronoi_list_arrays,
                                                        .release = voronoi_release};

@@ -387,10 +387,26 @@ static size_t matrix_bytes(const struct server_query *query, void *out)
     return proto_matrix_bytes(&answer, out);
 }
 
+static bool matrix_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct matrix_query *matrix = (const struct matrix_query *)query;
+    (void)problem;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "distances",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .columns = matrix->targets.count,
+                                                             .rows = query->points.count,
+                                                             .source = matrix->distances});
+    return true;
+}
+
+static const struct server_form matrix_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+
 const struct server_query_kind server_query_matrix = {.name = "matrix",
                                                       .size = sizeof(struct matrix_query),
                                                       .decode = matrix_decode,
                                                       .solve = matrix_solve,
                                                       .encode = matrix_encode,
                                                       .bytes = matrix_bytes,
+                                                      .forms = matrix_forms,
+                                                      .list_arrays = matrix_list_arrays,
                                                       .release = matrix_release};

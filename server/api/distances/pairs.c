@@ -223,8 +223,34 @@ static bool path_write(const struct server_query *query, struct server_answer_fi
     return server_result_write_strip(query, &answer->path, out, problem);
 }
 
-static const struct server_form path_forms[] = {
-    SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
+static const struct gd_point *path_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct pair_query *pair = user;
+    (void)line;
+    *count = pair->answer.path.count;
+    return pair->answer.path.points;
+}
+
+/* No line where there is no path. */
+static bool path_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct pair_query *pair = (struct pair_query *)query;
+    const struct server_lines lines = {.mesh = query->surface->mesh,
+                                       .count = isfinite(pair->answer.distance),
+                                       .points = path_points,
+                                       .user = pair};
+    if (!server_query_list_lines(query, &lines, problem)) return false;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "distance",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = 1,
+                                                             .source = &pair->answer.distance});
+    return true;
+}
+
+static const struct server_form path_forms[] = {SERVER_RESULT_LINE_FORMS,
+                                                {"svg", "image/svg+xml", false},
+                                                SERVER_ARRAYS_FORMS,
+                                                {NULL, NULL, false}};
 
 #define PAIR_STEPS                                                                                 \
     .size = sizeof(struct pair_query), .decode = pair_decode, .parse = pair_parse,                 \
@@ -232,5 +258,8 @@ static const struct server_form path_forms[] = {
     .release = pair_release
 
 const struct server_query_kind server_query_distance = {.name = "distance", PAIR_STEPS};
-const struct server_query_kind server_query_path = {
-    .name = "path", .forms = path_forms, .write = path_write, PAIR_STEPS};
+const struct server_query_kind server_query_path = {.name = "path",
+                                                    .forms = path_forms,
+                                                    .write = path_write,
+                                                    .list_arrays = path_list_arrays,
+                                                    PAIR_STEPS};

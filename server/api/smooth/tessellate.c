@@ -336,9 +336,34 @@ static size_t reading_bytes(const struct server_query *query, void *out)
     return (size_t)reading->count * format->numbers * sizeof *at;
 }
 
+static void reading_read(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct reading *reading = source;
+    const struct format *format = reading->format;
+    const char *item = (const char *)attachment_items(format, reading->head) + first * format->item;
+    double *at = out;
+    for (uint64_t i = 0; i < count; i++, item += format->item, at += format->numbers)
+        format->read(item, at);
+}
+
+static bool reading_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct reading *reading = (const struct reading *)query;
+    (void)problem;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = reading->format->noun,
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .columns = reading->format->numbers,
+                                                             .rows = reading->count,
+                                                             .read = reading_read,
+                                                             .source = reading});
+    return true;
+}
+
+static const struct server_form reading_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+
 #define READING_STEPS                                                                              \
     .size = sizeof(struct reading), .parse = reading_parse, .solve = reading_solve,                \
-    .bytes = reading_bytes
+    .bytes = reading_bytes, .forms = reading_forms, .list_arrays = reading_list_arrays
 
 static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
 {

@@ -1,0 +1,588 @@
+/* Bulk: the distances of many pairs of points, and the nearest points of many points. Requests and
+ * answers are JSON or arrays (arrays.h).
+ *
+ * DESIGN. The points of a request are located by all workers that are idle. Pairs are sorted by
+ * that end of which there are fewer different points: each of them is a group. A group whose point
+ * has a cached field is evaluated in pieces, side by side. Of the other groups, those of few pairs
+ * are searched pair by pair; for a larger one a field is built and dropped. They run side by side,
+ * too. */
+#include "server/query/handlers.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/member.h"
+#include "proto/values/point.h"
+#include "server/fields/cache.h"
+#include "server/query/query.h"
+#include "server/work/budgeted_call.h"
+#include "server/work/executor.h"
+
+#define MOST   4000000                     /* pairs or points of a request */
+#define PIECE  16384                       /* points that one task locates or evaluates */
+#define FEW    (SERVER_CACHE_SEARCHES / 2) /* pairs: searching them takes half as long as a field */
+#define COLUMN 16                          /* bytes a point of an evaluation */
+#define PLACE  PROTO_POINT_PLACE
+
+static bool refuse_most(const char *place, struct proto_problem *problem)
+{
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "at most %d points are taken here; send them in parts", MOST);
+    proto_problem_at(problem, place);
+    return proto_problem_limit(problem, MOST);
+}
+
+/* Returns false, with the problem of memory. */
+static bool refuse_memory(const struct server_query *query, struct proto_problem *problem)
+{
+    server_query_fail(query, GD_BUDGET, "the request", problem);
+    return false;
+}
+
+/* --- a list of points ------------------------------------------------------------------------- */
+
+struct point_list {
+    struct gd_point *points;
+    double *snaps; /* how far each was moved; NAN: not at all */
+    uint32_t count;
+};
+
+static bool list_reserve(struct server_query *query, uint64_t count, const char *place,
+                         struct point_list *list, struct proto_problem *problem)
+{
+    if (count == 0) return proto_problem_refuse(problem, place, "name at least one point");
+    if (count > MOST) return refuse_most(place, problem);
+    list->count = (uint32_t)count;
+    list->points = server_query_allocate(query, count, sizeof *list->points);
+    list->snaps = server_query_allocate(query, count, sizeof *list->snaps);
+    return (list->points && list->snaps) || refuse_memory(query, problem);
+}
+
+static bool list_decode(struct server_query *query, const json_t *document, const char *pointer,
+                        struct point_list *list, struct proto_problem *problem)
+{
+    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
+    if (!value) return false;
+    if (!json_is_array(value))
+        return proto_problem_refuse(problem, pointer, "expected an array of points here");
+    if (!list_reserve(query, json_array_size(value), pointer, list, problem)) return false;
+    for (uint32_t i = 0; i < list->count; i++) {
+        struct proto_point point;
+        char place[PLACE];
+        snprintf(place, sizeof place, "%s/%u", pointer, i);
+        if (!proto_point_decode(json_array_get(value, i), place, &point, problem) ||
+            !proto_point_locate(query->surface->mesh, &point, &list->points[i], &list->snaps[i],
+                                problem))
+            return false;
+    }
+    return true;
+}
+
+/* The arrays of a list "x": `x` has vertices or coordinates; else `x_face` has faces and
+ * `x_barycentric` places in them. */
+struct list_arrays {
+    const struct server_array *points, *faces, *places;
+    const struct gd_mesh *mesh;
+    const struct point_list *list;
+    atomic_int status;     /* the first failure, */
+    atomic_uint failed_at; /* and its point */
+};
+
+static enum gd_status array_locate(const struct list_arrays *arrays, uint32_t i,
+                                   struct gd_point *out, double *snap, struct gd_detail *detail)
+{
+    const struct server_array *points = arrays->points, *places = arrays->places;
+    *snap = NAN;
+    if (!points) {
+        const double place[3] = {server_array_number(places, 3 * (uint64_t)i),
+                                 server_array_number(places, 3 * (uint64_t)i + 1),
+                                 server_array_number(places, 3 * (uint64_t)i + 2)};
+        const struct gd_face face = {server_array_index(arrays->faces, i)};
+        return gd_point_in_face(arrays->mesh, face, place, out, detail);
+    }
+    if (points->type == SERVER_ARRAY_INDICES) {
+        const struct gd_vertex vertex = {server_array_index(points, i)};
+        return gd_point_at_vertex(arrays->mesh, vertex, out, detail);
+    }
+    const struct gd_vec3 xyz = {server_array_number(points, 3 * (uint64_t)i),
+                                server_array_number(points, 3 * (uint64_t)i + 1),
+                                server_array_number(points, 3 * (uint64_t)i + 2)};
+    return gd_locate_nearest(arrays->mesh, xyz, -1, out, snap, detail);
+}
+
+static void arrays_locate_piece(void *user, uint32_t piece)
+{
+    struct list_arrays *arrays = user;
+    const struct point_list *list = arrays->list;
+    uint32_t i = piece * PIECE, end = list->count - i < PIECE ? list->count : i + PIECE;
+    for (; i < end && !atomic_load_explicit(&arrays->status, memory_order_relaxed); i++) {
+        int none = GD_OK;
+        enum gd_status status = array_locate(arrays, i, &list->points[i], &list->snaps[i], NULL);
+        if (status && atomic_compare_exchange_strong(&arrays->status, &none, (int)status))
+            atomic_store(&arrays->failed_at, i);
+    }
+}
+
+/* Runs a task a piece of `count` things, side by side if there are several. */
+static void pieces_run(const struct server_query *query, uint32_t count,
+                       void (*run)(void *user, uint32_t piece), void *user)
+{
+    const struct server_exchange *exchange = query->exchange;
+    uint32_t pieces = count / PIECE + (count % PIECE > 0);
+    const struct gd_executor *executor =
+        pieces > 1 && exchange->work
+            ? server_executor_start(exchange->host->workers, pieces, exchange->job.deadline_ns)
+            : NULL;
+    gd_executor_run(executor, run, user, pieces);
+    server_executor_stop(executor);
+}
+
+static bool arrays_check(const struct list_arrays *arrays, const char *name,
+                         struct proto_problem *problem)
+{
+    const struct server_array *points = arrays->points, *faces = arrays->faces,
+                              *places = arrays->places;
+    bool is_index = points && points->type == SERVER_ARRAY_INDICES,
+         ok = points ? !faces && !places && points->columns == (is_index ? 0 : 3)
+                     : faces && places && faces->type == SERVER_ARRAY_INDICES && !faces->columns &&
+                           places->type != SERVER_ARRAY_INDICES && places->columns == 3 &&
+                           faces->rows == places->rows;
+    return ok ||
+           proto_problem_refuse(problem, name,
+                                "expected uint32 vertices, or numbers of 3 columns; or faces with "
+                                "as many barycentric coordinates of 3 columns");
+}
+
+static bool list_read(struct server_query *query, const struct server_arrays *all,
+                      const char *pointer, struct point_list *list, struct proto_problem *problem)
+{
+    char faces[SERVER_ARRAYS_NAME], places[SERVER_ARRAYS_NAME], place[PLACE];
+    struct gd_detail detail = {0};
+    snprintf(faces, sizeof faces, "%s_face", pointer + 1);
+    snprintf(places, sizeof places, "%s_barycentric", pointer + 1);
+    struct list_arrays arrays = {.points = server_arrays_find(all, pointer + 1),
+                                 .faces = server_arrays_find(all, faces),
+                                 .places = server_arrays_find(all, places),
+                                 .mesh = query->surface->mesh,
+                                 .list = list};
+    if (!arrays_check(&arrays, pointer, problem)) return false;
+    uint64_t count = arrays.points ? arrays.points->rows : arrays.faces->rows;
+    if (!list_reserve(query, count, pointer, list, problem)) return false;
+    pieces_run(query, list->count, arrays_locate_piece, &arrays);
+    if (!atomic_load(&arrays.status)) return true;
+    uint32_t at = atomic_load(&arrays.failed_at);
+    enum gd_status status = array_locate(&arrays, at, &list->points[at], &list->snaps[at], &detail);
+    proto_problem_from_status(problem, status, &detail);
+    snprintf(place, sizeof place, "%s/%u", pointer, at);
+    return proto_problem_at(problem, place);
+}
+
+/* --- pairs: the question ---------------------------------------------------------------------- */
+
+struct pair_order { /* a pair in a group */
+    uint64_t element;
+    uint32_t pair;
+};
+
+struct pairs_query {
+    struct server_query query; /* first */
+    struct point_list from, to;
+    uint32_t count;
+    double *distances; /* INFINITY: no path */
+
+    const struct point_list *row; /* the ends by which pairs are sorted */
+    const struct point_list *column;
+    struct pair_order *order;
+    uint32_t *group;   /* where in `order` each group begins, and their end */
+    uint32_t *pending; /* groups without a cached field */
+    uint32_t group_count, pending_count;
+    struct gd_point *columns; /* of the pairs in order */
+    double *found;            /* their distances */
+    const struct gd_field *field;
+    atomic_int status; /* the first failure */
+};
+
+static const char *const pairs_arrays[] = {
+    "from", "from_face", "from_barycentric", "to", "to_face", "to_barycentric", NULL};
+
+static bool pairs_settle(struct pairs_query *own, struct proto_problem *problem)
+{
+    uint32_t from = own->from.count, to = own->to.count;
+    own->count = from > to ? from : to;
+    return from == to || from == 1 || to == 1 ||
+           proto_problem_refuse(problem, "/to",
+                                "there are %u points in from and %u in to; send as many, or one "
+                                "on a side",
+                                from, to);
+}
+
+static bool pairs_decode(struct server_query *query, const json_t *document,
+                         struct proto_problem *problem)
+{
+    struct pairs_query *own = (struct pairs_query *)query;
+    return proto_decode_object(document, "", proto_pairs_request_members, problem) &&
+           list_decode(query, document, "/from", &own->from, problem) &&
+           list_decode(query, document, "/to", &own->to, problem) && pairs_settle(own, problem);
+}
+
+static bool pairs_read(struct server_query *query, const struct server_arrays *arrays,
+                       struct proto_problem *problem)
+{
+    struct pairs_query *own = (struct pairs_query *)query;
+    return list_read(query, arrays, "/from", &own->from, problem) &&
+           list_read(query, arrays, "/to", &own->to, problem) && pairs_settle(own, problem);
+}
+
+/* --- pairs: groups ---------------------------------------------------------------------------- */
+
+static const struct gd_point *end_of(const struct point_list *list, uint32_t pair)
+{
+    return &list->points[list->count == 1 ? 0 : pair];
+}
+
+static int compare_places(const struct gd_point *x, const struct gd_point *y)
+{
+    return memcmp(x->weight, y->weight, sizeof x->weight);
+}
+
+static int order_compare(const void *a, const void *b, void *points)
+{
+    const struct pair_order *x = a, *y = b;
+    const struct gd_point *list = points;
+    if (x->element != y->element) return x->element < y->element ? -1 : 1;
+    int places = compare_places(&list[x->pair], &list[y->pair]);
+    if (places) return places;
+    return (x->pair > y->pair) - (x->pair < y->pair);
+}
+
+static uint64_t element_of(const struct gd_point *point)
+{
+    return (uint64_t)point->kind << 32 | point->element;
+}
+
+/* Sorts the pairs by one of their ends, and returns how many different ones there are. */
+static uint32_t pairs_sort(struct pairs_query *own, const struct point_list *row)
+{
+    const struct gd_point *points = row->points;
+    uint32_t count = own->count, groups = 0;
+    own->row = row;
+    own->column = row == &own->from ? &own->to : &own->from;
+    for (uint32_t i = 0; i < count; i++)
+        own->order[i] = (struct pair_order){row->count == 1 ? 0 : element_of(&points[i]), i};
+    if (row->count > 1)
+        qsort_r(own->order, count, sizeof *own->order, order_compare, (void *)points);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct pair_order *at = &own->order[i];
+        bool is_same =
+            i && (row->count == 1 || (at->element == at[-1].element &&
+                                      !compare_places(&points[at->pair], &points[at[-1].pair])));
+        if (!is_same) own->group[groups++] = i;
+    }
+    own->group[groups] = count;
+    return own->group_count = groups;
+}
+
+static enum gd_status pairs_reserve(struct pairs_query *own)
+{
+    struct server_query *query = &own->query;
+    own->distances = server_query_allocate(query, own->count, sizeof *own->distances);
+    own->found = server_query_allocate(query, own->count, sizeof *own->found);
+    own->order = server_query_allocate(query, own->count, sizeof *own->order);
+    own->columns = server_query_allocate(query, own->count, sizeof *own->columns);
+    own->group = server_query_allocate(query, own->count + (size_t)1, sizeof *own->group);
+    own->pending = server_query_allocate(query, own->count, sizeof *own->pending);
+    return own->distances && own->found && own->order && own->columns && own->group && own->pending
+               ? GD_OK
+               : GD_BUDGET;
+}
+
+static const struct gd_point *group_point(const struct pairs_query *own, uint32_t group)
+{
+    return end_of(own->row, own->order[own->group[group]].pair);
+}
+
+static void note_status(struct pairs_query *own, enum gd_status status)
+{
+    int none = GD_OK;
+    if (status) atomic_compare_exchange_strong(&own->status, &none, (int)status);
+}
+
+/* --- pairs: groups with a cached field -------------------------------------------------------- */
+
+struct group_run {
+    struct pairs_query *own;
+    uint32_t begin, end; /* in order */
+};
+
+static void group_evaluate_piece(void *user, uint32_t piece)
+{
+    const struct group_run *run = user;
+    struct pairs_query *own = run->own;
+    struct server_monitor monitor = server_query_monitor(&own->query, 0, 1);
+    const struct gd_control control = server_exchange_control(&monitor);
+    uint32_t begin = run->begin + piece * PIECE,
+             count = run->end - begin < PIECE ? run->end - begin : PIECE;
+    if (atomic_load_explicit(&own->status, memory_order_relaxed)) return;
+    note_status(own, gd_field_distances(own->field, own->columns + begin, count, &control,
+                                        own->found + begin));
+}
+
+/* True: the group's field was cached. */
+static bool group_find(struct pairs_query *own, uint32_t group)
+{
+    struct group_run run = {own, own->group[group], own->group[group + 1]};
+    const struct server_cached *cached =
+        server_cache_find(own->query.surface->fields, group_point(own, group));
+    if (!cached) return false;
+    own->field = cached->field;
+    pieces_run(&own->query, run.end - run.begin, group_evaluate_piece, &run);
+    server_cache_unpin(cached);
+    return true;
+}
+
+/* --- pairs: the other groups ------------------------------------------------------------------ */
+
+struct group_build {
+    struct pairs_query *own;
+    uint32_t group;
+};
+
+/* By a field that is dropped. */
+static enum gd_status group_from_field(void *user, const struct gd_control *control, size_t *kept)
+{
+    const struct group_build *build = user;
+    struct pairs_query *own = build->own;
+    uint32_t begin = own->group[build->group], count = own->group[build->group + 1] - begin;
+    const struct gd_seed seed = {.point = *group_point(own, build->group)};
+    const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
+    struct gd_field *field;
+    *kept = 0;
+    enum gd_status status =
+        gd_field_build(own->query.surface->mesh, &request, control, NULL, &field, NULL);
+    if (status) return status;
+    status = gd_field_distances(field, own->columns + begin, count, control, own->found + begin);
+    gd_field_release(field);
+    return status;
+}
+
+static enum gd_status group_search(struct pairs_query *own, uint32_t group,
+                                   struct server_monitor *monitor)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = own->group[group]; i < own->group[group + 1] && !status; i++) {
+        const struct server_pair pair = {group_point(own, group), &own->columns[i],
+                                         GD_PAIR_DISTANCE};
+        struct gd_pair_answer answer;
+        status = server_pair_solve(monitor, own->query.surface, &pair, &answer);
+        if (!status) own->found[i] = answer.distance;
+    }
+    return status;
+}
+
+static void group_run(void *user, uint32_t number)
+{
+    struct pairs_query *own = user;
+    uint32_t group = own->pending[number], count = own->group[group + 1] - own->group[group];
+    double share = 1.0 / own->pending_count;
+    struct server_monitor monitor = server_query_monitor(&own->query, number * share, share);
+    struct group_build build = {own, group};
+    if (atomic_load(&own->status)) return;
+    if (count < FEW) {
+        note_status(own, group_search(own, group, &monitor));
+        return;
+    }
+    const struct server_budgeted_call call = {
+        .make = group_from_field,
+        .user = &build,
+        .control = server_exchange_control(&monitor),
+        .grant = server_field_build_grant(own->query.surface->mesh),
+        .aside = (size_t)count * COLUMN};
+    note_status(own, server_budgeted_call_run(own->query.exchange->host->workspaces, &call));
+}
+
+static void pending_run(struct pairs_query *own)
+{
+    const struct server_exchange *exchange = own->query.exchange;
+    const struct gd_executor *executor = server_executor_start(
+        exchange->host->workers, own->pending_count, exchange->job.deadline_ns);
+    gd_executor_run(executor, group_run, own, own->pending_count);
+    server_executor_stop(executor);
+}
+
+/* --- pairs: the answer ------------------------------------------------------------------------ */
+
+static enum gd_status pairs_work(struct pairs_query *own)
+{
+    uint32_t by_from = pairs_sort(own, &own->from);
+    if (by_from > 1 && pairs_sort(own, &own->to) > by_from) pairs_sort(own, &own->from);
+    for (uint32_t i = 0; i < own->count; i++)
+        own->columns[i] = *end_of(own->column, own->order[i].pair);
+    for (uint32_t group = 0; group < own->group_count && !atomic_load(&own->status); group++)
+        if (!group_find(own, group)) own->pending[own->pending_count++] = group;
+    if (own->pending_count) pending_run(own);
+    for (uint32_t i = 0; i < own->count; i++) own->distances[own->order[i].pair] = own->found[i];
+    return (enum gd_status)atomic_load(&own->status);
+}
+
+static enum server_query_turn pairs_solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct pairs_query *own = (struct pairs_query *)query;
+    enum gd_status status = pairs_reserve(own);
+    if (!status) status = pairs_work(own);
+    return server_query_end_draft(query, status, "the pairs", problem);
+}
+
+static void pairs_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct pairs_query *own = (const struct pairs_query *)query;
+    proto_write_object_begin(writer);
+    if (query->options.fields & PROTO_PAIRS_FIELD_DISTANCES) {
+        proto_write_key(writer, "distances");
+        proto_write_numbers(writer, own->distances, own->count);
+    }
+    proto_write_object_end(writer);
+}
+
+static bool pairs_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct pairs_query *own = (const struct pairs_query *)query;
+    (void)problem;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "distances",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = own->count,
+                                                             .source = own->distances});
+    return true;
+}
+
+static const struct server_form bulk_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+
+const struct server_query_kind server_query_pairs = {.name = "pairs",
+                                                     .size = sizeof(struct pairs_query),
+                                                     .forms = bulk_forms,
+                                                     .decode = pairs_decode,
+                                                     .array_names = pairs_arrays,
+                                                     .read_arrays = pairs_read,
+                                                     .solve = pairs_solve,
+                                                     .encode = pairs_encode,
+                                                     .list_arrays = pairs_list_arrays};
+
+/* --- nearest points --------------------------------------------------------------------------- */
+
+struct nearest_points_query {
+    struct server_query query; /* first */
+    struct point_list list;
+};
+
+static const char *const nearest_arrays[] = {"points", "points_face", "points_barycentric", NULL};
+
+static bool nearest_points_decode(struct server_query *query, const json_t *document,
+                                  struct proto_problem *problem)
+{
+    struct nearest_points_query *own = (struct nearest_points_query *)query;
+    return proto_decode_object(document, "", proto_nearest_points_request_members, problem) &&
+           list_decode(query, document, "/points", &own->list, problem);
+}
+
+static bool nearest_points_read(struct server_query *query, const struct server_arrays *arrays,
+                                struct proto_problem *problem)
+{
+    struct nearest_points_query *own = (struct nearest_points_query *)query;
+    return list_read(query, arrays, "/points", &own->list, problem);
+}
+
+static void nearest_read_faces(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct nearest_points_query *own = source;
+    for (uint64_t i = 0; i < count; i++) {
+        struct gd_point_description description;
+        gd_point_describe(own->query.surface->mesh, &own->list.points[first + i], &description);
+        ((uint32_t *)out)[i] = description.face.index;
+    }
+}
+
+static void nearest_read_places(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct nearest_points_query *own = source;
+    double(*at)[3] = out;
+    for (uint64_t i = 0; i < count; i++) {
+        struct gd_point_description description;
+        gd_point_describe(own->query.surface->mesh, &own->list.points[first + i], &description);
+        memcpy(at[i], description.barycentric, sizeof at[i]);
+    }
+}
+
+static void nearest_read_xyz(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct nearest_points_query *own = source;
+    gd_points_positions(own->query.surface->mesh, own->list.points + first, (uint32_t)count, out);
+}
+
+static void nearest_encode_triples(const struct nearest_points_query *own,
+                                   void (*read)(const void *, uint64_t, uint64_t, void *),
+                                   const char *name, struct proto_writer *writer)
+{
+    double room[64][3];
+    proto_write_key(writer, name);
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < own->list.count; i += 64) {
+        uint32_t count = own->list.count - i < 64 ? own->list.count - i : 64;
+        read(own, i, count, room);
+        proto_write_triples(writer, (const double(*)[3])room, count);
+    }
+    proto_write_array_end(writer);
+}
+
+static void nearest_points_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct nearest_points_query *own = (const struct nearest_points_query *)query;
+    uint32_t fields = query->options.fields;
+    proto_write_object_begin(writer);
+    if (fields & PROTO_NEAREST_POINTS_FIELD_FACES) {
+        proto_write_key(writer, "faces");
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < own->list.count; i++) {
+            uint32_t face;
+            nearest_read_faces(own, i, 1, &face);
+            proto_write_uint(writer, face);
+        }
+        proto_write_array_end(writer);
+    }
+    if (fields & PROTO_NEAREST_POINTS_FIELD_BARYCENTRIC)
+        nearest_encode_triples(own, nearest_read_places, "barycentric", writer);
+    if (fields & PROTO_NEAREST_POINTS_FIELD_XYZ)
+        nearest_encode_triples(own, nearest_read_xyz, "xyz", writer);
+    if (fields & PROTO_NEAREST_POINTS_FIELD_SNAP_DISTANCES) {
+        proto_write_key(writer, "snap_distances");
+        proto_write_numbers(writer, own->list.snaps, own->list.count);
+    }
+    proto_write_object_end(writer);
+}
+
+static bool nearest_points_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct nearest_points_query *own = (struct nearest_points_query *)query;
+    const struct server_array all[] = {
+        {"faces", SERVER_ARRAY_INDICES, 0, own->list.count, nearest_read_faces, own},
+        {"barycentric", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_places, own},
+        {"xyz", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_xyz, own},
+        {"snap_distances", SERVER_ARRAY_NUMBERS, 0, own->list.count, NULL, own->list.snaps}};
+    (void)problem;
+    for (uint32_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (query->options.fields >> i & 1) server_arrays_add(&query->arrays, &all[i]);
+    return true;
+}
+
+/* Locating is all that there is to do. */
+const struct server_query_kind server_query_nearest_points = {
+    .name = "nearest-points",
+    .size = sizeof(struct nearest_points_query),
+    .forms = bulk_forms,
+    .decode = nearest_points_decode,
+    .array_names = nearest_arrays,
+    .read_arrays = nearest_points_read,
+    .encode = nearest_points_encode,
+    .list_arrays = nearest_points_list_arrays};
