@@ -21,6 +21,7 @@ PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 START_SECONDS = 20  # sanitizers are slow to start
 PATIENCE_SECONDS = 60
 SEARCHES = 16  # questions about a source before its field is built: SERVER_CACHE_SEARCHES
+LARGE = 10000  # characters of a value
 
 TETRAHEDRON = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
@@ -268,6 +269,17 @@ class TestCase(unittest.TestCase):
         answer = self.daemon.ask(mesh, query, document, headers)
         self.assertEqual(answer.status, status, answer)
         return answer.json
+
+    def assertEqual(self, first, second, msg=None):
+        """As unittest's. Of large values only the first difference is printed: unittest computes a complete one, which can take hours."""
+        if first == second:
+            return
+        texts = repr(first), repr(second)
+        if max(map(len, texts)) < LARGE:
+            return super().assertEqual(first, second, msg)
+        at = len(os.path.commonprefix(texts))
+        around = [text[max(0, at - 40):at + 80] for text in texts]
+        self.fail(self._formatMessage(msg, f"they differ at character {at} of {len(texts[0])} and {len(texts[1])}: {around[0]!r} is not {around[1]!r}"))
 
     def assert_place(self, actual, expected, places=12):
         self.assertEqual(len(actual), len(expected))

@@ -216,8 +216,9 @@ class Lines(Isolines):
             ("levels=0.5,1.25&arcs=true", {"levels": [0.5, 1.25], "arcs": True}),
             ("count=3&tolerance=0.01", {"count": 3, "tolerance": 0.01}),
         ):
-            posted = self.daemon.ask("body", f"fields/{field}/isolines", document)
-            self.assertEqual((posted.status, posted.body), (200, self.ask("body", field, query).body))
+            for geometry in ("full", "xyz"):
+                posted = self.daemon.ask("body", f"fields/{field}/isolines?geometry={geometry}", document)
+                self.assertEqual((posted.status, posted.body), (200, self.ask("body", field, f"{query}&geometry={geometry}").body))
 
     def test_many_at_once_get_the_same(self):
         self.daemon.put("crowd", sample("icosphere", level=3))
