@@ -1,7 +1,9 @@
 /* The recipe of gd_mesh_build. */
 #include <stdlib.h>
 
-#include "mesh/construction.h"
+#include "construction/steps.h"
+#include "mesh/bvh.h"
+#include "repair/repair.h"
 
 struct step {
     enum gd_status (*run)(struct gd__construction *work);
@@ -44,15 +46,6 @@ static uint64_t triangle_count(const struct gd_polygons *polygons)
     return gd_polygons_corner_count(polygons) - 2 * (uint64_t)polygons->polygon_count;
 }
 
-enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices)
-{
-    size_t cost = gd_mesh_build_cost(faces, vertices);
-    if (!gd_control_afford(work->control, cost)) return GD_OK;
-    return gd_fail(work->detail, GD_BUDGET,
-                   "building this mesh takes up to %zu bytes, more than the budget of %zu", cost,
-                   work->control->budget_bytes);
-}
-
 static void free_scratch(struct gd__construction *work)
 {
     free(work->representative);
@@ -88,24 +81,4 @@ enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
     else
         *out = work.mesh;
     return status;
-}
-
-/* Edges of a manifold: a vertex with d face corners has at most d + 1 edges, so 2 E <= 3 F + V. */
-static uint64_t most_edges(uint64_t faces, uint64_t vertices)
-{
-    uint64_t referenced = vertices < 3 * faces ? vertices : 3 * faces;
-    return (3 * faces + referenced) / 2;
-}
-
-/* Bytes: what the mesh keeps an element, the steps' working arrays that live beside it, and the
- * table of interval.c. */
-#define COST_VERTEX 90
-#define COST_FACE   170
-#define COST_EDGE   170
-#define COST_FIXED  65536
-
-size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices)
-{
-    return COST_FIXED + COST_VERTEX * vertices + COST_FACE * faces +
-           COST_EDGE * most_edges(faces, vertices);
 }

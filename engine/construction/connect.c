@@ -3,9 +3,10 @@
 #include <stdlib.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 #include "mesh/edge_table.h"
 #include "construction/offenders.h"
+#include "repair/repair.h"
 
 static uint32_t opposite_corner(const struct gd__construction *work, uint32_t side)
 {

@@ -1,5 +1,5 @@
 /* The faces around each vertex, counter-clockwise, with their angles. */
-#include "mesh/construction.h"
+#include "construction/steps.h"
 
 /* The next outgoing side counter-clockwise around the vertex; at the end of an open fan the
  * boundary side. */

@@ -3,8 +3,9 @@
 #include <stdlib.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 #include "construction/offenders.h"
+#include "repair/repair.h"
 
 /* A corner is numbered as the side that starts there: 3 face + k. The next corners around its
  * vertex: */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 
 #define CODE_BITS   21 /* per coordinate */
 #define DIGIT_BITS  9

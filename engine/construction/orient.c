@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 #include "construction/offenders.h"
 #include "mesh/orientation.h"
 

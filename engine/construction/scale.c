@@ -1,6 +1,6 @@
 /* The inside unit: an exact power of two near the mean edge length, so that no square overflows or
  * vanishes. */
-#include "mesh/construction.h"
+#include "construction/steps.h"
 
 struct edge_range {
     double min, mean, max; /* in the unit of `scale` */

@@ -1,6 +1,6 @@
 /* The sides of the edges: numbered from the faces' neighbours, with frames from the corners'
  * positions. */
-#include "mesh/construction.h"
+#include "construction/steps.h"
 #include "construction/offenders.h"
 #include "mesh/triangle.h"
 

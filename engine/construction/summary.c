@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 
 static enum gd_status label_vertices(struct gd__construction *work)
 {

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 #include "construction/ear.h"
 
 static uint32_t size_of(const struct gd_polygons *polygons, uint32_t polygon)

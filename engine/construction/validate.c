@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/large.h"
-#include "mesh/construction.h"
+#include "construction/steps.h"
 #include "construction/offenders.h"
 
 static enum gd_status check_counts(const struct gd_polygons *polygons, struct gd_detail *detail)

@@ -10,6 +10,8 @@
 #define GD_BVH_WIDTH      4
 #define GD_BVH_MAX_LEVELS 16
 
+struct gd__construction;
+
 struct gd__box {
     struct gd_vec3 min, max; /* inside unit */
 };
@@ -36,6 +38,9 @@ void gd__bvh_run(const struct gd_mesh *mesh, struct gd__bvh_search *search);
 
 /* Largest absolute coordinate of the surface, inside unit. */
 double gd__bvh_magnitude(const struct gd_mesh *mesh);
+
+/* The last step of gd_mesh_build. GD_NO_MEMORY. */
+enum gd_status gd__make_bvh(struct gd__construction *work);
 
 /* NULL is harmless. */
 void gd__bvh_free(struct gd_bvh *bvh);

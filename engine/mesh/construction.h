@@ -1,10 +1,10 @@
-/* What the steps of gd_mesh_build hand to each other. Each step is one source file of this room;
- * build.c holds the recipe.
+/* Construction: the state that the steps of gd_mesh_build share. The steps are in repair/ and
+ * construction/; construction/build.c runs them.
  *
- * A step fills fields of the mesh or of the construction and returns a status; whatever it
- * allocated is freed by build.c, also after a failure. Loops over elements step the pace; a step
- * that was stopped may return any status, build.c replaces it by that of the pace. Faces and vertices are numbered inside (see
- * topology.h) from gd__order on; refusals speak in the caller's numbers. */
+ * A step fills fields of the mesh or of the construction and returns a status. build.c frees what a
+ * step allocates, also after a failure. Loops over elements step the pace; a step that was stopped
+ * may return any status, build.c replaces it by that of the pace. From gd__order on, vertices and
+ * faces have internal numbers (topology.h); errors name the caller's numbers. */
 #ifndef GD_MESH_CONSTRUCTION_H
 #define GD_MESH_CONSTRUCTION_H
 
@@ -17,14 +17,14 @@
 
 struct gd__construction {
     const struct gd_polygons *input;    /* borrowed */
-    const struct gd_polygons *polygons; /* what the steps take: the input, or `merged` */
+    const struct gd_polygons *polygons; /* of the next steps: the input, or `merged` */
     struct gd_mesh_options options;
     const struct gd_control *control; /* borrowed, may be NULL */
     struct gd_detail *detail;         /* borrowed, may be NULL */
     struct gd__pace pace;             /* of all loops over elements */
     struct gd_mesh *mesh;             /* half-built, owned */
 
-    /* What weld and repair make of the input; NULL and 0 where they had nothing to do. */
+    /* Made by weld and repair; NULL and 0 if they changed nothing. */
     /* per input vertex: the one that it was merged into, itself if none */
     uint32_t *representative;
     /* the input's polygons by representatives; what is left of some has no corners */
@@ -44,35 +44,14 @@ struct gd__construction {
     double begun, until;
 };
 
-/* The steps, in order. */
-enum gd_status gd__validate(struct gd__construction *work);
-enum gd_status gd__merge_vertices(struct gd__construction *work);
-enum gd_status gd__validate_corners(struct gd__construction *work);
-enum gd_status gd__triangulate(struct gd__construction *work);
-enum gd_status gd__repair(struct gd__construction *work);
-enum gd_status gd__order(struct gd__construction *work);
-enum gd_status gd__scale(struct gd__construction *work);
-enum gd_status gd__connect(struct gd__construction *work);
-enum gd_status gd__orient(struct gd__construction *work);
-enum gd_status gd__check_vertices(struct gd__construction *work);
-enum gd_status gd__make_sides(struct gd__construction *work);
-enum gd_status gd__make_fans(struct gd__construction *work);
-enum gd_status gd__summarise(struct gd__construction *work);
-enum gd_status gd__make_bvh(struct gd__construction *work);
-
 /* Zeroed array that the mesh will own, counted in mesh->bytes; NULL: out of memory. */
 void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
 
 /* The same for sides, aligned to their cache line and not zeroed. */
 struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count);
 
-/* GD_OK, or GD_BUDGET with its sentence when building so large a mesh would take more than the
- * budget. */
+/* GD_BUDGET if building so large a mesh would exceed the budget. */
 enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices);
-
-/* Appends to the sentence of a refusal that the weld brought another vertex to one of these, if it
- * did. */
-void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
 
 /* The caller's number of a face: the input polygon that it came from. */
 uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face);

@@ -3,32 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/large.h"
-#include "mesh/construction.h"
 #include "mesh/bvh.h"
-
-void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)
-{
-    if (count == 0) count = 1;
-    void *array = gd__large_zeroed(count, size);
-    if (array) mesh->bytes += count * size;
-    return array;
-}
-
-struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count)
-{
-    static_assert(sizeof(struct gd_side) == 64, "a side fills one cache line");
-    struct gd_side *sides = gd__large_array(count, sizeof *sides);
-    if (!sides) return NULL;
-    mesh->bytes += count * sizeof *sides;
-    return sides;
-}
-
-uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)
-{
-    uint32_t index = mesh->index_of_face[face];
-    return mesh->source_polygon ? mesh->source_polygon[index] : index;
-}
 
 struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh)
 {

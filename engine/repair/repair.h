@@ -5,6 +5,13 @@
 
 #include "mesh/construction.h"
 
+/* The steps of gd_mesh_build that are in this room. */
+enum gd_status gd__merge_vertices(struct gd__construction *work);
+enum gd_status gd__repair(struct gd__construction *work);
+
+/* Appends to the text of an error that the weld moved another vertex to one of these, if it did. */
+void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
+
 void gd__mended_add(struct gd_mended *mended, uint32_t a, uint32_t b);
 
 /* Lets representative[i] of each vertex that a face uses name the lowest vertex that represents

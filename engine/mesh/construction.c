@@ -1,0 +1,57 @@
+#include "mesh/construction.h"
+
+#include <assert.h>
+
+#include "base/large.h"
+
+void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)
+{
+    if (count == 0) count = 1;
+    void *array = gd__large_zeroed(count, size);
+    if (array) mesh->bytes += count * size;
+    return array;
+}
+
+struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count)
+{
+    static_assert(sizeof(struct gd_side) == 64, "a side fills one cache line");
+    struct gd_side *sides = gd__large_array(count, sizeof *sides);
+    if (!sides) return NULL;
+    mesh->bytes += count * sizeof *sides;
+    return sides;
+}
+
+uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)
+{
+    uint32_t index = mesh->index_of_face[face];
+    return mesh->source_polygon ? mesh->source_polygon[index] : index;
+}
+
+/* Edges of a manifold: a vertex with d face corners has at most d + 1 edges, so 2 E <= 3 F + V. */
+static uint64_t most_edges(uint64_t faces, uint64_t vertices)
+{
+    uint64_t referenced = vertices < 3 * faces ? vertices : 3 * faces;
+    return (3 * faces + referenced) / 2;
+}
+
+/* Bytes: what the mesh keeps an element, the steps' working arrays that live beside it, and the
+ * table of interval.c. */
+#define COST_VERTEX 90
+#define COST_FACE   170
+#define COST_EDGE   170
+#define COST_FIXED  65536
+
+size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices)
+{
+    return COST_FIXED + COST_VERTEX * vertices + COST_FACE * faces +
+           COST_EDGE * most_edges(faces, vertices);
+}
+
+enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices)
+{
+    size_t cost = gd_mesh_build_cost(faces, vertices);
+    if (!gd_control_afford(work->control, cost)) return GD_OK;
+    return gd_fail(work->detail, GD_BUDGET,
+                   "building this mesh takes up to %zu bytes, more than the budget of %zu", cost,
+                   work->control->budget_bytes);
+}
