@@ -4,16 +4,16 @@
 #include <string.h>
 
 #include "mesh/segment.h"
-#include "mesh/stamp.h"
+#include "mesh/image_header.h"
 
-/* An image: a header that begins with the stamp, then the field's arrays as they are in memory,
+/* An image: a header that begins with gd__image_header, then the field's arrays as they are in memory,
  * each at a multiple of 8 bytes, in the order of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
 static const uint32_t version = 3;
 
 struct header {
-    struct gd__stamp stamp;
+    struct gd__image_header image_header;
     uint64_t wedge_bytes; /* of all chunks */
     uint32_t vertex_count, edge_count, seed_count, reserved;
     double reach;
@@ -63,7 +63,7 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
     const struct gd_mesh *mesh = field->mesh;
     struct layout l = layout_of_field(field);
     char *image = memset(bytes, 0, l.size); /* the gaps too: the same field gives the same bytes */
-    struct header header = {.stamp = gd__stamp(mesh, magic, version),
+    struct header header = {.image_header = gd__image_header(mesh, magic, version),
                             .wedge_bytes = field->wedge_bytes,
                             .vertex_count = mesh->vertex_count,
                             .edge_count = mesh->edge_count,
@@ -84,7 +84,8 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
 static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header,
                                    size_t size, struct gd_detail *detail)
 {
-    enum gd_status status = gd__stamp_check(mesh, &header->stamp, magic, version, detail);
+    enum gd_status status =
+        gd__image_header_check(mesh, &header->image_header, magic, version, detail);
     if (status) return status;
     if (header->vertex_count != mesh->vertex_count || header->edge_count != mesh->edge_count ||
         header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 ||

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "mesh/construction.h"
-#include "mesh/foot.h"
+#include "mesh/closest_point.h"
 
 /* No coordinate is NaN: plain comparisons, which are single instructions where fmin and fmax are
  * calls. */

@@ -1,7 +1,7 @@
 /* gd_locate_nearest: branch and bound over the boxes. */
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
-#include "mesh/foot.h"
+#include "mesh/closest_point.h"
 
 struct nearest {
     struct gd__bvh_search search; /* keys: squared distances */
@@ -28,7 +28,7 @@ static double bound_of_box(const struct gd__bvh_search *search, const struct gd_
 static void visit_face(struct gd__bvh_search *search, uint32_t face)
 {
     struct nearest *nearest = (struct nearest *)search;
-    double distance = gd__foot_distance(nearest->mesh, face, nearest->q);
+    double distance = gd__face_square_distance(nearest->mesh, face, nearest->q);
     const uint32_t *index = nearest->mesh->index_of_face;
     bool better = nearest->face == GD_NONE || distance < nearest->best ||
                   (distance == nearest->best && index[face] < index[nearest->face]);
@@ -66,7 +66,7 @@ enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz,
     nearest.slack = GD_TOL_LOCATE * magnitude;
     gd__bvh_run(mesh, &nearest.search);
     struct gd_point point =
-        gd__foot_point(mesh, nearest.face, nearest.q, gd__largest_coordinate(nearest.q));
+        gd__face_closest_point(mesh, nearest.face, nearest.q, gd__largest_coordinate(nearest.q));
     double moved = distance_between(xyz, gd_point_position(mesh, &point));
     if (max_snap >= 0 && moved > max_snap)
         return gd_fail(

@@ -4,7 +4,7 @@
  * 2(1), 2013. */
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
-#include "mesh/foot.h"
+#include "mesh/closest_point.h"
 
 /* A point as the ray sees it: the ray is the axis x = y = 0, z grows along it. */
 struct sheared {
@@ -176,6 +176,7 @@ enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 or
     if (gd__largest_coordinate(ray.origin) <= GD_EXTENT_RATIO) gd__bvh_run(mesh, &ray.search);
     if (ray.face == GD_NONE)
         return gd_fail(detail, GD_NOT_ON_SURFACE, "the ray does not meet the surface");
-    *out = gd__foot_point(mesh, ray.face, hit_position(&ray), gd__largest_coordinate(ray.origin));
+    *out = gd__face_closest_point(mesh, ray.face, hit_position(&ray),
+                                  gd__largest_coordinate(ray.origin));
     return GD_OK;
 }

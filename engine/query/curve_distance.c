@@ -4,7 +4,7 @@
 
 #include "field/profile.h"
 #include "mesh/canonical.h"
-#include "mesh/towards.h"
+#include "mesh/tangent_angle.h"
 
 /* of the size of a face: nearer than this is at the same place */
 #define MEETING (8 * GD_TOL_PLACE)
@@ -80,7 +80,7 @@ static void compare(const struct gd_mesh *mesh, const struct gd_point *at,
                     const struct gd_point *next, const struct gd_point *to, double *least)
 {
     if (gd_point_equal(at, to)) return;
-    double angle = gd__angle_between(mesh, at, next, to);
+    double angle = gd__tangent_angle(mesh, at, next, to);
     if (!(angle >= *least)) *least = angle;
 }
 

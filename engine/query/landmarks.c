@@ -7,7 +7,7 @@
 #include "base/share.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
-#include "mesh/stamp.h"
+#include "mesh/image_header.h"
 
 struct gd_landmarks {
     atomic_uint references;
@@ -169,7 +169,7 @@ static const char magic[8] = "GDLANDM";
 static const uint32_t version = 2;
 
 struct header {
-    struct gd__stamp stamp;
+    struct gd__image_header image_header;
     uint32_t count, reserved; /* reserved: 0 */
 };
 
@@ -180,7 +180,7 @@ size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
 
 void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 {
-    struct header header = {.stamp = gd__stamp(landmarks->mesh, magic, version),
+    struct header header = {.image_header = gd__image_header(landmarks->mesh, magic, version),
                             .count = landmarks->count};
     memcpy(bytes, &header, sizeof header);
     memcpy((char *)bytes + sizeof header, landmarks->distance, distance_bytes(landmarks->mesh));
@@ -189,7 +189,8 @@ void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header,
                                    size_t size)
 {
-    enum gd_status status = gd__stamp_check(mesh, &header->stamp, magic, version, NULL);
+    enum gd_status status =
+        gd__image_header_check(mesh, &header->image_header, magic, version, NULL);
     if (status) return status;
     if (header->count == 0 || header->count > GD__LANDMARKS_MOST) return GD_UNRECOGNIZED;
     return size == sizeof *header + distance_bytes(mesh) ? GD_OK : GD_TRUNCATED;

@@ -7,7 +7,7 @@
 
 #include "gd/vec.h"
 
-struct gd__sheet {
+struct gd__edge_face {
     uint32_t side; /* of the face, at the edge */
     /* once consistently oriented the face runs along the edge from its lower end to its higher
        one */
@@ -20,8 +20,8 @@ struct gd__sheet {
     uint32_t below; /* scratch */
 };
 
-/* Sorts the sheets around the edge of direction `along` and pairs them, see face_pairing.c. O(n log
+/* Sorts the faces around the edge of direction `along` and pairs them, see face_pairing.c. O(n log
  * n). */
-void gd__sheets_pair(struct gd__sheet *sheet, uint32_t count, struct gd_vec3 along);
+void gd__edge_faces_pair(struct gd__edge_face *edge_face, uint32_t count, struct gd_vec3 along);
 
 #endif

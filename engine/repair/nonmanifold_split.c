@@ -22,9 +22,9 @@
 struct splitting {
     struct gd__construction *work;
     uint32_t face_count, input_vertices;
-    uint32_t *neighbour;     /* per side: the side that it is joined to, or GD_NONE */
-    uint8_t *flipped;        /* per face: against the orientation of most faces around it */
-    struct gd__sheet *sheet; /* of one edge, as many as the largest has */
+    uint32_t *neighbour;             /* per side: the side that it is joined to, or GD_NONE */
+    uint8_t *flipped;                /* per face: against the orientation of most faces around it */
+    struct gd__edge_face *edge_face; /* of one edge, as many as the largest has */
     /* per corner, as sides are numbered: a lower corner of the same fan, see union_find.h */
     uint32_t *fan;
     uint32_t *copy_of; /* per copy: the input vertex */
@@ -102,36 +102,36 @@ static enum gd_status orient(struct splitting *s)
     return status;
 }
 
-/* Fills s->sheet with the faces of an edge, paired and sorted around it. */
-static void pair_sheets(struct splitting *s, const struct gd__edge_table *table,
-                        const struct gd__edge_run *run)
+/* Fills s->edge_face with the faces of an edge, paired and sorted around it. */
+static void pair_edge_faces(struct splitting *s, const struct gd__edge_table *table,
+                            const struct gd__edge_run *run)
 {
     struct gd_vec3 low = position(s, run->low);
     for (uint32_t i = 0; i < run->count; i++) {
         uint32_t side = table->use[run->begin + i].side;
         const uint32_t *corner = s->work->triangle[side / 3];
         bool forward = original(s, corner[side % 3]) == original(s, run->low);
-        s->sheet[i] = (struct gd__sheet){
+        s->edge_face[i] = (struct gd__edge_face){
             .side = side,
             .forward = forward != (bool)s->flipped[side / 3],
             .across = gd_vec3_sub(position(s, corner[gd__previous_corner(side % 3)]), low),
         };
     }
-    gd__sheets_pair(s->sheet, run->count, gd_vec3_sub(position(s, run->high), low));
+    gd__edge_faces_pair(s->edge_face, run->count, gd_vec3_sub(position(s, run->high), low));
 }
 
 static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_table *table,
                                    uint32_t most)
 {
-    s->sheet = malloc(most * sizeof *s->sheet);
-    enum gd_status status = s->sheet ? orient(s) : GD_NO_MEMORY;
+    s->edge_face = malloc(most * sizeof *s->edge_face);
+    enum gd_status status = s->edge_face ? orient(s) : GD_NO_MEMORY;
     for (struct gd__edge_run run = {0};
          !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(table, &run);) {
         if (run.count <= 2) continue;
         gd__mended_add(&s->work->mesh->repair->edges_split, run.low, run.high);
-        pair_sheets(s, table, &run);
+        pair_edge_faces(s, table, &run);
         for (uint32_t i = 0; i < run.count; i++)
-            s->neighbour[s->sheet[i].side] = s->sheet[i].partner;
+            s->neighbour[s->edge_face[i].side] = s->edge_face[i].partner;
     }
     return status;
 }
@@ -183,16 +183,18 @@ static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t 
                                  : NULL;
 }
 
-/* Gives each pair of the edge but that of its first sheet a lower end of its own. A face that got
+/* Gives each pair of the edge but that of its first edge_face a lower end of its own. A face that got
  * another one at an edge before is not at this edge any more. */
-static enum gd_status detach_sheets(struct splitting *s, uint32_t low, uint32_t count)
+static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint32_t count)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 1; i < count && !status; i++) {
-        const struct gd__sheet *sheet = &s->sheet[i];
-        if (sheet->partner == s->sheet[0].side || sheet->partner < sheet->side) continue;
-        uint32_t *corner = find_corner(s, sheet->side, low);
-        uint32_t *other = sheet->partner != GD_NONE ? find_corner(s, sheet->partner, low) : NULL;
+        const struct gd__edge_face *edge_face = &s->edge_face[i];
+        if (edge_face->partner == s->edge_face[0].side || edge_face->partner < edge_face->side)
+            continue;
+        uint32_t *corner = find_corner(s, edge_face->side, low);
+        uint32_t *other =
+            edge_face->partner != GD_NONE ? find_corner(s, edge_face->partner, low) : NULL;
         uint32_t copy = low;
         if (corner || other) status = append_copy(s, low, &copy);
         if (corner) *corner = copy;
@@ -211,8 +213,8 @@ static enum gd_status detach_crowded(struct splitting *s, bool *any)
          !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(&table, &run);) {
         if (run.count <= 2) continue;
         *any = true;
-        pair_sheets(s, &table, &run);
-        status = detach_sheets(s, run.low, run.count);
+        pair_edge_faces(s, &table, &run);
+        status = detach_edge_faces(s, run.low, run.count);
     }
     gd__edge_table_free(&table);
     return status;
@@ -226,7 +228,7 @@ static enum gd_status separate(struct splitting *s, bool *crowded)
     if (status) return status;
     uint32_t most = join_pairs(s, &table);
     *crowded = most > 2;
-    if (*crowded && !s->sheet) status = pair_crowded(s, &table, most);
+    if (*crowded && !s->edge_face) status = pair_crowded(s, &table, most);
     gd__edge_table_free(&table);
     return status ? status : separate_fans(s);
 }
@@ -274,7 +276,7 @@ enum gd_status gd__split_faces(struct gd__construction *work)
     free(s.neighbour);
     free(s.fan);
     free(s.flipped);
-    free(s.sheet);
+    free(s.edge_face);
     free(s.copy_of);
     return status;
 }

@@ -1,4 +1,4 @@
-#include "mesh/stamp.h"
+#include "mesh/image_header.h"
 
 #include <string.h>
 
@@ -25,25 +25,29 @@ static uint64_t fingerprint_of(const struct gd_mesh *mesh)
     return mix(hash, mesh->origin, mesh->edge_count); /* 2 x 4 bytes an edge */
 }
 
-struct gd__stamp gd__stamp(const struct gd_mesh *mesh, const char magic[8], uint32_t version)
+struct gd__image_header gd__image_header(const struct gd_mesh *mesh, const char magic[8],
+                                         uint32_t version)
 {
-    struct gd__stamp stamp = {
+    struct gd__image_header image_header = {
         .version = version, .byte_order = byte_order, .fingerprint = fingerprint_of(mesh)};
-    memcpy(stamp.magic, magic, sizeof stamp.magic);
-    return stamp;
+    memcpy(image_header.magic, magic, sizeof image_header.magic);
+    return image_header;
 }
 
-enum gd_status gd__stamp_check(const struct gd_mesh *mesh, const struct gd__stamp *stamp,
-                               const char magic[8], uint32_t version, struct gd_detail *detail)
+enum gd_status gd__image_header_check(const struct gd_mesh *mesh,
+                                      const struct gd__image_header *image_header,
+                                      const char magic[8], uint32_t version,
+                                      struct gd_detail *detail)
 {
-    if (memcmp(stamp->magic, magic, sizeof stamp->magic) != 0 || stamp->byte_order != byte_order)
+    if (memcmp(image_header->magic, magic, sizeof image_header->magic) != 0 ||
+        image_header->byte_order != byte_order)
         return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are no %s image of a machine like this",
                        magic);
-    if (stamp->version != version)
+    if (image_header->version != version)
         return gd_fail(detail, GD_UNRECOGNIZED,
-                       "the image has version %u, this program reads version %u", stamp->version,
-                       version);
-    if (stamp->fingerprint != fingerprint_of(mesh))
+                       "the image has version %u, this program reads version %u",
+                       image_header->version, version);
+    if (image_header->fingerprint != fingerprint_of(mesh))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the image belongs to another mesh");
     return GD_OK;
 }

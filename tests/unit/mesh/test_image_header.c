@@ -1,4 +1,4 @@
-#include "mesh/stamp.h"
+#include "mesh/image_header.h"
 
 #include <string.h>
 
@@ -16,32 +16,32 @@ static struct gd_mesh *terrain(uint64_t seed)
     return mesh;
 }
 
-static void check_refusal(const struct gd_mesh *mesh, const struct gd__stamp *stamp,
+static void check_refusal(const struct gd_mesh *mesh, const struct gd__image_header *image_header,
                           enum gd_status expected, const char *words)
 {
     struct gd_detail detail = {.text = ""};
-    assert_int_equal(gd__stamp_check(mesh, stamp, magic, 7, &detail), expected);
+    assert_int_equal(gd__image_header_check(mesh, image_header, magic, 7, &detail), expected);
     assert_non_null(strstr(detail.text, words));
-    assert_int_equal(gd__stamp_check(mesh, stamp, magic, 7, NULL), expected);
+    assert_int_equal(gd__image_header_check(mesh, image_header, magic, 7, NULL), expected);
 }
 
 static void tells_kind_version_machine_and_mesh(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(1), *same = terrain(1), *another = terrain(2);
-    struct gd__stamp stamp = gd__stamp(mesh, magic, 7), changed;
-    check_ok(gd__stamp_check(mesh, &stamp, magic, 7, NULL), NULL);
-    check_ok(gd__stamp_check(same, &stamp, magic, 7, NULL), NULL);
-    check_refusal(another, &stamp, GD_INVALID_ARGUMENT, "another mesh");
-    changed = gd__stamp(mesh, other_magic, 7);
+    struct gd__image_header image_header = gd__image_header(mesh, magic, 7), changed;
+    check_ok(gd__image_header_check(mesh, &image_header, magic, 7, NULL), NULL);
+    check_ok(gd__image_header_check(same, &image_header, magic, 7, NULL), NULL);
+    check_refusal(another, &image_header, GD_INVALID_ARGUMENT, "another mesh");
+    changed = gd__image_header(mesh, other_magic, 7);
     check_refusal(mesh, &changed, GD_UNRECOGNIZED, "no GDTESTS image");
-    changed = gd__stamp(mesh, magic, 6);
+    changed = gd__image_header(mesh, magic, 6);
     check_refusal(mesh, &changed, GD_UNRECOGNIZED, "version 6");
-    changed = stamp;
-    changed.byte_order = __builtin_bswap32(stamp.byte_order);
+    changed = image_header;
+    changed.byte_order = __builtin_bswap32(image_header.byte_order);
     check_refusal(mesh, &changed, GD_UNRECOGNIZED, "a machine like this");
     mesh->position[mesh->vertex_count - 1].z += 1e-12; /* the mesh is ours alone */
-    check_refusal(mesh, &stamp, GD_INVALID_ARGUMENT, "another mesh");
+    check_refusal(mesh, &image_header, GD_INVALID_ARGUMENT, "another mesh");
     gd_mesh_release(mesh);
     gd_mesh_release(same);
     gd_mesh_release(another);

@@ -1,4 +1,4 @@
-#include "mesh/towards.h"
+#include "mesh/tangent_angle.h"
 
 #include <math.h>
 
@@ -64,7 +64,7 @@ static double angle_towards(const struct gd_mesh *mesh, const struct gd_point *a
                : NAN;
 }
 
-double gd__angle_between(const struct gd_mesh *mesh, const struct gd_point *at,
+double gd__tangent_angle(const struct gd_mesh *mesh, const struct gd_point *at,
                          const struct gd_point *a, const struct gd_point *b)
 {
     double apart = fabs(angle_towards(mesh, at, a) - angle_towards(mesh, at, b)), total = 2 * M_PI;

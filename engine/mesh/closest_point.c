@@ -1,7 +1,7 @@
 /* The nearest point of a triangle is the nearest of four candidates: one on each edge, and the foot
  * of the perpendicular if it lies inside. Taking the least of them is right for slivers and faces
  * of area zero too, where telling regions apart by signs would not be. */
-#include "mesh/foot.h"
+#include "mesh/closest_point.h"
 
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
@@ -89,7 +89,7 @@ static struct nearest nearest_of(const struct corners *c, struct gd_vec3 q,
     return nearest;
 }
 
-double gd__foot_distance(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q)
+double gd__face_square_distance(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q)
 {
     struct corners c = corners_of(mesh, face);
     struct face_foot inner = foot_in_plane(&c, q);
@@ -103,8 +103,8 @@ static double rounding_near(const struct corners *c, double magnitude)
     return GD_TOL_LOCATE * magnitude;
 }
 
-struct gd_point gd__foot_point(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q,
-                               double magnitude)
+struct gd_point gd__face_closest_point(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q,
+                                       double magnitude)
 {
     struct corners c = corners_of(mesh, face);
     struct face_foot inner = foot_in_plane(&c, q);
