@@ -2,7 +2,9 @@
 #
 # One list says what goes where: for install, uninstall and the Debian packages (docker/debian).
 
-.PHONY: install uninstall deb test-package test-cluster FORCE
+.PHONY: install uninstall deb image man test-package test-container test-cluster FORCE
+
+##@ Installation and packages
 
 PREFIX    ?= /usr/local
 LIBDIR    ?= $(PREFIX)/lib
@@ -35,6 +37,10 @@ uninstall: ## remove what install has installed
 	@rm -rf "$(DESTDIR)$(PYTHONDIR)/geodesicd/__pycache__"
 	@find $(foreach folder,$(PYTHONDIR)/geodesicd $(PREFIX)/include/geodesicd $(DOCDIR),"$(DESTDIR)$(folder)") -depth -type d -empty -delete 2>/dev/null || true
 
+man: $(BUILD)/geodesicd.8 ## the man page geodesicd(8), of the program's own options
+$(BUILD)/geodesicd.8: server/doc/manual.py $(BUILD)/geodesicd
+	$(call tell,GEN)server/doc/manual.py $(BUILD)/geodesicd > $@
+
 $(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clients/python/geodesicd/*.py)
 	@mkdir -p $(@D)
 	$(call tell,GEN)clients/cli/manual.py clients/cli/geodesic > $@
@@ -60,6 +66,12 @@ deb: ## Debian packages: daemon, clients, libraries (wants debhelper)
 	@cd $(BUILD)/deb/source && SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
 	    dpkg-buildpackage --build=binary --unsigned-changes --no-check-builddeps >../log 2>&1 || { tail -n 30 ../log; exit 1; }
 	@ls $(BUILD)/deb/*.deb
+
+image: ## the container's image, by docker, podman or buildah, and its parts list (BASE= SOURCE= VIEWER=no)
+	@BASE='$(BASE)' SOURCE='$(SOURCE)' VIEWER='$(VIEWER)' docker/image.sh $(BUILD)
+
+test-container: ## the container's image, really built and run (wants buildah, mmdebstrap, root)
+	@tests/container/run.py --place $(BUILD)/container
 
 test-package: build client-c ## the Debian packages in a fresh Debian: installed, run, removed (wants debhelper, lintian, mmdebstrap, root)
 	@tests/package/run.py --build $(BUILD) --chroot

@@ -1,0 +1,51 @@
+# Measurements, and comparisons with other programs. Included by the Makefile.
+
+.PHONY: bench bench-paper bench-peers bench-http bench-plots sweep
+
+BENCH_C   := $(filter-out tests/bench/http_bare.c,$(wildcard tests/bench/*.c))
+
+$(BUILD)/gd_bench: $(call objects,$(BENCH_C)) $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+
+# The sweep compares with CGAL where libcgal-dev is installed; without it the program says so and skips.
+SWEEP_SHARED := $(or $(GEODESICD_SHARED),../shared)/meshes
+SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:faces=400 saddle cylinder:sides=24 obstacles:count=12 \
+                $(wildcard $(foreach name,spot suzanne teapot cow beetle homer fandisk,$(SWEEP_SHARED)/$(name).obj))
+
+$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: CXXFLAGS += -frounding-math
+$(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
+
+$(BUILD)/gd_bench_cgal: $(call objects,tests/bench/peer_cgal.cc $(patsubst %,tests/bench/%.c,peer options input alter measure) \
+                          tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+
+# Needs its source and, in its folder `build`, its library, made with -O3 for this machine.
+$(BUILD)/obj/tests/bench/peer_geometry_central.cc.o: CXXFLAGS += -march=native -Wno-shadow -isystem $(GEOMETRY_CENTRAL)/include \
+    -isystem $(GEOMETRY_CENTRAL)/deps/happly -isystem $(GEOMETRY_CENTRAL)/deps/nanoflann/include -isystem $(or $(EIGEN),/usr/include/eigen3)
+$(BUILD)/gd_bench_geometry_central: $(call objects,tests/bench/peer_geometry_central.cc $(patsubst %,tests/bench/%.c,peer options input alter measure)) \
+                                    $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(GEOMETRY_CENTRAL)/build/src/libgeometry-central.a $(ENGINE_LIBS)
+
+$(BUILD)/gd_http_bare: $(BUILD)/obj/tests/bench/http_bare.c.o
+	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ -lmicrohttpd
+
+##@ Measurements
+
+bench: $(BUILD)/gd_bench ## measure the engine: tables, and bench.json (3 minutes)
+	tests/bench/table.py --build $(BUILD)
+
+bench-paper: $(BUILD)/gd_bench ## the paper's tables remade
+	$(BUILD)/gd_bench ablation
+
+bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(if $(GEOMETRY_CENTRAL),$(BUILD)/gd_bench_geometry_central) ## race CGAL, and VTP=... LIBIGL=... GEOMETRY_CENTRAL=... EXPERIMENT=... (see tests/bench/peers.py)
+	tests/bench/peers.py --build $(BUILD)
+
+bench-http: build $(BUILD)/gd_http_bare ## requests a second and latency against bare libmicrohttpd (wants wrk)
+	tests/bench/throughput.py --build $(BUILD)
+
+bench-plots: $(BUILD)/gd_bench ## cost against mesh size, as SVG (MAX_FACES=300000)
+	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)
+
+sweep: $(BUILD)/gd_sweep ## the engine against CGAL on every shared mesh (minutes; wants libcgal-dev)
+	$(BUILD)/gd_sweep --sources 20 $(wildcard $(SWEEP_SHARED)/*.obj)

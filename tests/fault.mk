@@ -1,0 +1,95 @@
+# Sanitizers, fuzzing, faults, coverage. Included by the Makefile.
+
+.PHONY: asan asan-build tsan fuzz fuzz-build torture exactness coverage
+
+ASAN_BUILD   := $(BUILD)/asan
+ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGINE) $(TEST_SERVER)))
+
+##@ Sanitizers, fuzzing and faults
+
+asan-build:
+	@$(MAKE) --no-print-directory BUILD=$(ASAN_BUILD) OPT=-O1 SAN="-fsanitize=address,undefined -fno-sanitize-recover=all" \
+	    test-build build $(ASAN_BUILD)/gd_alloc
+
+asan: asan-build ## all tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@GEODESICD=$(ASAN_BUILD)/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(ASAN_BUILD)/%,$(TEST_PROGRAMS)) "$(ASAN_BUILD)/gd_alloc --short" tests/api/run.py
+
+tsan: ## the daemon's tests under ThreadSanitizer
+	@$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/tsan OPT=-O1 SAN="-fsanitize=thread" build test-build
+	@GEODESICD=$(BUILD)/tsan/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(BUILD)/tsan/%,$(filter $(BUILD)/tests/unit/server/%,$(TEST_PROGRAMS))) tests/api/run.py
+
+# The engine whose calls of malloc and its kin fail on order (tests/fault/allocator.h).
+WRAPPED := malloc calloc realloc aligned_alloc posix_memalign free mmap munmap mremap
+$(BUILD)/gd_alloc: $(call objects,$(patsubst %,tests/fault/%.c,alloc_engine allocator) $(wildcard tests/fault/operations*.c)) \
+                   $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_PROTO) $(LIB_ENGINE)
+	$(call tell,LD)$(CXX) $(LDFLAGS) $(foreach name,$(WRAPPED),-Wl,--wrap=$(name)) -o $@ $^ $(ENGINE_LIBS) -ljansson -lcmocka
+
+# What overload.py asks with.
+$(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o
+	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^
+
+# Each target starts from its corpus; clang's libFuzzer with both sanitizers.
+FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
+FUZZ_SECONDS ?= 60
+FUZZ_BUILD   := $(BUILD)/fuzz
+FUZZ_SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
+# Faults: short forms here, the long ones under `make torture`.
+FAULT_TESTS   = "$(BUILD)/gd_alloc --short" "tests/fault/alloc.py --short" tests/fault/scarcity.py tests/fault/kill.py tests/fault/replay.py "tests/fault/disk.py --step 7" \
+                tests/fault/flip.py tests/fault/restore.py "tests/fault/halfopen.py --short" "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
+                tests/fault/disconnect.py "tests/fault/deadline.py --short --count 300" tests/fault/stuck_log.py "tests/fault/tenants.py --short" tests/fault/soak.py
+
+# In `make test` what reads bytes is fuzzed for 20 seconds each, from a fixed seed; fuzz_surface, which checks laws, replays its corpus.
+FUZZ_SHORT    = tests/fuzz/run.py --seconds 20 --seed 1 $(foreach target,$(filter-out surface,$(FUZZ_TARGETS)),$(FUZZ_BUILD)/fuzz_$(target))
+FUZZ_REPLAY   = tests/fuzz/run.py --seconds 0 $(FUZZ_BUILD)/fuzz_surface
+FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
+
+fuzz-build:
+	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
+	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
+
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+
+# By another name, so that make -n does not run the line that has it.
+SELF := $(MAKE)
+
+# Each promise, with what is measured of it, in one table (tests/fault/table.py). ONLY=WORD: those that have it in their line.
+torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/access/test_sandbox ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
+	@$(MAKE) --no-print-directory -j2 fuzz-build
+	@tests/fault/table.py --only "$(ONLY)" $(BUILD)/gd_alloc tests/fault/alloc.py "tests/fault/scarcity.py --calls 400" \
+	    "tests/fault/kill.py --loops 2000" "tests/fault/replay.py --step 1 --mixed 4" tests/fault/disk.py \
+	    "tests/fault/flip.py --flips 2000" "tests/fault/restore.py --count 100" tests/fault/halfopen.py tests/fault/slow_reader.py "tests/fault/overload.py --seconds 20" tests/fault/answers.py "tests/fault/disconnect.py --count 80000 --tls-count 20000" \
+	    "tests/fault/deadline.py --count 8000" "tests/fault/stuck_log.py --requests 200000" tests/fault/tenants.py "tests/fault/soak.py --seconds 4200 --pause 5 --svg $(BUILD)/soak.svg" \
+	    "hostile HTTP, directly and behind HAProxy | 0 accepted | tests/api/run.py test_hostile test_slow_clients test_proxy" \
+	    "hostile JSON | 400 or 413, fast | tests/api/run.py test_malformed" \
+	    "one tenant does not see another | byte-identical 404s | tests/api/run.py test_tenants test_access" \
+	    "a key changes what its role lets it | nothing of others | tests/api/run.py test_roles" \
+	    "a web page does not reach a daemon without keys | 403 | tests/api/run.py test_service" \
+	    "damage is found by the scrub, never served | 0 served | tests/api/run.py test_scrub" \
+	    "the sandbox holds | no rights but those listed | tests/api/run.py test_sandbox" \
+	    "some 90 calls that reach beyond the daemon are refused in it | 0 succeed | $(BUILD)/tests/unit/server/access/test_sandbox" \
+	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))" \
+	    "no data race | 0 reports | $(SELF) --no-print-directory tsan" "$(SELF) --no-print-directory coverage" \
+	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \
+	    "the packages in a fresh Debian: installed, run, purged | nothing left | tests/package/run.py --build $(BUILD) --chroot" \
+	    "the container, built and run | no failure | tests/container/run.py --place $(BUILD)/container"
+
+# What the engine answers against a solver in quadruple precision (tests/oracle/naive_windows.h), and the other suites on exact distances.
+EXACT_TESTS   := $(foreach name,fields paths operations,$(BUILD)/tests/property/test_exact_$(name))
+EARLIER_TESTS := $(foreach name,closed_forms oracle laws lipschitz beside zoo segments curve_distance shared_meshes,$(BUILD)/tests/property/test_$(name))
+exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## distances and paths beside vertices and in the smallest faces, one table (an hour; ONLY=word)
+	@tests/fault/table.py --only "$(ONLY)" $(foreach program,$(EXACT_TESTS),"$(program) --long") \
+	    "recorded cases, over HTTP | no failure | tests/api/run.py test_exactness" \
+	    "the other suites on exact distances | no failure | tests/run.py $(EARLIER_TESTS)"
+
+# The tests in a build that counts what they run through; without the sandbox, since the counts are written when a daemon ends.
+COVERAGE_BUILD := $(BUILD)/coverage
+coverage: ## line and branch coverage of engine, proto and server from the whole suite (wants gcovr)
+	@$(MAKE) --no-print-directory -j2 BUILD=$(COVERAGE_BUILD) OPT=-O1 SAN="--coverage -fprofile-update=atomic" build test-build
+	@find $(COVERAGE_BUILD) -name '*.gcda' -delete
+	-@GEODESICD=$(abspath $(COVERAGE_BUILD))/geodesicd GEODESICD_SANDBOX=off GCOV_ERROR_FILE=$(abspath $(COVERAGE_BUILD))/errors \
+	    tests/run.py --timeout 3000 $(patsubst $(BUILD)/%,$(COVERAGE_BUILD)/%,$(TEST_PROGRAMS)) tests/api/run.py >$(COVERAGE_BUILD)/tests.log
+	@tests/fault/coverage.py --build $(COVERAGE_BUILD)
+
+fuzz: fuzz-build ## fuzz each target for FUZZ_SECONDS
+	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))

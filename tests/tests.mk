@@ -1,0 +1,81 @@
+# Tests: which programs there are, how they are linked, and the suites. Included by the Makefile.
+
+.PHONY: test test-build test-unit test-api test-web nurbs-peers contract-linter contract-generators web-peers
+
+SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
+LIB_SUPPORT := $(BUILD)/libgd_support.a
+$(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
+
+# Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
+TEST_ENGINE := $(wildcard tests/unit/base/test_*.c) \
+               $(foreach room,$(filter-out base,$(ROOMS)),$(wildcard tests/unit/$(room)/test_*.c)) \
+               $(wildcard tests/property/test_*.c tests/oracle/test_*.c tests/samples/test_*.c)
+TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c \
+               tests/unit/server/*/test_*.c tests/unit/server/*/*/test_*.c)
+program = $(patsubst %.c,$(BUILD)/%,$(1))
+TEST_PROGRAMS = $(call program,$(TEST_ENGINE) $(TEST_SERVER))
+
+$(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
+	@mkdir -p $(@D)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
+
+# Limit surfaces are compared with OpenSubdiv's where libosd-dev is installed; without it the tests skip.
+$(BUILD)/obj/tests/oracle/opensubdiv.cc.o: CXXFLAGS += -Wno-shadow # C's functions and structs may share a name
+$(BUILD)/tests/oracle/test_opensubdiv: $(BUILD)/obj/tests/oracle/opensubdiv.cc.o
+$(BUILD)/tests/oracle/test_opensubdiv: TEST_LIBS = $(shell $(CXX) -include opensubdiv/version.h -x c++ -E /dev/null >/dev/null 2>&1 && echo -losdCPU)
+
+$(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+	@mkdir -p $(@D)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+
+##@ Tests
+
+test: PACKAGES += debhelper dh-python lintian pkg-config haproxy postgresql python3-kubernetes # wanted by tests only
+test: setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
+	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
+	@$(MAKE) --no-print-directory -j2 asan-build
+	@$(MAKE) --no-print-directory -j2 fuzz-build
+	@$(MAKE) --no-print-directory check-layers
+	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
+	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
+	    "tests/bench/throughput.py --quick --build $(BUILD)" \
+	    tests/oracle/mirror.py tests/api/run.py "tests/web/run.py --build $(BUILD)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+
+# Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py, and half of test_files.py, are skipped.
+NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10
+nurbs-peers: ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
+	@if [ ! -e $(BUILD)/peers/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/peers; \
+	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
+	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi
+
+# Reads the contract only; no network, no telemetry. Without npm or a network, tests/api/test_contract_lint.py is skipped.
+CONTRACT_LINTER := @redocly/openapi-core@1.34.5
+contract-linter: ## a linter of OpenAPI documents, for the tests (wants npm)
+	@if [ ! -e $(BUILD)/linter/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/linter; \
+	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/linter $(CONTRACT_LINTER) \
+	        >/dev/null 2>&1 && touch $(BUILD)/linter/complete || echo "npm could not install $(CONTRACT_LINTER): the contract is not linted by it"; fi
+
+# They read the contract only. Without npm or a network, tests/api/test_contract_generators.py is skipped.
+CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3
+contract-generators: ## code generators that read the contract, for the tests (wants npm)
+	@if [ ! -e $(BUILD)/generators/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/generators; \
+	    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/generators $(CONTRACT_GENERATORS) \
+	        >/dev/null 2>&1 && touch $(BUILD)/generators/complete || echo "npm could not install $(CONTRACT_GENERATORS): tests with them are skipped"; fi
+
+# Likewise: playwright-core and axe-core, for tests/web.
+web-peers:
+	@if ! cmp -s tests/web/package-lock.json $(BUILD)/web-peers/complete && command -v npm >/dev/null; then \
+	    mkdir -p $(BUILD)/web-peers && cp tests/web/package.json tests/web/package-lock.json $(BUILD)/web-peers && cd $(BUILD)/web-peers && \
+	    timeout 90 npm ci --silent --no-audit --no-fund --ignore-scripts --include=dev >/dev/null 2>&1 && cp package-lock.json complete || \
+	    echo "npm could not install playwright-core: the tests of the pages are skipped"; fi
+
+test-unit: test-build ## the C tests only
+	@tests/run.py $(TEST_PROGRAMS)
+
+test-web: build web-peers ## the pages in a browser only
+	@tests/run.py "tests/web/run.py --build $(BUILD)"
+
+test-api: build $(CLIENTS) ## the daemon over HTTP only
+	@tests/run.py tests/api/run.py
+
+test-build: $(TEST_PROGRAMS) $(CLIENTS) ## build the unit tests and the clients
