@@ -1,26 +1,33 @@
 # geodesicd: exact geodesics on surfaces, as a network service.
-# `make help` lists the targets. Everything that is built goes into $(BUILD); V=1 shows the commands.
-# Tests, measurements and packages have makefiles of their own, included below.
+# `make help` lists the targets. All output goes into $(BUILD); V=1 shows the commands.
+# Rules, tests, measurements and packages have makefiles of their own, included below.
 
 BUILD   ?= build
+include docker/paths.mk
 export GEODESICD ?= $(abspath $(BUILD)/geodesicd)
 CC      ?= cc
 CXX     ?= c++
 OPT     ?= -O3
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
-CPPFLAGS += -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE
-CFLAGS   += -std=c17 $(OPT) -g -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread $(CWARN) $(SAN)
-CXXFLAGS += -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SAN)
-LDFLAGS  += -pthread $(SAN)
+# CPPFLAGS, CFLAGS, CXXFLAGS and LDFLAGS are the user's. They come after ours.
+GD_CPPFLAGS := -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE
+GD_CFLAGS   := -std=c17 $(OPT) -g -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread \
+               $(CWARN) $(SAN)
+GD_CXXFLAGS := -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SAN)
+GD_LDFLAGS  := -pthread $(SAN)
+
+objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
 # Rooms of the engine, in order of rank (see README). ROOMS="base io" builds a part of the house.
-ROOMS   ?= base mesh io repair construction window kernel guide wavefront partition field line query transport render cut nurbs subdiv
+ROOMS   ?= base mesh io repair construction window kernel guide wavefront partition field line \
+           query transport render cut nurbs subdiv
 ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
 ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
 PROTO_C   := $(wildcard proto/*/*.c)
 SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/*/*.c server/*/*/*.c))
-no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)),$(if $(filter test_%,$(notdir $(source))),,$(source))))
+no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)), \
+              $(if $(filter test_%,$(notdir $(source))),,$(source))))
 SAMPLES_C := $(call no_main,tests/samples/*.c)
 
 LIB_ENGINE  := $(BUILD)/libgd.a
@@ -30,18 +37,13 @@ LIB_SAMPLES := $(BUILD)/libgd_samples.a
 ENGINE_LIBS := -lm -lz
 SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lpq -lgnutls -lseccomp -lz
 
-objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
-
-# Before a command that makes a file: prints its short name and the file (of compilers the source).
-# V=1: the command instead.
-tell = $(if $(filter-out 0,$(V)),,@printf '  %-3s  %s\n' $(1) $(or $(2),$@);)
-
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
+include docker/rules.mk
 
 ##@ To begin with
-.PHONY: help build demo demo-stop serve clean
 
+.PHONY: help build demo demo-stop serve clean
 help: ## list the targets
 	@awk 'BEGIN { FS = ":.*## " } /^##@ / { printf "\n%s\n", substr($$0, 5) } \
 	    /^[a-z][a-z_.-]*:.*## / { printf "  make %-20s %s\n", $$1, $$2 }' $(filter %Makefile %.mk,$(MAKEFILE_LIST))
@@ -59,45 +61,23 @@ serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
 clean: ## remove all that was built
-	rm -rf $(BUILD)
+	$(if $(wildcard $(BUILD_MARK) $(BUILD)/generated),rm -rf $(BUILD),@echo "nothing was built in $(BUILD)")
 
 # --- libraries -----------------------------------------------------------------------------------
 
-$(LIB_ENGINE): $(call objects,$(ENGINE_C) $(ENGINE_CC))
-$(LIB_PROTO): $(call objects,$(PROTO_C)) $(patsubst %,$(BUILD)/obj/generated/%.o,fields parameters requests)
-$(LIB_SERVER): $(call objects,$(SERVER_C)) $(BUILD)/obj/generated/routes.o $(BUILD)/obj/generated/assets.o
-$(LIB_SAMPLES): $(call objects,$(SAMPLES_C))
-
-%.a:
-	@rm -f $@
-	$(call tell,AR)$(AR) rcs $@ $(filter %.o,$^)
-
-# One source, compiled for several machines; the daemon chooses when it starts (engine/kernel/cpu.c).
-ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
-$(BUILD)/obj/engine/%_avx2.c.o: CFLAGS += -mavx2
-$(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
-$(BUILD)/obj/engine/base/%_avx512.c.o: CFLAGS += -mavx512bw
-endif
-
-$(BUILD)/obj/%.c.o: %.c | $(BUILD)/generated/sources
-	@mkdir -p $(@D)
-	$(call tell,CC,$<)$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
-
-$(BUILD)/obj/%.cc.o: %.cc
-	@mkdir -p $(@D)
-	$(call tell,CXX,$<)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
-
-$(BUILD)/obj/generated/%.o: $(BUILD)/generated/%.c
-	@mkdir -p $(@D)
-	$(call tell,CC,$<)$(CC) $(CPPFLAGS) -Iserver $(CFLAGS) -MMD -MP -c -o $@ $<
+generated = $(patsubst %,$(BUILD)/obj/generated/%.o,$(1))
+$(eval $(call library,$(LIB_ENGINE),$(call objects,$(ENGINE_C) $(ENGINE_CC))))
+$(eval $(call library,$(LIB_PROTO),$(call objects,$(PROTO_C)) $(call generated,fields parameters requests)))
+$(eval $(call library,$(LIB_SERVER),$(call objects,$(SERVER_C)) $(call generated,routes assets)))
+$(eval $(call library,$(LIB_SAMPLES),$(call objects,$(SAMPLES_C))))
 
 # --- programs ------------------------------------------------------------------------------------
 
-$(BUILD)/geodesicd: $(BUILD)/obj/server/main.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+$(BUILD)/geodesicd: $(BUILD)/obj/server/main.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(ENGINE_LIBS) $(SERVER_LIBS)
 
-$(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+$(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(ENGINE_LIBS)
 
 # --- generated sources: routes, members of requests, fields of answers ------------------------------
 
@@ -106,10 +86,11 @@ CONTRACT := proto/openapi.yaml $(wildcard proto/*.py)
 $(BUILD)/generated/sources: $(CONTRACT)
 	@mkdir -p $(@D)
 	$(call tell,GEN)python3 proto/generate.py sources proto/openapi.yaml $(@D) && touch $@
-$(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c parameters.h parameters.c requests.h requests.c): $(BUILD)/generated/sources ;
+$(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c parameters.h parameters.c \
+    requests.h requests.c): $(BUILD)/generated/sources ;
 
-# A makefile is left out where its folder is (docker/Dockerfile copies what the daemon needs).
-include $(wildcard docker/setup.mk engine/engine.mk clients/clients.mk tests/tests.mk tests/fault.mk tests/bench.mk \
+# A makefile whose folder is missing is left out (docker/Dockerfile copies what the daemon needs).
+include $(wildcard docker/setup.mk clients/clients.mk tests/tests.mk tests/fault.mk tests/bench.mk \
                    tests/lint.mk docker/packages.mk)
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

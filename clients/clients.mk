@@ -12,7 +12,7 @@ else
 PAGES := $(PAGES_BUILD)/pages/licenses.txt
 endif
 
-$(PAGES_BUILD)/node_modules/.package-lock.json: clients/web/package.json clients/web/package-lock.json
+$(PAGES_BUILD)/node_modules/.package-lock.json: clients/web/package.json clients/web/package-lock.json | $(BUILD_MARK)
 	@clients/web/build.sh install $(PAGES_BUILD)
 
 $(PAGES_BUILD)/pages/licenses.txt: $(PAGES_BUILD)/node_modules/.package-lock.json $(shell find clients/web clients/js/types.d.ts -name node_modules -prune -o -type f -print)
@@ -41,8 +41,8 @@ $(LIB_CLIENT): $(call objects,$(filter-out %/example.c,$(wildcard clients/c/*.c)
 
 client-c: $(LIB_CLIENT) $(BUILD)/geodesicd-client.pc $(BUILD)/gd_client_example ## the client library for C, and its example
 
-$(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
-	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
+$(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT) $(LINK)
+	$(call link,$(CC)) $(CLIENT_LIBS)
 
-$(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
-	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
+$(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT) $(LINK)
+	$(call link,$(CC)) $(CLIENT_LIBS)

@@ -2,7 +2,7 @@
 #
 # One list says what goes where: for install, uninstall and the Debian packages (docker/debian).
 
-.PHONY: install uninstall deb image man test-package test-container test-cluster FORCE
+.PHONY: install uninstall deb image man test-package test-container test-cluster
 
 ##@ Installation and packages
 
@@ -47,7 +47,6 @@ $(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clien
 
 # Written anew each time, since PREFIX may have changed.
 VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
-FORCE:
 $(BUILD)/%.pc: FORCE
 	@mkdir -p $(@D)
 	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@LIBS@|$(ENGINE_LIBS)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
@@ -58,12 +57,15 @@ $(BUILD)/geodesic: clients/cli/geodesic FORCE
 	@mkdir -p $(@D)
 	@sed '1s|/usr/bin/env python3|/usr/bin/python3|; s|^sys.path.append(.*$$|sys.path.append("$(PYTHONDIR)")|' $< > $@
 
-# Built in a copy of docker/debian, since dpkg wants its folder `debian`. DEB_BUILD=$(BUILD) packages what is built already, without the
-# hardening that dpkg-buildflags adds.
+# Built in a copy of docker/debian, since dpkg wants its folder `debian`. DEB_BUILD=$(BUILD) packages
+# what is built already: debhelper does not add its hardening flags to variables that are set.
 DEB_BUILD ?= $(BUILD)/hardened
-deb: ## Debian packages: daemon, clients, libraries (wants debhelper)
+DEB_FLAGS = $(if $(filter $(abspath $(BUILD)),$(abspath $(DEB_BUILD))), \
+                $(foreach name,CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(name)="$$$(name)"))
+deb: | $(BUILD_MARK) ## Debian packages: daemon, clients, libraries (wants debhelper)
 	@rm -rf $(BUILD)/deb && mkdir -p $(BUILD)/deb/source && cp -r docker/debian $(BUILD)/deb/source/debian
-	@cd $(BUILD)/deb/source && SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
+	@cd $(BUILD)/deb/source && $(DEB_FLAGS) SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) \
+	    DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
 	    dpkg-buildpackage --build=binary --unsigned-changes --no-check-builddeps >../log 2>&1 || { tail -n 30 ../log; exit 1; }
 	@ls $(BUILD)/deb/*.deb
 

@@ -4,31 +4,31 @@
 
 BENCH_C   := $(filter-out tests/bench/http_bare.c,$(wildcard tests/bench/*.c))
 
-$(BUILD)/gd_bench: $(call objects,$(BENCH_C)) $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+$(BUILD)/gd_bench: $(call objects,$(BENCH_C)) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(ENGINE_LIBS)
 
 # The sweep compares with CGAL where libcgal-dev is installed; without it the program says so and skips.
 SWEEP_SHARED := $(or $(GEODESICD_SHARED),../shared)/meshes
 SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:faces=400 saddle cylinder:sides=24 obstacles:count=12 \
                 $(wildcard $(foreach name,spot suzanne teapot cow beetle homer fandisk,$(SWEEP_SHARED)/$(name).obj))
 
-$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: CXXFLAGS += -frounding-math
-$(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
+$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: FILE_FLAGS += -frounding-math
+$(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(ENGINE_LIBS) -lcmocka
 
 $(BUILD)/gd_bench_cgal: $(call objects,tests/bench/peer_cgal.cc $(patsubst %,tests/bench/%.c,peer options input alter measure) \
-                          tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+                          tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(ENGINE_LIBS)
 
 # Needs its source and, in its folder `build`, its library, made with -O3 for this machine.
-$(BUILD)/obj/tests/bench/peer_geometry_central.cc.o: CXXFLAGS += -march=native -Wno-shadow -isystem $(GEOMETRY_CENTRAL)/include \
+$(BUILD)/obj/tests/bench/peer_geometry_central.cc.o: FILE_FLAGS += -march=native -Wno-shadow -isystem $(GEOMETRY_CENTRAL)/include \
     -isystem $(GEOMETRY_CENTRAL)/deps/happly -isystem $(GEOMETRY_CENTRAL)/deps/nanoflann/include -isystem $(or $(EIGEN),/usr/include/eigen3)
 $(BUILD)/gd_bench_geometry_central: $(call objects,tests/bench/peer_geometry_central.cc $(patsubst %,tests/bench/%.c,peer options input alter measure)) \
-                                    $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(GEOMETRY_CENTRAL)/build/src/libgeometry-central.a $(ENGINE_LIBS)
+                                    $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(GEOMETRY_CENTRAL)/build/src/libgeometry-central.a $(ENGINE_LIBS)
 
-$(BUILD)/gd_http_bare: $(BUILD)/obj/tests/bench/http_bare.c.o
-	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ -lmicrohttpd
+$(BUILD)/gd_http_bare: $(BUILD)/obj/tests/bench/http_bare.c.o $(LINK)
+	$(call link,$(CC)) -lmicrohttpd
 
 ##@ Measurements
 

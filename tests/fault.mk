@@ -21,12 +21,12 @@ tsan: ## the daemon's tests under ThreadSanitizer
 # The engine whose calls of malloc and its kin fail on order (tests/fault/allocator.h).
 WRAPPED := malloc calloc realloc aligned_alloc posix_memalign free mmap munmap mremap
 $(BUILD)/gd_alloc: $(call objects,$(patsubst %,tests/fault/%.c,alloc_engine allocator) $(wildcard tests/fault/operations*.c)) \
-                   $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_PROTO) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) $(foreach name,$(WRAPPED),-Wl,--wrap=$(name)) -o $@ $^ $(ENGINE_LIBS) -ljansson -lcmocka
+                   $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(foreach name,$(WRAPPED),-Wl,--wrap=$(name)) $(ENGINE_LIBS) -ljansson -lcmocka
 
 # What overload.py asks with.
-$(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o
-	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^
+$(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o $(LINK)
+	$(call link,$(CC))
 
 # Each target starts from its corpus; clang's libFuzzer with both sanitizers.
 FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
@@ -47,8 +47,8 @@ fuzz-build:
 	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
 	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 
-$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) -fsanitize=fuzzer $(ENGINE_LIBS) $(SERVER_LIBS)
 
 # By another name, so that make -n does not run the line that has it.
 SELF := $(MAKE)

@@ -15,18 +15,18 @@ TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c \
 program = $(patsubst %.c,$(BUILD)/%,$(1))
 TEST_PROGRAMS = $(call program,$(TEST_ENGINE) $(TEST_SERVER))
 
-$(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
+$(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
 	@mkdir -p $(@D)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
+	$(call link,$(CXX)) $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
 
 # Limit surfaces are compared with OpenSubdiv's where libosd-dev is installed; without it the tests skip.
-$(BUILD)/obj/tests/oracle/opensubdiv.cc.o: CXXFLAGS += -Wno-shadow # C's functions and structs may share a name
+$(BUILD)/obj/tests/oracle/opensubdiv.cc.o: FILE_FLAGS += -Wno-shadow # C's functions and structs may share a name
 $(BUILD)/tests/oracle/test_opensubdiv: $(BUILD)/obj/tests/oracle/opensubdiv.cc.o
 $(BUILD)/tests/oracle/test_opensubdiv: TEST_LIBS = $(shell $(CXX) -include opensubdiv/version.h -x c++ -E /dev/null >/dev/null 2>&1 && echo -losdCPU)
 
-$(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+$(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
 	@mkdir -p $(@D)
-	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+	$(call link,$(CXX)) $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
 
 ##@ Tests
 
@@ -43,27 +43,27 @@ test: setup-test nurbs-peers contract-linter contract-generators web-peers ## se
 
 # Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py, and half of test_files.py, are skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10
-nurbs-peers: ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
+nurbs-peers: | $(BUILD_MARK) ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/peers/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/peers; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi
 
 # Reads the contract only; no network, no telemetry. Without npm or a network, tests/api/test_contract_lint.py is skipped.
 CONTRACT_LINTER := @redocly/openapi-core@1.34.5
-contract-linter: ## a linter of OpenAPI documents, for the tests (wants npm)
+contract-linter: | $(BUILD_MARK) ## a linter of OpenAPI documents, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/linter/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/linter; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/linter $(CONTRACT_LINTER) \
 	        >/dev/null 2>&1 && touch $(BUILD)/linter/complete || echo "npm could not install $(CONTRACT_LINTER): the contract is not linted by it"; fi
 
 # They read the contract only. Without npm or a network, tests/api/test_contract_generators.py is skipped.
 CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3
-contract-generators: ## code generators that read the contract, for the tests (wants npm)
+contract-generators: | $(BUILD_MARK) ## code generators that read the contract, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/generators/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/generators; \
 	    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/generators $(CONTRACT_GENERATORS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/generators/complete || echo "npm could not install $(CONTRACT_GENERATORS): tests with them are skipped"; fi
 
 # Likewise: playwright-core and axe-core, for tests/web.
-web-peers:
+web-peers: | $(BUILD_MARK)
 	@if ! cmp -s tests/web/package-lock.json $(BUILD)/web-peers/complete && command -v npm >/dev/null; then \
 	    mkdir -p $(BUILD)/web-peers && cp tests/web/package.json tests/web/package-lock.json $(BUILD)/web-peers && cd $(BUILD)/web-peers && \
 	    timeout 90 npm ci --silent --no-audit --no-fund --ignore-scripts --include=dev >/dev/null 2>&1 && cp package-lock.json complete || \

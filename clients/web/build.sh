@@ -42,6 +42,7 @@ print_notices() {
 }
 
 bundle() {
+    [ -L "$place/clients" ] || say "$place was not made by: build.sh install $place"
     cd "$place"
     rm -rf pages
     mkdir -p pages/docs
