@@ -9,6 +9,7 @@
 #include "server/fields/hot_points.h"
 
 #define BUCKETS    4096
+#define SAMPLE     64                   /* entries of which one is evicted */
 #define FAILURE_NS UINT64_C(1000000000) /* a build that failed is not repeated for so long */
 
 /* The seeds of a field, compared in order and bit by bit, and its reach. Of two fields with equal
@@ -25,9 +26,11 @@ struct entry {
     atomic_uint references;      /* of the mesh cache and of the pins */
     struct server_mesh_cache *fields;
     struct field_key key; /* owned */
+    size_t bytes;
+    uint64_t uses;
+    double priority; /* see cache.h */
     LIST_ENTRY(entry) in_bucket;
-    LIST_ENTRY(entry) next;        /* of the mesh cache; then of the removed entries */
-    LIST_ENTRY(entry) next_pinned; /* during an eviction */
+    LIST_ENTRY(entry) next; /* of the mesh cache; then of the removed entries */
 };
 
 LIST_HEAD(entries, entry);
@@ -59,7 +62,8 @@ struct server_cache {
     struct server_workers *workers;
     pthread_mutex_t lock;
     struct entries buckets[BUCKETS];          /* of all mesh caches, by hash */
-    struct server_eviction eviction;          /* of the same entries */
+    uint32_t hand;                            /* the bucket where the next sample begins */
+    double age;                               /* the priority of the last entry that was evicted */
     LIST_HEAD(, server_pending_build) builds; /* as many as jobs are queued or run, at most */
     struct server_cache_statistics statistics;
 };
@@ -165,17 +169,16 @@ static struct entry *entry_create(struct server_mesh_cache *fields, const struct
     atomic_fetch_add(&fields->references, 1);
     atomic_init(&entry->references, 1);
     entry->fields = fields;
-    entry->cached.field = field;
-    entry->cached.worth = (struct server_evictable){
-        .cost = (double)gd_field_statistics(field)->build_ns, .bytes = all, .uses = 1};
+    entry->cached = (struct server_cached){field, (double)gd_field_statistics(field)->build_ns};
+    entry->bytes = all;
+    entry->uses = 1;
     return entry;
 }
 
 static void entry_release(struct entry *entry)
 {
     if (!entry || atomic_fetch_sub(&entry->references, 1) != 1) return;
-    server_budget_give(entry->fields->cache->budget, SERVER_BUDGET_FIELDS,
-                       entry->cached.worth.bytes);
+    server_budget_give(entry->fields->cache->budget, SERVER_BUDGET_FIELDS, entry->bytes);
     gd_field_release(entry->cached.field);
     server_mesh_cache_release(entry->fields);
     key_free(&entry->key);
@@ -219,9 +222,8 @@ static struct entry *table_find_covering(const struct server_mesh_cache *fields,
     return entry && key_covers(&entry->key, key) ? entry : NULL;
 }
 
-/* Removes an entry that is no longer in the order of eviction into `removed`, for the caller to
- * release without the lock. */
-static void table_remove(struct entry *entry, struct entries *removed)
+/* Removes an entry into `removed`, for the caller to release without the lock. */
+static void entry_withdraw(struct entry *entry, struct entries *removed)
 {
     LIST_REMOVE(entry, in_bucket);
     LIST_REMOVE(entry, next);
@@ -230,25 +232,22 @@ static void table_remove(struct entry *entry, struct entries *removed)
     entry->fields->cache->statistics.fields--;
 }
 
-/* The same with an entry that is in the order. */
-static void entry_withdraw(struct entry *entry, struct entries *removed)
+static void entry_rate(struct entry *entry)
 {
-    server_heap_remove(&entry->fields->cache->eviction.order, &entry->cached.worth.node);
-    table_remove(entry, removed);
+    entry->priority =
+        entry->fields->cache->age + entry->cached.cost * (double)entry->uses / (double)entry->bytes;
 }
 
-/* Adds an entry (NULL is harmless), with one more reference, unless the mesh cache is closed, or
- * has a field of these seeds that reaches as far, or memory is short. Withdraws the entry that it
- * replaces. */
+/* Adds an entry (NULL is harmless), with one more reference, unless the mesh cache is closed or has
+ * a field of these seeds that reaches as far. Withdraws the entry that it replaces. */
 static void entry_put(struct entry *entry, struct entries *removed)
 {
     if (!entry || entry->fields->is_closed || table_find_covering(entry->fields, &entry->key))
         return;
     struct server_cache *cache = entry->fields->cache;
-    if (!server_heap_reserve(&cache->eviction.order)) return;
     struct entry *nearer = table_find(entry->fields, &entry->key);
     if (nearer) {
-        entry->cached.worth.uses += nearer->cached.worth.uses;
+        entry->uses += nearer->uses;
         entry_withdraw(nearer, removed);
     }
     atomic_fetch_add(&entry->references, 1);
@@ -256,7 +255,7 @@ static void entry_put(struct entry *entry, struct entries *removed)
     LIST_INSERT_HEAD(&entry->fields->entries, entry, next);
     entry->fields->count++;
     cache->statistics.fields++;
-    server_eviction_insert(&cache->eviction, &entry->cached.worth);
+    entry_rate(entry);
 }
 
 /* The entry (NULL is harmless) with one more pin, as callers know it. */
@@ -269,33 +268,35 @@ static const struct server_cached *entry_pin(struct entry *entry)
 
 /* --- eviction --------------------------------------------------------------------------------- */
 
-static struct entry *entry_first(struct server_eviction *eviction)
+/* Of the next SAMPLE entries without pins, the one of the lowest priority; NULL: all are pinned. */
+static struct entry *entry_choose(struct server_cache *cache)
 {
-    struct server_evictable *worth = server_eviction_first(eviction);
-    return worth ? (struct entry *)((char *)worth - offsetof(struct entry, cached.worth)) : NULL;
+    struct entry *entry, *chosen = NULL;
+    int seen = 0;
+    for (uint32_t i = 0; i < BUCKETS && seen < SAMPLE; i++) {
+        LIST_FOREACH(entry, &cache->buckets[cache->hand++ % BUCKETS], in_bucket)
+        {
+            if (atomic_load(&entry->references) > 1) continue;
+            if (!chosen || entry->priority < chosen->priority) chosen = entry;
+            seen++;
+        }
+    }
+    return chosen;
 }
 
-/* Removes unpinned entries in the order of eviction until they hold `bytes` or none is left. */
+/* Removes unpinned entries until they hold `bytes` or none is left. */
 static void cache_reclaim(void *user, size_t bytes)
 {
     struct server_cache *cache = user;
-    struct server_eviction *eviction = &cache->eviction;
-    struct entries evicted = LIST_HEAD_INITIALIZER(evicted), pinned = evicted;
-    struct entry *first;
+    struct entries evicted = LIST_HEAD_INITIALIZER(evicted);
+    struct entry *entry;
     pthread_mutex_lock(&cache->lock);
-    for (size_t freed = 0; freed < bytes && (first = entry_first(eviction));) {
-        if (atomic_load(&first->references) > 1) {
-            server_heap_remove(&eviction->order, &first->cached.worth.node);
-            LIST_INSERT_HEAD(&pinned, first, next_pinned);
-            continue;
-        }
-        server_eviction_evict(eviction, &first->cached.worth);
-        table_remove(first, &evicted);
-        freed += first->cached.worth.bytes;
+    for (size_t freed = 0; freed < bytes && (entry = entry_choose(cache));) {
+        cache->age = entry->priority;
+        freed += entry->bytes;
+        entry_withdraw(entry, &evicted);
         cache->statistics.evictions++;
     }
-    LIST_FOREACH(first, &pinned, next_pinned)
-    server_eviction_insert(eviction, &first->cached.worth);
     pthread_mutex_unlock(&cache->lock);
     entries_release(&evicted);
 }
@@ -318,10 +319,9 @@ struct server_cache *server_cache_create(struct server_budget *budget,
 void server_cache_destroy(struct server_cache *cache)
 {
     if (!cache) return;
-    assert(!cache->eviction.order.size && LIST_EMPTY(&cache->builds));
+    assert(!cache->statistics.fields && LIST_EMPTY(&cache->builds));
     cache->budget->reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){0};
     pthread_mutex_destroy(&cache->lock);
-    server_heap_free(&cache->eviction.order);
     free(cache);
 }
 
@@ -388,7 +388,10 @@ static const struct server_cached *entry_find(struct server_mesh_cache *fields,
     pthread_mutex_lock(&cache->lock);
     struct entry *entry = table_find_covering(fields, key);
     *(entry ? &cache->statistics.hits : &cache->statistics.misses) += 1;
-    if (entry) server_eviction_use(&cache->eviction, &entry->cached.worth);
+    if (entry) {
+        entry->uses++;
+        entry_rate(entry);
+    }
     const struct server_cached *cached = entry_pin(entry);
     pthread_mutex_unlock(&cache->lock);
     return cached;

@@ -20,9 +20,11 @@
  * SERVER_CACHE_SEARCHES questions about that point (hot_points.h). A field costs as much as 10 to
  * 100 searches of pairs, so a client whose sources are all different does not fill the cache.
  *
- * Evicted are fields without pins, by build time x uses / bytes, aged (eviction.h). Bytes stay in
- * the budget until the last pin goes. A field that is published to a closed mesh cache lives as
- * long as its pins.
+ * Evicted are fields without pins, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW proxies
+ * performance with GreedyDual-Size-Frequency caching policy", 1998): a field's priority is the one
+ * of the field that was evicted last before its last use, plus its build time x uses / bytes. Of a
+ * sample of fields the one of the lowest priority goes. Bytes stay in the budget until the last pin
+ * goes. A field that is published to a closed mesh cache lives as long as its pins.
  *
  * One mutex guards everything; the workers' lock is taken under it. Fields are freed without it.
  * The budget's reclaim locks it: nothing is taken from the budget under it. All functions are
@@ -31,7 +33,6 @@
 #define SERVER_FIELDS_CACHE_H
 
 #include "gd/field.h"
-#include "server/fields/eviction.h"
 #include "server/work/budget.h"
 #include "server/work/workers.h"
 
@@ -42,7 +43,7 @@ struct server_pending_build;
 /* A pinned field: valid until server_cache_unpin. */
 struct server_cached {
     struct gd_field *field;
-    struct server_evictable worth; /* the cache's own */
+    double cost; /* the cache's own: nanoseconds of a rebuild */
 };
 
 /* Becomes a reclaimer of `budget`; jobs are parked with `workers`. Both are borrowed. NULL without

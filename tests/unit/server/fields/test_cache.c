@@ -39,7 +39,7 @@ static void add(struct fixture *fixture, uint32_t vertex)
 static void add_dear(struct fixture *fixture, uint32_t vertex)
 {
     const struct server_cached *cached = land(fixture, enter(fixture, vertex), vertex);
-    ((struct server_cached *)cached)->worth.cost = DEAR;
+    ((struct server_cached *)cached)->cost = DEAR;
     server_cache_unpin(cached);
     /* its place in the order is that of a dear one from this use on */
     server_cache_unpin(find(fixture, vertex));
