@@ -7,8 +7,6 @@
 #include "server/fields/cache.h"
 #include "server/query/api.h"
 #include "server/surfaces/landmarks.h"
-#include "server/work/budgeted_call.h"
-#include "server/work/executor.h"
 
 #define WHAT        "the field"
 #define SET_SHARE   0.2 /* of the work, if the set takes time to locate */
@@ -20,36 +18,20 @@
 
 /* --- locating the set ------------------------------------------------------------------------- */
 
-struct set_call {
-    const struct gd_mesh *mesh;
-    const struct proto_set *set;
-    const struct gd_landmarks *landmarks;
-    struct proto_located_set **out;
-    struct proto_problem *problem;
-};
-
-static enum gd_status set_locate(void *user, const struct gd_control *control, size_t *kept)
-{
-    const struct set_call *call = user;
-    enum gd_status status =
-        proto_set_locate(call->mesh, call->set, call->landmarks, control, call->out, call->problem);
-    if (!status) *kept = (*call->out)->bytes;
-    return status;
-}
-
 bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
                              const struct proto_set *set, struct proto_located_set **out,
                              struct proto_problem *problem)
 {
     const struct gd_mesh *mesh = query->surface->mesh;
-    struct server_landmark_set *landmarks =
-        server_landmarks_find(query->exchange->host->api->landmarks, query->surface);
-    struct set_call call = {mesh, set, landmarks ? landmarks->landmarks : NULL, out, problem};
-    size_t grant = BYTES_A_CALL + gd_mesh_summary(mesh)->edges * (size_t)SET_BYTES_AN_EDGE;
-    enum gd_status status = server_query_call(query, part, set_locate, &call, grant);
-    server_landmark_set_release(landmarks);
-    if (status == GD_BUDGET) server_query_fail(query, status, "the set", problem);
-    return !status;
+    const struct gd_landmarks *landmarks = server_query_landmarks(query);
+    struct server_budgeted_call call = server_query_begin_call(
+        query, part, BYTES_A_CALL + gd_mesh_summary(mesh)->edges * (size_t)SET_BYTES_AN_EDGE);
+    while (server_budgeted_call_next(&call)) {
+        call.status = proto_set_locate(mesh, set, landmarks, &call.control, out, problem);
+        if (!call.status) call.kept = (*out)->bytes;
+    }
+    if (call.status == GD_BUDGET) server_query_fail(query, call.status, "the set", problem);
+    return !call.status;
 }
 
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
@@ -151,40 +133,28 @@ size_t server_field_build_grant(const struct gd_mesh *mesh)
     return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE;
 }
 
-struct field_build {
-    const struct gd_mesh *mesh;
-    struct gd_field_request request;
-    const struct gd_field *nearer; /* to be resumed, or NULL */
-    const struct gd_executor *executor;
-    struct gd_field *field;
-};
-
-static enum gd_status build_make(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct field_build *build = user;
-    enum gd_status status = build->nearer
-                                ? gd_field_resume(build->nearer, build->request.radius, control,
-                                                  build->executor, &build->field, NULL)
-                                : gd_field_build(build->mesh, &build->request, control,
-                                                 build->executor, &build->field, NULL);
-    if (!status) *kept = gd_field_memsize(build->field);
-    return status;
-}
-
-/* Counts the windows that were propagated, of a resumed field the additional ones. */
-static enum gd_status build_run(struct field_build *build, struct server_monitor *part)
+/* Builds the field, or resumes `nearer` (NULL: none). Counts the windows that were propagated, of a
+ * resumed field the additional ones. */
+static enum gd_status field_make(struct server_query *query, struct server_monitor *part,
+                                 const struct gd_field *nearer, struct gd_field **out)
 {
     struct server_host *host = part->exchange->host;
-    build->executor = server_executor_start(host->workers, 2, part->exchange->job.deadline_ns);
-    const struct server_budgeted_call call = {.make = build_make,
-                                              .user = build,
-                                              .control = server_exchange_control(part),
-                                              .grant = server_field_build_grant(build->mesh)};
-    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
-    server_executor_stop(build->executor);
-    if (status) return status;
-    uint64_t all = gd_field_statistics(build->field)->windows_propagated;
-    uint64_t before = build->nearer ? gd_field_statistics(build->nearer)->windows_propagated : 0;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    const struct gd_field_request *request = &query->field.request;
+    const struct gd_executor *executor = server_query_executor(query);
+    struct server_budgeted_call call = {.workspaces = host->workspaces,
+                                        .control = server_exchange_control(part),
+                                        .grant = server_field_build_grant(mesh)};
+    while (server_budgeted_call_next(&call)) {
+        call.status =
+            nearer ? gd_field_resume(nearer, request->radius, &call.control, executor, out, NULL)
+                   : gd_field_build(mesh, request, &call.control, executor, out, NULL);
+        if (!call.status) call.kept = gd_field_memsize(*out);
+    }
+    server_executor_stop(executor);
+    if (call.status) return call.status;
+    uint64_t all = gd_field_statistics(*out)->windows_propagated;
+    uint64_t before = nearer ? gd_field_statistics(nearer)->windows_propagated : 0;
     server_metrics_count_windows(host->metrics, all > before ? all - before : 0);
     return GD_OK;
 }
@@ -196,23 +166,19 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
 {
     struct server_pending_build *pending = query->field.build;
     const struct server_cached *nearer = server_cache_find_nearer(pending);
-    struct field_build build = {.mesh = query->surface->mesh,
-                                .request = query->field.request,
-                                .nearer = nearer ? nearer->field : NULL};
+    struct gd_field *field;
     part.build = pending;
     part.is_awaited = server_cache_is_awaited;
     query->field.build = NULL;
-    enum gd_status status = build_run(&build, &part);
+    enum gd_status status = field_make(query, &part, nearer ? nearer->field : NULL, &field);
     server_cache_unpin(nearer);
-    if (nearer && (status == GD_BUDGET || status == GD_INTERNAL)) {
-        build.nearer = NULL;
-        status = build_run(&build, &part);
-    }
+    if (nearer && (status == GD_BUDGET || status == GD_INTERNAL))
+        status = field_make(query, &part, NULL, &field);
     *out = NULL;
     if (status)
         server_cache_fail(pending, status);
     else
-        *out = server_cache_publish(pending, build.field);
+        *out = server_cache_publish(pending, field);
     return status || *out ? status : GD_NO_MEMORY;
 }
 

@@ -14,8 +14,6 @@
 #include "server/query/handlers.h"
 #include "server/query/request.h"
 #include "server/surfaces/landmarks.h"
-#include "server/work/budgeted_call.h"
-#include "server/work/executor.h"
 
 #define JSON  "application/json"
 #define BYTES "application/octet-stream"
@@ -54,6 +52,7 @@ void server_query_destroy(struct server_query *query)
     proto_located_points_free(&query->points);
     proto_writer_free(&query->draft);
     if (query->held) server_query_give(query, query->held);
+    server_landmark_set_release(query->landmarks);
     server_surface_release(query->surface);
     free(query);
 }
@@ -141,80 +140,57 @@ bool server_query_locate(struct server_query *query, struct proto_points *points
     return ok;
 }
 
-struct query_call {
-    server_query_maker *make;
-    void *user;
-    size_t kept;
-};
-
-static enum gd_status call_make(void *user, const struct gd_control *control, size_t *kept)
+struct server_budgeted_call server_query_begin_call(struct server_query *query,
+                                                    struct server_monitor *part, size_t grant)
 {
-    struct query_call *call = user;
-    enum gd_status status = call->make(call->user, control, kept);
-    call->kept = *kept;
-    return status;
+    query->whole = server_query_monitor(query, 0, 1);
+    return (struct server_budgeted_call){.workspaces = query->exchange->host->workspaces,
+                                         .control =
+                                             server_exchange_control(part ? part : &query->whole),
+                                         .grant = grant,
+                                         .held = &query->held};
 }
 
 enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
                                  server_query_maker *make, void *user, size_t grant)
 {
-    struct server_host *host = query->exchange->host;
-    struct query_call making = {.make = make, .user = user};
-    struct server_monitor whole = server_query_monitor(query, 0, 1);
-    if (!part) part = &whole;
-    const struct server_budgeted_call call = {.make = call_make,
-                                              .user = &making,
-                                              .control = server_exchange_control(part),
-                                              .grant = grant};
-    struct server_landmark_set *set =
-        query->kind->uses_landmarks ? server_landmarks_find(host->api->landmarks, query->surface)
-                                    : NULL;
-    query->part = part;
-    query->landmarks = set ? set->landmarks : NULL;
-    query->executor =
-        query->kind->uses_executor
-            ? server_executor_start(host->workers, 2, query->exchange->job.deadline_ns)
-            : NULL;
-    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
-    query->held += making.kept;
-    server_executor_stop(query->executor);
-    server_landmark_set_release(set);
-    return status;
+    struct server_budgeted_call call = server_query_begin_call(query, part, grant);
+    while (server_budgeted_call_next(&call)) call.status = make(user, &call.control, &call.kept);
+    return call.status;
+}
+
+const struct gd_landmarks *server_query_landmarks(struct server_query *query)
+{
+    if (!query->landmarks)
+        query->landmarks =
+            server_landmarks_find(query->exchange->host->api->landmarks, query->surface);
+    return query->landmarks ? query->landmarks->landmarks : NULL;
+}
+
+const struct gd_executor *server_query_executor(const struct server_query *query)
+{
+    struct server_exchange *exchange = query->exchange;
+    return server_executor_start(exchange->host->workers, 2, exchange->job.deadline_ns);
 }
 
 /* --- pairs ------------------------------------------------------------------------------------ */
 
-struct pair_call {
-    const struct gd_mesh *mesh;
-    const struct server_pair *pair;
-    const struct gd_landmarks *landmarks;
-    struct gd_pair_answer *out;
-};
-
 /* Keeps nothing: a path is small and soon freed. */
-static enum gd_status pair_make(void *user, const struct gd_control *control, size_t *kept)
-{
-    const struct pair_call *call = user;
-    *kept = 0;
-    return gd_pair_solve(call->mesh, call->pair->from, call->pair->to, call->pair->wish,
-                         call->landmarks, control, call->out, NULL);
-}
-
 enum gd_status server_pair_search(struct server_monitor *part, struct server_surface *surface,
                                   const struct server_pair *pair, struct gd_pair_answer *out)
 {
     struct server_host *host = part->exchange->host;
     struct server_landmark_set *set = server_landmarks_find(host->api->landmarks, surface);
-    struct pair_call search = {surface->mesh, pair, set ? set->landmarks : NULL, out};
     size_t edges = gd_mesh_summary(surface->mesh)->edges;
-    const struct server_budgeted_call call = {.make = pair_make,
-                                              .user = &search,
-                                              .control = server_exchange_control(part),
-                                              .grant = BYTES_A_SEARCH + edges * BYTES_AN_EDGE};
+    struct server_budgeted_call call = {.workspaces = host->workspaces,
+                                        .control = server_exchange_control(part),
+                                        .grant = BYTES_A_SEARCH + edges * BYTES_AN_EDGE};
     server_metrics_count_search(host->metrics);
-    enum gd_status status = server_budgeted_call_run(host->workspaces, &call);
+    while (server_budgeted_call_next(&call))
+        call.status = gd_pair_solve(surface->mesh, pair->from, pair->to, pair->wish,
+                                    set ? set->landmarks : NULL, &call.control, out, NULL);
     server_landmark_set_release(set);
-    return status;
+    return call.status;
 }
 
 const struct server_cached *server_pair_find_field(struct server_surface *surface,

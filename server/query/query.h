@@ -32,6 +32,8 @@
 #include "server/query/arrays.h"
 #include "server/surfaces/catalogue.h"
 #include "server/surfaces/surface.h"
+#include "server/work/budgeted_call.h"
+#include "server/work/executor.h"
 
 enum server_query_turn {
     SERVER_QUERY_DONE,   /* the answer can be written */
@@ -80,20 +82,17 @@ struct server_query {
     void *blocks;                       /* of server_query_allocate */
     struct proto_located_points points; /* of server_query_locate */
     struct server_field_query field;
-    /* During server_query_call: the part of the work that the call is, and what the kind uses. */
-    struct server_monitor *part;
-    const struct gd_landmarks *landmarks; /* of the mesh; NULL: there are none */
-    const struct gd_executor *executor;   /* NULL: no second thread */
-    struct server_arrays arrays;          /* of the answer, if its form is one of arrays */
-    struct server_lines lines;            /* of server_query_list_lines */
+    struct server_monitor whole;           /* of a call that is all of the work */
+    struct server_landmark_set *landmarks; /* of server_query_landmarks */
+    struct server_arrays arrays;           /* of the answer, if its form is one of arrays */
+    struct server_lines lines;             /* of server_query_list_lines */
 };
 
 struct server_query_kind {
-    const char *name;                   /* as in the path, and in a batch */
-    size_t size;                        /* of its own struct */
-    const struct server_form *forms;    /* the answer's other forms, or NULL */
-    bool uses_landmarks, uses_executor; /* in server_query_call */
-    bool has_bare_points;               /* geometry is xyz by default, not full */
+    const char *name;                /* as in the path, and in a batch */
+    size_t size;                     /* of its own struct */
+    const struct server_form *forms; /* the answer's other forms, or NULL */
+    bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document,
                    struct proto_problem *problem);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters,
@@ -195,14 +194,23 @@ bool server_query_locate(struct server_query *query, struct proto_points *points
  * for which GD_BUDGET stands. */
 void *server_query_allocate(struct server_query *query, size_t count, size_t size);
 
+/* One long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for all of
+ * it. The query holds the bytes of its result. */
+struct server_budgeted_call server_query_begin_call(struct server_query *query,
+                                                    struct server_monitor *part, size_t grant);
+
+/* The same call, made by a function. */
 typedef enum gd_status server_query_maker(void *user, const struct gd_control *control,
                                           size_t *kept);
-
-/* Runs one long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for all
- * of it. The query holds the `*kept` bytes of its result. */
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query,
                                              struct server_monitor *part, server_query_maker *make,
                                              void *user, size_t grant);
+
+/* The landmarks of the mesh, as long as the query; NULL: there are none. */
+const struct gd_landmarks *server_query_landmarks(struct server_query *query);
+
+/* Two threads for a call, for server_executor_stop; NULL: no second thread. */
+const struct gd_executor *server_query_executor(const struct server_query *query);
 
 /* --- pairs of points -------------------------------------------------------------------------- */
 

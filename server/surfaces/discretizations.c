@@ -49,47 +49,33 @@ static void discretizations_reclaim(void *user, size_t bytes)
     }
 }
 
-struct limit_mesh_build {
-    const struct server_discretization_request *request;
-    uint32_t max_faces;
-    struct gd_limit_mesh *mesh;
-};
-
-static enum gd_status limit_mesh_build(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct limit_mesh_build *build = user;
-    const struct server_discretization_request *request = build->request;
-    enum gd_status status = gd_limit_mesh_build(request->surface, request->level, build->max_faces,
-                                                control, &build->mesh, request->detail);
-    if (!status) *kept = gd_limit_mesh_memsize(build->mesh);
-    return status;
-}
-
 /* The engine refuses a mesh of too many faces before it takes any memory: so the cost of one may be
  * past the budget. */
 static enum gd_status level_build(struct server_discretizations *owner,
                                   const struct server_discretization_request *request,
                                   struct server_discretization **out)
 {
-    struct limit_mesh_build build = {.request = request, .max_faces = owner->max_faces};
-    size_t cost = gd_limit_mesh_cost(request->surface, request->level),
-           limit = owner->budget->limit;
-    const struct server_budgeted_call call = {.make = limit_mesh_build,
-                                              .user = &build,
-                                              .control = request->control,
-                                              .grant = cost < limit ? cost : limit / 2};
-    enum gd_status status = server_budgeted_call_run(owner->workspaces, &call);
-    if (status) return status;
-    size_t bytes = gd_limit_mesh_memsize(build.mesh);
+    struct server_budget *budget = owner->budget;
+    struct gd_limit_mesh *mesh;
+    size_t cost = gd_limit_mesh_cost(request->surface, request->level);
+    struct server_budgeted_call call = {.workspaces = owner->workspaces,
+                                        .control = request->control,
+                                        .grant = cost < budget->limit ? cost : budget->limit / 2};
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_limit_mesh_build(request->surface, request->level, owner->max_faces,
+                                          &call.control, &mesh, request->detail);
+        if (!call.status) call.kept = gd_limit_mesh_memsize(mesh);
+    }
+    if (call.status) return call.status;
     struct server_discretization *built = malloc(sizeof *built);
     if (!built) {
-        gd_limit_mesh_free(build.mesh);
-        server_budget_give(owner->budget, SERVER_BUDGET_FLIGHT, bytes);
+        gd_limit_mesh_free(mesh);
+        server_budget_give(budget, SERVER_BUDGET_FLIGHT, call.kept);
         return GD_NO_MEMORY;
     }
-    server_budget_move(owner->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_DISCRETIZATIONS, bytes);
+    server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_DISCRETIZATIONS, call.kept);
     *built = (struct server_discretization){
-        .references = 1, .mesh = build.mesh, .budget = owner->budget, .bytes = bytes};
+        .references = 1, .mesh = mesh, .budget = budget, .bytes = call.kept};
     *out = built;
     return GD_OK;
 }

@@ -113,32 +113,26 @@ static bool job_progress(void *user, double fraction)
            atomic_load(&job->owner->pressures) == job->pressures;
 }
 
-static enum gd_status landmarks_build(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct landmark_job *job = user;
-    enum gd_status status =
-        gd_landmarks_build(job->surface->mesh, job->owner->parts.count, control, &job->landmarks);
-    if (!status) *kept = gd_landmarks_memsize(job->landmarks);
-    return status;
-}
-
 static void job_build(struct landmark_job *job)
 {
     const struct server_landmarks_parts *parts = &job->owner->parts;
     const struct gd_mesh_summary *summary = gd_mesh_summary(job->surface->mesh);
-    const struct server_budgeted_call call = {.make = landmarks_build,
-                                              .user = job,
-                                              .control = {.progress = job_progress, .user = job},
-                                              .grant = BYTES_A_BUILD +
-                                                       (size_t)summary->edges * BYTES_AN_EDGE,
-                                              .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
-                                              .is_modest = true};
+    struct server_budgeted_call call = {.workspaces = parts->workspaces,
+                                        .control = {.progress = job_progress, .user = job},
+                                        .grant =
+                                            BYTES_A_BUILD + (size_t)summary->edges * BYTES_AN_EDGE,
+                                        .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
+                                        .is_modest = true,
+                                        .status = GD_BUDGET};
     bool is_affordable = call.grant + call.aside <= job->owner->budget->limit / LARGEST_PART;
-    enum gd_status status =
-        is_affordable ? server_budgeted_call_run(parts->workspaces, &call) : GD_BUDGET;
+    while (is_affordable && server_budgeted_call_next(&call)) {
+        call.status =
+            gd_landmarks_build(job->surface->mesh, parts->count, &call.control, &job->landmarks);
+        if (!call.status) call.kept = gd_landmarks_memsize(job->landmarks);
+    }
     job->was_built = true;
-    job->is_hopeless = server_metrics_count_status(parts->metrics, status) || !is_affordable;
-    if (!status && parts->field_store)
+    job->is_hopeless = server_metrics_count_status(parts->metrics, call.status) || !is_affordable;
+    if (!call.status && parts->field_store)
         server_field_store_write_landmarks(parts->field_store, parts->registry, job->surface,
                                            job->landmarks);
 }

@@ -7,19 +7,14 @@
 
 #define GRANT_FACTOR 4 /* from one attempt to the next */
 
-struct space {
-    struct gd_workspace *workspace; /* NULL: no memory; the call allocates its own */
-    size_t bytes;                   /* that the budget counts for it */
-};
-
 struct server_workspaces {
     struct server_budget *budget;
     pthread_mutex_t lock;
     uint32_t count, most;
-    struct space idle[]; /* [count - 1] was used last */
+    struct server_space idle[]; /* [count - 1] was used last */
 };
 
-static void space_destroy(struct server_workspaces *workspaces, struct space space)
+static void space_destroy(struct server_workspaces *workspaces, struct server_space space)
 {
     gd_workspace_destroy(space.workspace);
     server_budget_give(workspaces->budget, SERVER_BUDGET_WORKSPACES, space.bytes);
@@ -29,7 +24,7 @@ static void space_destroy(struct server_workspaces *workspaces, struct space spa
 static void workspaces_reclaim(void *user, size_t bytes)
 {
     struct server_workspaces *workspaces = user;
-    struct space oldest = {0};
+    struct server_space oldest = {0};
     for (size_t freed = 0; freed < bytes; freed += oldest.bytes) {
         pthread_mutex_lock(&workspaces->lock);
         bool is_found = workspaces->count > 0;
@@ -71,20 +66,20 @@ void server_workspaces_destroy(struct server_workspaces *workspaces)
     free(workspaces);
 }
 
-static struct space workspaces_borrow(struct server_workspaces *workspaces)
+static struct server_space workspaces_borrow(struct server_workspaces *workspaces)
 {
-    struct space space = {0};
+    struct server_space space = {0};
     pthread_mutex_lock(&workspaces->lock);
     if (workspaces->count) space = workspaces->idle[--workspaces->count];
     pthread_mutex_unlock(&workspaces->lock);
-    if (!space.workspace) return (struct space){.workspace = gd_workspace_create()};
+    if (!space.workspace) return (struct server_space){.workspace = gd_workspace_create()};
     server_budget_move(workspaces->budget, SERVER_BUDGET_WORKSPACES, SERVER_BUDGET_FLIGHT,
                        space.bytes);
     return space;
 }
 
 /* Its bytes count as idle before other threads can see it. */
-static void workspaces_return(struct server_workspaces *workspaces, struct space space)
+static void workspaces_return(struct server_workspaces *workspaces, struct server_space space)
 {
     server_budget_move(workspaces->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_WORKSPACES,
                        space.bytes);
@@ -96,7 +91,7 @@ static void workspaces_return(struct server_workspaces *workspaces, struct space
 }
 
 /* Frees the memory of the workspace only when the budget is too small for the grant otherwise. */
-static bool call_can_take(struct server_budget *budget, struct space *space, size_t grant)
+static bool call_can_take(struct server_budget *budget, struct server_space *space, size_t grant)
 {
     if (server_budget_could_take(budget, grant)) return true;
     if (space->workspace) gd_workspace_trim(space->workspace);
@@ -105,40 +100,64 @@ static bool call_can_take(struct server_budget *budget, struct space *space, siz
     return server_budget_could_take(budget, grant);
 }
 
-/* The workspace counts beside the grant: its old memory and what the call allocates overlap, but
- * only the engine knows by how much. To the engine, a grant of 0 is no limit. */
-static enum gd_status call_attempt(const struct server_budgeted_call *call,
-                                   struct server_budget *budget, struct space *space, size_t grant)
+/* Takes the memory of an attempt; the last one has all that can be had. To the engine, a grant of 0
+ * is no limit. */
+static bool attempt_begin(struct server_budgeted_call *call)
 {
-    struct gd_control control = call->control;
-    size_t kept = 0, taken = grant + call->aside;
-    if (!grant || !(call->is_modest ? server_budget_take_spare
-                                    : server_budget_take)(budget, SERVER_BUDGET_FLIGHT, taken))
-        return GD_BUDGET;
-    control.budget_bytes = grant;
-    control.workspace = space->workspace;
-    enum gd_status status = call->make(call->user, &control, &kept);
-    size_t left = space->workspace ? gd_workspace_bytes(space->workspace) : 0;
-    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, taken + space->bytes, kept + left);
-    space->bytes = left;
-    return status;
+    struct server_budget *budget = call->workspaces->budget;
+    call->is_last = !call_can_take(budget, &call->space, call->grant);
+    if (call->is_last) call->grant = server_budget_available(budget);
+    size_t bytes = call->grant + call->aside;
+    if (!call->grant || !(call->is_modest ? server_budget_take_spare : server_budget_take)(
+                            budget, SERVER_BUDGET_FLIGHT, bytes))
+        return false;
+    call->taken = bytes;
+    call->control.budget_bytes = call->grant;
+    call->control.workspace = call->space.workspace;
+    call->status = GD_OK;
+    call->kept = 0;
+    return true;
 }
 
-static enum gd_status call_attempts(const struct server_budgeted_call *call,
-                                    struct server_budget *budget, struct space *space)
+/* The workspace counts beside the grant: its old memory and what the call allocates overlap, but
+ * only the engine knows by how much. */
+static void attempt_end(struct server_budgeted_call *call)
 {
-    for (size_t grant = call->grant; call_can_take(budget, space, grant); grant *= GRANT_FACTOR) {
-        enum gd_status status = call_attempt(call, budget, space, grant);
-        if (status != GD_BUDGET || call->is_modest) return status;
+    struct server_space *space = &call->space;
+    size_t left = space->workspace ? gd_workspace_bytes(space->workspace) : 0;
+    if (call->status) call->kept = 0;
+    server_budget_adjust(call->workspaces->budget, SERVER_BUDGET_FLIGHT, call->taken + space->bytes,
+                         call->kept + left);
+    space->bytes = left;
+    call->taken = 0;
+}
+
+bool server_budgeted_call_next(struct server_budgeted_call *call)
+{
+    bool goes_on = !call->taken;
+    if (goes_on) {
+        call->space = workspaces_borrow(call->workspaces);
+    } else {
+        attempt_end(call);
+        goes_on = call->status == GD_BUDGET && !call->is_modest && !call->is_last;
+        call->grant *= GRANT_FACTOR;
     }
-    return call_attempt(call, budget, space, server_budget_available(budget));
+    for (; goes_on; call->grant *= GRANT_FACTOR) {
+        if (attempt_begin(call)) return true;
+        call->status = GD_BUDGET;
+        goes_on = !call->is_last && !call->is_modest;
+    }
+    workspaces_return(call->workspaces, call->space);
+    if (call->held) *call->held += call->kept;
+    return false;
 }
 
 enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
-                                        const struct server_budgeted_call *call)
+                                        const struct server_budgeted_call *what)
 {
-    struct space space = workspaces_borrow(workspaces);
-    enum gd_status status = call_attempts(call, workspaces->budget, &space);
-    workspaces_return(workspaces, space);
-    return status;
+    struct server_budgeted_call call = *what;
+    call.workspaces = workspaces;
+    while (server_budgeted_call_next(&call))
+        call.status = call.make(call.user, &call.control, &call.kept);
+    return call.status;
 }

@@ -1,8 +1,11 @@
 /* Budgeted call: one long call of the engine, in a reused workspace and within the memory budget.
  *
- *     const struct server_budgeted_call call = {
- *         .make = build, .user = &wanted, .control = …, .grant = bytes};
- *     enum gd_status status = server_budgeted_call_run(workspaces, &call);
+ *     struct server_budgeted_call call = {.workspaces = …, .control = …, .grant = bytes};
+ *     while (server_budgeted_call_next(&call)) {
+ *         call.status = gd_mesh_build(…, &call.control, …);
+ *         call.kept = bytes of the result;
+ *     }
+ *     return call.status;
  *
  * DESIGN. The memory of a call is known only when the call ends. So a call gets a grant that most
  * calls of its kind need. A call that fails for lack of memory runs again with several times as
@@ -31,20 +34,34 @@ struct server_budget *server_workspaces_budget(const struct server_workspaces *w
 /* Call it when no call runs. NULL is harmless. */
 void server_workspaces_destroy(struct server_workspaces *workspaces);
 
-struct server_budgeted_call {
-    /* Makes the call under `control`. On success `*kept` is the size of its result in bytes. */
-    enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
-    void *user;
-    /* without budget and workspace, which server_budgeted_call_run sets */
-    struct gd_control control;
-    size_t grant;   /* bytes that most such calls need */
-    size_t aside;   /* bytes that the call allocates beside its budget */
-    bool is_modest; /* uses free memory only: reclaims nothing, and makes one attempt */
+struct server_space {               /* private: a borrowed workspace */
+    struct gd_workspace *workspace; /* NULL: no memory; the call allocates its own */
+    size_t bytes;                   /* that the budget counts for it */
 };
 
-/* On success the caller owns the `*kept` bytes of SERVER_BUDGET_FLIGHT: it moves them to another
- * class or gives them back. Errors are those of the call. GD_BUDGET: all available memory was not
- * enough. */
+struct server_budgeted_call {
+    struct server_workspaces *workspaces;
+    struct gd_control control; /* its budget and workspace are those of the attempt */
+    size_t grant;              /* bytes that most such calls need */
+    size_t aside;              /* bytes that the call allocates beside its budget */
+    bool is_modest;            /* uses free memory only: reclaims nothing, and makes one attempt */
+    size_t *held;              /* grows by `kept` at the end of a call that succeeds; or NULL */
+    enum gd_status status;     /* the loop sets that of an attempt; in the end, of the call */
+    size_t kept;               /* the loop sets the bytes of the result */
+    struct server_space space; /* this and the rest are private */
+    size_t taken;              /* by the attempt under way; 0: there is none */
+    bool is_last;
+    enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
+    void *user;
+};
+
+/* Ends an attempt and begins the next. False: the call has succeeded or failed. The loop must not
+ * end before. On success the caller owns the `kept` bytes of SERVER_BUDGET_FLIGHT: it moves them to
+ * another class or gives them back. Errors are those of the call. GD_BUDGET: all available memory
+ * was not enough. */
+bool server_budgeted_call_next(struct server_budgeted_call *call);
+
+/* The same loop around `make`. */
 GD_MUST_USE enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
                                                     const struct server_budgeted_call *call);
 

@@ -19,7 +19,7 @@
 
 #define RESOLVE_SHARE 0.5 /* of the work; the rest is to use the curve */
 
-/* Begins a kind's own struct. The kind has uses_landmarks. */
+/* Begins a kind's own struct. */
 struct curve_query {
     struct server_query query; /* first */
     struct proto_located_curve curve;
@@ -27,25 +27,7 @@ struct curve_query {
     enum gd_status (*use)(struct curve_query *own, struct gd_curve *curve,
                           const struct gd_control *control, size_t *kept);
     struct gd_detail detail; /* of a failure */
-    bool is_resolved;
 };
-
-static enum gd_status curve_make(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct curve_query *own = user;
-    struct server_query *query = &own->query;
-    struct gd_curve curve;
-    own->detail = (struct gd_detail){0};
-    *query->part = server_query_monitor(query, 0, RESOLVE_SHARE);
-    enum gd_status status = proto_curve_resolve(query->surface->mesh, &own->curve, query->landmarks,
-                                                control, &curve, &own->detail);
-    own->is_resolved = !status;
-    if (status) return status;
-    *query->part = server_query_monitor(query, RESOLVE_SHARE, 1 - RESOLVE_SHARE);
-    status = own->use(own, &curve, control, kept);
-    gd_curve_free(&curve);
-    return status;
-}
 
 /* Resolves the curve and uses it in one long call. A curve that can't be resolved is refused at its
  * place. */
@@ -53,15 +35,30 @@ static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
                         struct proto_problem *problem)
 {
     struct server_query *query = &own->query;
-    enum gd_status status = server_query_call(query, NULL, curve_make, own, grant);
-    if (!status) return true;
-    if (status == GD_BUDGET || !own->detail.text[0]) {
-        server_query_fail(query, status, what, problem);
+    const struct gd_landmarks *landmarks = server_query_landmarks(query);
+    struct server_monitor part = server_query_monitor(query, 0, 1);
+    struct server_budgeted_call call = server_query_begin_call(query, &part, grant);
+    bool is_resolved = false;
+    while (server_budgeted_call_next(&call)) {
+        struct gd_curve curve;
+        own->detail = (struct gd_detail){0};
+        part = server_query_monitor(query, 0, RESOLVE_SHARE);
+        call.status = proto_curve_resolve(query->surface->mesh, &own->curve, landmarks,
+                                          &call.control, &curve, &own->detail);
+        is_resolved = !call.status;
+        if (!is_resolved) continue;
+        part = server_query_monitor(query, RESOLVE_SHARE, 1 - RESOLVE_SHARE);
+        call.status = own->use(own, &curve, &call.control, &call.kept);
+        gd_curve_free(&curve);
+    }
+    if (!call.status) return true;
+    if (call.status == GD_BUDGET || !own->detail.text[0]) {
+        server_query_fail(query, call.status, what, problem);
         return false;
     }
-    server_metrics_count_status(query->exchange->host->metrics, status);
-    return own->is_resolved ? proto_problem_from_status(problem, status, &own->detail)
-                            : proto_curve_fail(&own->curve, status, &own->detail, problem);
+    server_metrics_count_status(query->exchange->host->metrics, call.status);
+    return is_resolved ? proto_problem_from_status(problem, call.status, &own->detail)
+                       : proto_curve_fail(&own->curve, call.status, &own->detail, problem);
 }
 
 /* --- operations ------------------------------------------------------------------------------- */
@@ -205,7 +202,6 @@ static void operation_release(struct server_query *query)
 
 const struct server_query_kind server_query_curve = {.name = "curve",
                                                      .size = sizeof(struct operation_query),
-                                                     .uses_landmarks = true,
                                                      .decode = operation_decode,
                                                      .solve = operation_solve,
                                                      .encode = operation_encode,
@@ -371,7 +367,6 @@ static void cut_release(struct server_query *query)
 
 const struct server_query_kind server_query_cut = {.name = "cut",
                                                    .size = sizeof(struct cut_query),
-                                                   .uses_landmarks = true,
                                                    .decode = cut_decode,
                                                    .solve = cut_solve,
                                                    .encode = cut_encode,
@@ -407,25 +402,21 @@ static size_t spline_bytes(const struct gd_spline *spline, const struct gd_splin
            spline->count * (sizeof *spline->segments + sizeof *spline->knots);
 }
 
-static enum gd_status spline_make(void *user, const struct gd_control *control, size_t *kept)
+/* Builds the spline and samples it. */
+static enum gd_status spline_make(struct spline_query *own, struct server_monitor *part,
+                                  const struct gd_control *control)
 {
-    struct spline_query *own = user;
     struct server_query *query = &own->query;
     const struct gd_mesh *mesh = query->surface->mesh;
     own->detail = (struct gd_detail){0};
-    own->located.request.landmarks = query->landmarks;
-    own->located.request.executor = query->executor;
-    *query->part = server_query_monitor(query, 0, SPLINE_BUILD_SHARE);
+    *part = server_query_monitor(query, 0, SPLINE_BUILD_SHARE);
     enum gd_status status =
         gd_spline_build(mesh, &own->located.request, control, &own->spline, &own->detail);
     if (status) return status;
-    *query->part = server_query_monitor(query, SPLINE_BUILD_SHARE, 1 - SPLINE_BUILD_SHARE);
+    *part = server_query_monitor(query, SPLINE_BUILD_SHARE, 1 - SPLINE_BUILD_SHARE);
     status = gd_spline_sample(mesh, &own->spline, &own->located.sampling, control, &own->line,
                               &own->detail);
-    if (status)
-        gd_spline_free(&own->spline);
-    else
-        *kept = spline_bytes(&own->spline, &own->line);
+    if (status) gd_spline_free(&own->spline);
     return status;
 }
 
@@ -433,12 +424,20 @@ static enum server_query_turn spline_solve(struct server_query *query,
                                            struct proto_problem *problem)
 {
     struct spline_query *own = (struct spline_query *)query;
-    enum gd_status status = server_query_call(query, NULL, spline_make, query,
-                                              server_field_build_grant(query->surface->mesh));
-    if (!status || status == GD_BUDGET || !own->detail.text[0])
-        return server_query_end_draft(query, status, "the spline", problem);
-    server_metrics_count_status(query->exchange->host->metrics, status);
-    proto_spline_fail("", status, &own->detail, problem);
+    struct server_monitor part = server_query_monitor(query, 0, 1);
+    struct server_budgeted_call call =
+        server_query_begin_call(query, &part, server_field_build_grant(query->surface->mesh));
+    own->located.request.landmarks = server_query_landmarks(query);
+    own->located.request.executor = server_query_executor(query);
+    while (server_budgeted_call_next(&call)) {
+        call.status = spline_make(own, &part, &call.control);
+        if (!call.status) call.kept = spline_bytes(&own->spline, &own->line);
+    }
+    server_executor_stop(own->located.request.executor);
+    if (!call.status || call.status == GD_BUDGET || !own->detail.text[0])
+        return server_query_end_draft(query, call.status, "the spline", problem);
+    server_metrics_count_status(query->exchange->host->metrics, call.status);
+    proto_spline_fail("", call.status, &own->detail, problem);
     return SERVER_QUERY_FAILED;
 }
 
@@ -460,8 +459,6 @@ static void spline_release(struct server_query *query)
 
 const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .size = sizeof(struct spline_query),
-                                                      .uses_landmarks = true,
-                                                      .uses_executor = true,
                                                       .decode = spline_decode,
                                                       .solve = spline_solve,
                                                       .encode = spline_encode,

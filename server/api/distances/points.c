@@ -87,23 +87,20 @@ static bool mean_decode(struct server_query *query, const json_t *document,
     return true;
 }
 
-static enum gd_status mean_find(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct mean_query *mean = user;
-    const struct gd_mean_request request = {.points = mean->query.points.points,
-                                            .weights = mean->weights,
-                                            .count = mean->query.points.count,
-                                            .one_step = mean->one_step,
-                                            .landmarks = mean->query.landmarks};
-    *kept = 0;
-    return gd_mean_find(mean->query.surface->mesh, &request, control, &mean->mean, NULL);
-}
-
 static enum server_query_turn mean_solve(struct server_query *query, struct proto_problem *problem)
 {
-    enum gd_status status = server_query_call(query, NULL, mean_find, query,
-                                              server_field_build_grant(query->surface->mesh));
-    return server_query_end_draft(query, status, "the mean", problem);
+    struct mean_query *mean = (struct mean_query *)query;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    const struct gd_mean_request request = {.points = query->points.points,
+                                            .weights = mean->weights,
+                                            .count = query->points.count,
+                                            .one_step = mean->one_step,
+                                            .landmarks = server_query_landmarks(query)};
+    struct server_budgeted_call call =
+        server_query_begin_call(query, NULL, server_field_build_grant(mesh));
+    while (server_budgeted_call_next(&call))
+        call.status = gd_mean_find(mesh, &request, &call.control, &mean->mean, NULL);
+    return server_query_end_draft(query, call.status, "the mean", problem);
 }
 
 static void mean_encode(const struct server_query *query, struct proto_writer *writer)
@@ -119,7 +116,6 @@ static void mean_release(struct server_query *query)
 
 const struct server_query_kind server_query_mean = {.name = "mean",
                                                     .size = sizeof(struct mean_query),
-                                                    .uses_landmarks = true,
                                                     .decode = mean_decode,
                                                     .solve = mean_solve,
                                                     .encode = mean_encode,
@@ -150,27 +146,24 @@ static bool sampling_decode(struct server_query *query, const json_t *document,
                                                    &sampling->start, &sampling->snap, problem);
 }
 
-static enum gd_status sampling_choose(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct sampling_query *sampling = user;
-    *kept = 0;
-    return gd_sampling_farthest(sampling->query.surface->mesh,
-                                sampling->has_start ? &sampling->start : NULL, sampling->count,
-                                control, sampling->query.executor, sampling->points,
-                                sampling->radii, NULL);
-}
-
 static enum server_query_turn sampling_solve(struct server_query *query,
                                              struct proto_problem *problem)
 {
     struct sampling_query *sampling = (struct sampling_query *)query;
-    enum gd_status status = GD_BUDGET;
+    const struct gd_mesh *mesh = query->surface->mesh;
+    const struct gd_point *start = sampling->has_start ? &sampling->start : NULL;
     sampling->points = server_query_allocate(query, sampling->count, sizeof *sampling->points);
     sampling->radii = server_query_allocate(query, sampling->count, sizeof *sampling->radii);
-    if (sampling->points && sampling->radii)
-        status = server_query_call(query, NULL, sampling_choose, query,
-                                   server_field_build_grant(query->surface->mesh));
-    return server_query_end_draft(query, status, "the sampling", problem);
+    if (!sampling->points || !sampling->radii)
+        return server_query_end_draft(query, GD_BUDGET, "the sampling", problem);
+    const struct gd_executor *executor = server_query_executor(query);
+    struct server_budgeted_call call =
+        server_query_begin_call(query, NULL, server_field_build_grant(mesh));
+    while (server_budgeted_call_next(&call))
+        call.status = gd_sampling_farthest(mesh, start, sampling->count, &call.control, executor,
+                                           sampling->points, sampling->radii, NULL);
+    server_executor_stop(executor);
+    return server_query_end_draft(query, call.status, "the sampling", problem);
 }
 
 static void sampling_encode(const struct server_query *query, struct proto_writer *writer)
@@ -183,7 +176,6 @@ static void sampling_encode(const struct server_query *query, struct proto_write
 const struct server_query_kind server_query_farthest_points = {.name = "farthest-points",
                                                                .size =
                                                                    sizeof(struct sampling_query),
-                                                               .uses_executor = true,
                                                                .decode = sampling_decode,
                                                                .solve = sampling_solve,
                                                                .encode = sampling_encode};

@@ -183,11 +183,6 @@ void server_handle_subdivision_evaluate(struct server_exchange *exchange)
 
 /* --- nearest: the place nearest to {"xyz": …} ------------------------------------------------- */
 
-struct finder {
-    struct server_query_kind kind; /* first */
-    server_query_maker *find;
-};
-
 struct nearest {
     struct server_query query; /* first */
     struct gd_vec3 xyz;
@@ -196,6 +191,11 @@ struct nearest {
         struct gd_limit_foot limit;
     } found;
     struct gd_detail detail; /* of a failure */
+};
+
+struct finder {
+    struct server_query_kind kind; /* first */
+    enum gd_status (*find)(struct nearest *nearest, const struct gd_control *control);
 };
 
 static bool nearest_decode(struct server_query *query, const json_t *document,
@@ -211,21 +211,20 @@ static enum server_query_turn nearest_solve(struct server_query *query,
                                             struct proto_problem *problem)
 {
     struct nearest *nearest = (struct nearest *)query;
-    server_query_maker *find = ((const struct finder *)query->kind)->find;
-    struct server_monitor monitor = server_query_monitor(query, 0, 1);
-    enum gd_status status = server_query_call(query, &monitor, find, nearest, NEAREST_BYTES);
-    if (status) return server_smooth_fail(query, status, &nearest->detail, "the search", problem);
-    return SERVER_QUERY_DONE;
+    const struct finder *finder = (const struct finder *)query->kind;
+    struct server_budgeted_call call = server_query_begin_call(query, NULL, NEAREST_BYTES);
+    while (server_budgeted_call_next(&call)) call.status = finder->find(nearest, &call.control);
+    return call.status
+               ? server_smooth_fail(query, call.status, &nearest->detail, "the search", problem)
+               : SERVER_QUERY_DONE;
 }
 
 #define NEAREST_STEPS                                                                              \
     .name = "nearest", .size = sizeof(struct nearest), .decode = nearest_decode,                   \
     .solve = nearest_solve
 
-static enum gd_status nurbs_find(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status nurbs_find(struct nearest *nearest, const struct gd_control *control)
 {
-    struct nearest *nearest = user;
-    (void)kept;
     return gd_parametric_nearest(nurbs_of(&nearest->query), nearest->xyz, control,
                                  &nearest->found.nurbs, NULL);
 }
@@ -241,10 +240,8 @@ void server_handle_nurbs_nearest(struct server_exchange *exchange)
     server_query_handle(exchange, &finder.kind);
 }
 
-static enum gd_status limit_find(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status limit_find(struct nearest *nearest, const struct gd_control *control)
 {
-    struct nearest *nearest = user;
-    (void)kept;
     return gd_limit_nearest(subdivision_of(&nearest->query), nearest->xyz, control,
                             &nearest->found.limit, &nearest->detail);
 }

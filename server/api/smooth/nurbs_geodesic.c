@@ -53,16 +53,6 @@ static size_t found_bytes(const struct gd_geodesics *found)
     return bytes;
 }
 
-static enum gd_status search_call(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct search *search = user;
-    enum gd_status status = gd_geodesic_solve(
-        server_nurbs_of(search->query.surface)->tessellation, search->ends[0], search->ends[1],
-        &search->wanted.options, control, &search->found, &search->detail);
-    if (!status) *kept = found_bytes(&search->found);
-    return status;
-}
-
 /* Checks the control after each end: a long curve takes tens of milliseconds. */
 static bool search_locate(struct search *search, struct server_monitor *monitor,
                           struct proto_problem *problem)
@@ -87,21 +77,26 @@ static enum server_query_turn search_solve(struct server_query *query,
 {
     struct search *search = (struct search *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 1);
-    const struct gd_mesh *mesh =
-        gd_tessellation_mesh(server_nurbs_of(query->surface)->tessellation);
+    const struct gd_tessellation *tessellation = server_nurbs_of(query->surface)->tessellation;
+    size_t faces = gd_mesh_summary(gd_tessellation_mesh(tessellation))->faces;
+    struct server_budgeted_call call =
+        server_query_begin_call(query, &monitor, SEARCH_BYTES + faces * BYTES_PER_FACE);
     if (!search_locate(search, &monitor, problem)) return SERVER_QUERY_FAILED;
-    enum gd_status status =
-        server_query_call(query, &monitor, search_call, search,
-                          SEARCH_BYTES + gd_mesh_summary(mesh)->faces * (size_t)BYTES_PER_FACE);
-    if (status == GD_INVALID_ARGUMENT) {
-        proto_problem_from_status(problem, status, &search->detail);
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_geodesic_solve(tessellation, search->ends[0], search->ends[1],
+                                        &search->wanted.options, &call.control, &search->found,
+                                        &search->detail);
+        if (!call.status) call.kept = found_bytes(&search->found);
+    }
+    if (call.status == GD_INVALID_ARGUMENT) {
+        proto_problem_from_status(problem, call.status, &search->detail);
         return SERVER_QUERY_FAILED;
     }
-    if (status) return server_query_fail(query, status, WHAT, problem);
+    if (call.status) return server_query_fail(query, call.status, WHAT, problem);
     const struct proto_geodesic_answer answer = {.request = &search->wanted,
                                                  .ends = {search->ends[0], search->ends[1]},
                                                  .found = &search->found};
-    status = proto_geodesic_encode(&query->draft, &answer, &query->options);
+    enum gd_status status = proto_geodesic_encode(&query->draft, &answer, &query->options);
     return server_query_end_draft(query, status, "the answer", problem);
 }
 

@@ -61,23 +61,20 @@ static bool pair_decode(struct server_query *query, const json_t *document,
                                    problem);
 }
 
-static enum gd_status pair_call(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct pair *pair = user;
-    enum gd_status status =
-        gd_limit_shortest_find(pair->discretization->mesh, &pair->wanted.from, &pair->wanted.to,
-                               control, &pair->found, &pair->detail);
-    if (!status) *kept = 2 * (size_t)pair->found.step_count * sizeof *pair->found.steps;
-    return status;
-}
-
 static enum gd_status pair_search(struct pair *pair)
 {
+    const struct gd_limit_mesh *mesh = pair->discretization->mesh;
     struct server_monitor monitor =
         server_query_monitor(&pair->query, BUILD_SHARE, 1 - BUILD_SHARE);
-    size_t edges = gd_mesh_summary(gd_limit_mesh_mesh(pair->discretization->mesh))->edges;
-    return server_query_call(&pair->query, &monitor, pair_call, pair,
-                             SEARCH_BYTES + edges * BYTES_PER_EDGE);
+    size_t edges = gd_mesh_summary(gd_limit_mesh_mesh(mesh))->edges;
+    struct server_budgeted_call call =
+        server_query_begin_call(&pair->query, &monitor, SEARCH_BYTES + edges * BYTES_PER_EDGE);
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_limit_shortest_find(mesh, &pair->wanted.from, &pair->wanted.to,
+                                             &call.control, &pair->found, &pair->detail);
+        call.kept = 2 * (size_t)pair->found.step_count * sizeof *pair->found.steps;
+    }
+    return call.status;
 }
 
 static enum server_query_turn pair_solve(struct server_query *query, struct proto_problem *problem)
@@ -250,16 +247,6 @@ static enum gd_status mesh_write(struct trace *trace, uint32_t first, uint32_t c
     return status ? status : gd_control_check(&control, 1);
 }
 
-static enum gd_status smooth_call(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct trace *trace = user;
-    enum gd_status status =
-        gd_limit_trace(subdivision_of(&trace->query), &trace->wanted.start, trace->direction,
-                       trace->wanted.request.length, control, &trace->path, &trace->detail);
-    if (!status) *kept = 2 * (size_t)trace->path.step_count * sizeof *trace->path.steps;
-    return status;
-}
-
 static enum gd_status smooth_write(struct trace *trace, uint32_t i)
 {
     struct server_monitor monitor = trace_monitor(trace, i, 1);
@@ -267,10 +254,16 @@ static enum gd_status smooth_write(struct trace *trace, uint32_t i)
     struct gd_limit_jet end;
     size_t held = trace->query.held;
     trace->direction = proto_limit_trace_direction(&trace->wanted, &trace->jet, i);
-    enum gd_status status =
-        server_query_call(&trace->query, &monitor, smooth_call, trace, TRACE_BYTES);
-    if (status) return status;
-    status = trace_evaluate(trace, &path->steps[path->step_count - 1].place, &end);
+    struct server_budgeted_call call =
+        server_query_begin_call(&trace->query, &monitor, TRACE_BYTES);
+    while (server_budgeted_call_next(&call)) {
+        call.status =
+            gd_limit_trace(subdivision_of(&trace->query), &trace->wanted.start, trace->direction,
+                           trace->wanted.request.length, &call.control, path, &trace->detail);
+        call.kept = 2 * (size_t)path->step_count * sizeof *path->steps;
+    }
+    if (call.status) return call.status;
+    enum gd_status status = trace_evaluate(trace, &path->steps[path->step_count - 1].place, &end);
     if (!status)
         proto_limit_trace_encode_smooth(&trace->query.draft, path, &end,
                                         trace->query.options.geometry);

@@ -168,16 +168,6 @@ static bool tessellate_decode(struct server_query *query, const json_t *document
                                      problem);
 }
 
-static enum gd_status tessellate_call(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct meshing *meshing = user;
-    enum gd_status status = gd_tessellation_build(server_nurbs_of(meshing->query.surface)->surface,
-                                                  &meshing->tessellate.options, control,
-                                                  &meshing->tessellation, &meshing->detail);
-    if (!status) *kept = gd_tessellation_memsize(meshing->tessellation);
-    return status;
-}
-
 static enum gd_status tessellate_write(const struct meshing *meshing,
                                        const struct gd_control *control, struct head *head)
 {
@@ -201,12 +191,18 @@ static enum server_query_turn tessellate_solve(struct server_query *query,
 {
     struct meshing *meshing = (struct meshing *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 0.5);
-    enum gd_status status =
-        server_query_call(query, &monitor, tessellate_call, meshing, TESSELLATE_BYTES);
-    if (status) {
-        server_query_fail(query, status, "the tessellation", problem);
-        if (status != GD_BUDGET) proto_problem_from_status(problem, status, &meshing->detail);
-        if (status == GD_TOO_LARGE) proto_problem_limit(problem, GD_TESSELLATION_FACES_MAX);
+    struct server_budgeted_call call = server_query_begin_call(query, &monitor, TESSELLATE_BYTES);
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_tessellation_build(server_nurbs_of(query->surface)->surface,
+                                            &meshing->tessellate.options, &call.control,
+                                            &meshing->tessellation, &meshing->detail);
+        if (!call.status) call.kept = gd_tessellation_memsize(meshing->tessellation);
+    }
+    if (call.status) {
+        server_query_fail(query, call.status, "the tessellation", problem);
+        if (call.status != GD_BUDGET)
+            proto_problem_from_status(problem, call.status, &meshing->detail);
+        if (call.status == GD_TOO_LARGE) proto_problem_limit(problem, GD_TESSELLATION_FACES_MAX);
         return SERVER_QUERY_FAILED;
     }
     const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh.text,
@@ -234,18 +230,12 @@ static bool discretize_decode(struct server_query *query, const json_t *document
                                        max_faces, &((struct meshing *)query)->discretize, problem);
 }
 
-static enum gd_status discretize_call(void *user, const struct gd_control *control, size_t *kept)
+static size_t discretization_bytes(const struct gd_discretization *made)
 {
-    struct meshing *meshing = user;
-    struct gd_discretization *out = &meshing->discretization;
-    enum gd_status status =
-        gd_discretize(server_subdivision_of(meshing->query.surface)->surface,
-                      &meshing->discretize.options, control, out, &meshing->detail);
-    if (!status)
-        *kept = out->polygons.position_count *
-                    (sizeof *out->polygons.positions + sizeof *out->places + sizeof *out->normals) +
-                gd_polygons_corner_count(&out->polygons) * sizeof *out->polygons.corners;
-    return status;
+    const struct gd_polygons *polygons = &made->polygons;
+    return polygons->position_count *
+               (sizeof *polygons->positions + sizeof *made->places + sizeof *made->normals) +
+           gd_polygons_corner_count(polygons) * sizeof *polygons->corners;
 }
 
 static enum gd_status discretize_write(const struct meshing *meshing,
@@ -261,10 +251,17 @@ static enum server_query_turn discretize_solve(struct server_query *query,
 {
     struct meshing *meshing = (struct meshing *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 0.3);
-    enum gd_status status =
-        server_query_call(query, &monitor, discretize_call, meshing, DISCRETIZE_BYTES);
-    if (status)
-        return server_smooth_fail(query, status, &meshing->detail, "the discretization", problem);
+    struct gd_discretization *made = &meshing->discretization;
+    struct server_budgeted_call call = server_query_begin_call(query, &monitor, DISCRETIZE_BYTES);
+    while (server_budgeted_call_next(&call)) {
+        call.status =
+            gd_discretize(server_subdivision_of(query->surface)->surface,
+                          &meshing->discretize.options, &call.control, made, &meshing->detail);
+        if (!call.status) call.kept = discretization_bytes(made);
+    }
+    if (call.status)
+        return server_smooth_fail(query, call.status, &meshing->detail, "the discretization",
+                                  problem);
     const struct mesher mesher = {&limit_format, meshing->discretize.mesh.text,
                                   &meshing->discretization.polygons, discretize_write};
     return meshing_end(meshing, &mesher, problem);

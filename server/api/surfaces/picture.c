@@ -79,21 +79,12 @@ static bool picture_find_route(struct picture *picture, const struct server_moni
                "from and to, or name others");
 }
 
-static enum gd_status picture_render(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct picture *picture = user;
-    const struct format *format = (const struct format *)picture->query.kind;
-    enum gd_status status =
-        format->render(&picture->wanted.picture, control, &picture->file, &picture->size);
-    if (!status) *kept = picture->size;
-    return status;
-}
-
 static enum server_query_turn picture_draw(struct server_query *query, const struct gd_field *field,
                                            struct server_monitor *part,
                                            struct proto_problem *problem)
 {
     struct picture *picture = (struct picture *)query;
+    const struct format *format = (const struct format *)query->kind;
     struct server_monitor first = server_monitor_portion(part, 0, PATH_SHARE),
                           second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
@@ -105,8 +96,12 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     size_t bytes = PICTURE_BYTES + (size_t)wanted->width * wanted->height * BYTES_PER_PIXEL +
                    (size_t)summary->faces * BYTES_PER_FACE +
                    (field ? (size_t)summary->edges * BYTES_PER_EDGE : 0);
-    enum gd_status status = server_query_call(query, &second, picture_render, picture, bytes);
-    if (status) return server_query_fail(query, status, "the picture", problem);
+    struct server_budgeted_call call = server_query_begin_call(query, &second, bytes);
+    while (server_budgeted_call_next(&call)) {
+        call.status = format->render(wanted, &call.control, &picture->file, &picture->size);
+        call.kept = picture->size;
+    }
+    if (call.status) return server_query_fail(query, call.status, "the picture", problem);
     query->held -= picture->size; /* the response takes the file over from the exchange */
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;
