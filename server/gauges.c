@@ -14,14 +14,14 @@ static void write_values(struct server *server, struct proto_writer *writer)
 {
     struct server_connections_statistics connections =
         server_connections_statistics(server->connections);
-    struct server_workers_load load = server_workers_load(server->workers);
-    struct server_cache_statistics cache = server_cache_statistics(server->surfaces.cache);
+    struct server_workers_load load = server_workers_load(server->host.workers);
+    struct server_cache_statistics cache = server_cache_statistics(server->api.cache);
     struct server_landmarks_statistics landmarks =
-        server_landmarks_statistics(server->surfaces.landmarks);
-    struct server_registry_statistics registry =
-        server_registry_statistics(server->surfaces.registry);
-    struct server_batch_statistics batches = server_batch_runner_statistics(server->batches);
-    const struct server_answer_streams_load streams = server_answer_streams_load(server->streams);
+        server_landmarks_statistics(server->api.landmarks);
+    struct server_registry_statistics registry = server_registry_statistics(server->api.registry);
+    struct server_batch_statistics batches = server_batch_runner_statistics(server->api.batches);
+    const struct server_answer_streams_load streams =
+        server_answer_streams_load(server->host.streams);
     const struct server_metric values[] = {
         {"connections", "Connections that are open.", (double)connections.open},
         {"connections_cut_total",
@@ -55,7 +55,7 @@ static void write_values(struct server *server, struct proto_writer *writer)
         {"mesh_loads_total", "Meshes loaded from the store.", (double)registry.loads},
         {"mesh_unloads_total", "Meshes unloaded for room.", (double)registry.unloads},
         {"store_writable", "1, or 0 after a write that could not be made durable.",
-         server_registry_health(server->surfaces.registry) == NULL},
+         server_registry_health(server->api.registry) == NULL},
         {"store_damaged_files", "Stored files that were found damaged: their meshes are refused.",
          (double)registry.damaged},
         {"batch_items_running", "Items of batches that this daemon works on.", batches.running},
@@ -67,7 +67,7 @@ static void write_values(struct server *server, struct proto_writer *writer)
          streams.count},
         {"answer_streams_held_bytes", "Bytes of the budget that these hold beside their buffers.",
          (double)streams.held},
-        {"event_streams", "Clients that watch jobs.", server_events_count(server->events)},
+        {"event_streams", "Clients that watch jobs.", server_events_count(server->host.events)},
         {"memory_budget_bytes", "The memory budget.", (double)server->budget.limit},
     };
     server_metrics_write_values(writer, values, sizeof values / sizeof *values);
@@ -75,8 +75,8 @@ static void write_values(struct server *server, struct proto_writer *writer)
 
 static void write_scrub(struct server *server, struct proto_writer *writer)
 {
-    if (!server->surfaces.scrub) return;
-    struct server_scrub_statistics scrub = server_scrub_statistics(server->surfaces.scrub);
+    if (!server->scrub) return;
+    struct server_scrub_statistics scrub = server_scrub_statistics(server->scrub);
     const struct server_metric values[] = {
         {"scrub_bytes_total", "Bytes of stored files that were looked through.",
          (double)scrub.bytes},
@@ -104,7 +104,7 @@ static void write_job_states(const struct server_job_statistics *jobs, struct pr
 
 static void write_jobs(struct server *server, struct proto_writer *writer)
 {
-    struct server_job_statistics jobs = server_job_table_statistics(server->jobs, NULL);
+    struct server_job_statistics jobs = server_job_table_statistics(server->api.jobs, NULL);
     write_job_states(&jobs, writer);
     server_metrics_write_head(writer, "jobs_ended_total", "counter",
                               "Jobs that have ended, by how they did.");
@@ -129,13 +129,13 @@ static void write_memory(struct server *server, struct proto_writer *writer)
 void server_gauges_write(void *user, const char *tenant, struct proto_writer *writer)
 {
     struct server *server = user;
-    server_access_write(server->access, tenant, writer);
+    server_access_write(server->api.access, tenant, writer);
     if (tenant) {
-        struct server_job_statistics jobs = server_job_table_statistics(server->jobs, tenant);
+        struct server_job_statistics jobs = server_job_table_statistics(server->api.jobs, tenant);
         write_job_states(&jobs, writer);
         return;
     }
-    server_metrics_write(server->metrics, writer);
+    server_metrics_write(server->host.metrics, writer);
     write_values(server, writer);
     write_scrub(server, writer);
     write_jobs(server, writer);

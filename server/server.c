@@ -36,35 +36,36 @@
 #define TICK_NS         UINT64_C(10000000)    /* the longest delay of a deadline */
 #define WATCH_NS        UINT64_C(1000000000)  /* between two ticks without deferred requests */
 
-void server_surfaces_destroy(struct server_surfaces *surfaces)
+void server_surfaces_destroy(struct server *server)
 {
-    server_scrub_destroy(surfaces->scrub);
-    server_loader_destroy(surfaces->loader);
-    server_workers_destroy(surfaces->writer);
-    server_workers_destroy(surfaces->lister);
-    server_registry_destroy(surfaces->registry);
-    server_discretizations_destroy(surfaces->discretizations);
-    server_landmarks_destroy(surfaces->landmarks);
-    server_field_store_close(surfaces->field_store);
-    server_cache_destroy(surfaces->cache);
+    struct server_api *api = &server->api;
+    server_scrub_destroy(server->scrub);
+    server_loader_destroy(api->loader);
+    server_workers_destroy(api->writer);
+    server_workers_destroy(api->lister);
+    server_registry_destroy(api->registry);
+    server_discretizations_destroy(api->discretizations);
+    server_landmarks_destroy(api->landmarks);
+    server_field_store_close(server->field_store);
+    server_cache_destroy(api->cache);
 }
 
 /* Frees what there is of a server whose HTTP side does not run. */
 static void server_destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
-    server_batch_runner_destroy(server->batches);
+    server_batch_runner_destroy(server->api.batches);
     server_thread_stop(server->deadlines);
-    server_job_table_destroy(server->jobs);
-    server_answer_streams_destroy(server->streams);
-    server_events_destroy(server->events);
-    server_surfaces_destroy(&server->surfaces);
-    server_workers_destroy(server->workers);
-    server_workspaces_destroy(server->workspaces);
+    server_job_table_destroy(server->api.jobs);
+    server_answer_streams_destroy(server->host.streams);
+    server_events_destroy(server->host.events);
+    server_surfaces_destroy(server);
+    server_workers_destroy(server->host.workers);
+    server_workspaces_destroy(server->host.workspaces);
     gd_spare_memory(0);
-    server_metrics_destroy(server->metrics);
+    server_metrics_destroy(server->host.metrics);
     server_tls_close(server->tls);
-    server_access_destroy(server->access);
+    server_access_destroy(server->api.access);
     free(server);
 }
 
@@ -90,8 +91,8 @@ static bool set_spare_aside(struct server *server)
 static bool open_access(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
-    if (*config->keys) server->access = server_access_create(config->keys, error, error_size);
-    if (*config->keys && !server->access) return false;
+    if (*config->keys) server->api.access = server_access_create(config->keys, error, error_size);
+    if (*config->keys && !server->api.access) return false;
     if (*config->tls_cert)
         server->tls = server_tls_open(config->tls_cert, config->tls_key, error, error_size);
     return !*config->tls_cert || server->tls;
@@ -105,12 +106,12 @@ static void watch_deadlines(void *user)
 
 static void server_tick(struct server *server, uint64_t now_ns)
 {
-    server_workers_expire(server->workers, now_ns);
-    server_workers_expire(server->surfaces.writer, now_ns);
-    server_workers_expire(server->surfaces.lister, now_ns);
-    if (server_workers_cancelled(server->workers)) server_workers_cancel(server->surfaces.writer);
-    server_job_table_expire(server->jobs, now_ns);
-    server_events_tick(server->events, now_ns);
+    server_workers_expire(server->host.workers, now_ns);
+    server_workers_expire(server->api.writer, now_ns);
+    server_workers_expire(server->api.lister, now_ns);
+    if (server_workers_cancelled(server->host.workers)) server_workers_cancel(server->api.writer);
+    server_job_table_expire(server->api.jobs, now_ns);
+    server_events_tick(server->host.events, now_ns);
 }
 
 /* Waits for the next tick. While requests are deferred a wake doesn't hasten it: their number goes
@@ -118,8 +119,8 @@ static void server_tick(struct server *server, uint64_t now_ns)
 static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
-    bool is_idle =
-        server_job_table_is_empty(server->jobs) && server_events_count(server->events) == 0;
+    bool is_idle = server_job_table_is_empty(server->api.jobs) &&
+                   server_events_count(server->host.events) == 0;
     return server_thread_pause(thread, is_idle ? SERVER_THREAD_FOREVER : WATCH_NS);
 }
 
@@ -134,46 +135,29 @@ bool server_start_jobs(struct server *server)
         .jobs = (uint32_t)server->config.max_jobs,
         .answer_bytes = server->budget.limit / JOB_ANSWERS_PART,
         .ttl_s = server->config.job_ttl_s,
-        .are_tenanted = server->access != NULL,
+        .are_tenanted = server->api.access != NULL,
     };
-    server->jobs = server_job_table_create(&server->host, &limits);
-    server->api.jobs = server->jobs;
-    if (server->jobs) server->deadlines = server_thread_start(deadlines_run, server);
+    server->api.jobs = server_job_table_create(&server->host, &limits);
+    if (server->api.jobs) server->deadlines = server_thread_start(deadlines_run, server);
     return server->deadlines;
 }
 
 void server_connect(struct server *server)
 {
     const struct server_config *config = &server->config;
-    server->host = (struct server_host){
-        .budget = &server->budget,
-        .workers = server->workers,
-        .workspaces = server->workspaces,
-        .events = server->events,
-        .streams = server->streams,
-        .metrics = server->metrics,
-        .timeout_ms = config->timeout_ms,
-        .slow_ms = config->slow_ms,
-        .queue_length = config->queue_length,
-        .has_cors_origins = config->cors_origins.count > 0,
-        .dispatch = server_router_dispatch,
-        .watch = watch_deadlines,
-        .watcher = server,
-        .api = &server->api,
-    };
-    server->api = (struct server_api){
-        .config = config,
-        .access = server->access,
-        .registry = server->surfaces.registry,
-        .writer = server->surfaces.writer,
-        .lister = server->surfaces.lister,
-        .cache = server->surfaces.cache,
-        .landmarks = server->surfaces.landmarks,
-        .discretizations = server->surfaces.discretizations,
-        .write_metrics = server_gauges_write,
-        .metrics_source = server,
-        .loader = server->surfaces.loader,
-    };
+    struct server_host *host = &server->host;
+    host->budget = &server->budget;
+    host->timeout_ms = config->timeout_ms;
+    host->slow_ms = config->slow_ms;
+    host->queue_length = config->queue_length;
+    host->has_cors_origins = config->cors_origins.count > 0;
+    host->dispatch = server_router_dispatch;
+    host->watch = watch_deadlines;
+    host->watcher = server;
+    host->api = &server->api;
+    server->api.config = config;
+    server->api.write_metrics = server_gauges_write;
+    server->api.metrics_source = server;
 }
 
 static struct server_store *open_store(const struct server_config *config, char *error,
@@ -194,73 +178,70 @@ static bool open_field_store(struct server *server, char *error, size_t error_si
         (void)server_disk_make_folder(config->data_dir);
     struct server_field_store *store = server_field_store_open(config->data_dir, &server->budget);
     if (store)
-        server_field_store_follow(store, server->surfaces.registry);
+        server_field_store_follow(store, server->api.registry);
     else
         snprintf(error, error_size, "there is no room or memory for the folder of fields in %s",
                  config->data_dir);
-    server->surfaces.field_store = store;
+    server->field_store = store;
     return store != NULL;
 }
 
 static bool create_surfaces(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
-    struct server_surfaces *surfaces = &server->surfaces;
-    surfaces->cache = server_cache_create(&server->budget, server->workers);
-    surfaces->writer = server_workers_create(1, UINT32_MAX);
-    surfaces->lister = server_workers_create(1, UINT32_MAX);
-    surfaces->discretizations =
-        server_discretizations_create(server->workspaces, (uint32_t)config->max_faces);
-    if (!surfaces->cache || !surfaces->writer || !surfaces->lister || !surfaces->discretizations)
-        return false;
+    struct server_api *api = &server->api;
+    api->cache = server_cache_create(&server->budget, server->host.workers);
+    api->writer = server_workers_create(1, UINT32_MAX);
+    api->lister = server_workers_create(1, UINT32_MAX);
+    api->discretizations =
+        server_discretizations_create(server->host.workspaces, (uint32_t)config->max_faces);
+    if (!api->cache || !api->writer || !api->lister || !api->discretizations) return false;
     struct server_store *store = open_store(config, error, error_size);
-    if (store) surfaces->registry = server_registry_create(store, &server->budget);
-    if (!surfaces->registry || !open_field_store(server, error, error_size)) return false;
-    const struct server_landmarks_parts landmarks = {.workers = server->workers,
-                                                     .workspaces = server->workspaces,
-                                                     .metrics = server->metrics,
-                                                     .registry = surfaces->registry,
-                                                     .field_store = surfaces->field_store,
+    if (store) api->registry = server_registry_create(store, &server->budget);
+    if (!api->registry || !open_field_store(server, error, error_size)) return false;
+    const struct server_landmarks_parts landmarks = {.workers = server->host.workers,
+                                                     .workspaces = server->host.workspaces,
+                                                     .metrics = server->host.metrics,
+                                                     .registry = api->registry,
+                                                     .field_store = server->field_store,
                                                      .count = (uint32_t)config->landmarks};
-    if (config->landmarks && !(surfaces->landmarks = server_landmarks_create(&landmarks)))
-        return false;
-    surfaces->loader = server_loader_create(&(struct server_loader_parts){
+    if (config->landmarks && !(api->landmarks = server_landmarks_create(&landmarks))) return false;
+    api->loader = server_loader_create(&(struct server_loader_parts){
         .budget = &server->budget,
-        .workers = server->workers,
-        .cache = surfaces->cache,
-        .registry = surfaces->registry,
-        .field_store = config->persist_fields ? surfaces->field_store : NULL,
+        .workers = server->host.workers,
+        .cache = api->cache,
+        .registry = api->registry,
+        .field_store = config->persist_fields ? server->field_store : NULL,
         .max_faces = (uint32_t)config->max_faces});
-    if (!surfaces->loader || !server_loader_preload(surfaces->loader)) return false;
+    if (!api->loader || !server_loader_preload(api->loader)) return false;
     if (!config->scrub_s || !store->verify) return true;
-    surfaces->scrub = server_scrub_create(surfaces->registry, server->workers, config->scrub_s,
-                                          config->scrub_rate);
-    return surfaces->scrub != NULL;
+    server->scrub = server_scrub_create(api->registry, server->host.workers, config->scrub_s,
+                                        config->scrub_rate);
+    return server->scrub != NULL;
 }
 
 static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
+    server_connect(server);
     server_budget_init(&server->budget, config->memory_budget);
     if (config->max_answer < server->budget.largest_answer)
         server->budget.largest_answer = config->max_answer;
     if (!set_spare_aside(server)) return false;
-    server->workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
-    server->workers =
+    server->host.workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
+    server->host.workers =
         server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
-    if (server->workers && !server_workers_add_spare(server->workers)) return false;
-    if (server->workers && server->access) server_workers_share(server->workers);
-    server->metrics = server_metrics_create(proto_routes, proto_route_count);
-    if (!server->workers || !server->workspaces || !server->metrics) return false;
+    if (server->host.workers && !server_workers_add_spare(server->host.workers)) return false;
+    if (server->host.workers && server->api.access) server_workers_share(server->host.workers);
+    server->host.metrics = server_metrics_create(proto_routes, proto_route_count);
+    if (!server->host.workers || !server->host.workspaces || !server->host.metrics) return false;
     if (!create_surfaces(server, error, error_size)) return false;
-    server->events = server_events_create();
-    server->streams = server_answer_streams_create();
-    server_connect(server);
-    if (!server->events || !server->streams || !server_start_jobs(server)) return false;
-    server->batches = server_batch_runner_create(&server->host, config, error, error_size);
-    server->api.batches = server->batches;
+    server->host.events = server_events_create();
+    server->host.streams = server_answer_streams_create();
+    if (!server->host.events || !server->host.streams || !server_start_jobs(server)) return false;
+    server->api.batches = server_batch_runner_create(&server->host, config, error, error_size);
     server->connections = server_connections_create(&server->budget);
-    return server->batches && server->connections;
+    return server->api.batches && server->connections;
 }
 
 static bool server_serve(struct server *server, int listening, char *error, size_t error_size)
@@ -290,7 +271,7 @@ struct server *server_start(const struct server_config *config, int listening, c
         create_parts(server, error, error_size) &&
         server_serve(server, listening, error, error_size))
         return server;
-    if (server->workers) server_workers_cancel(server->workers);
+    if (server->host.workers) server_workers_cancel(server->host.workers);
     server_destroy(server);
     return NULL;
 }
@@ -307,8 +288,8 @@ static void log_reload(const char *what, bool is_read, const char *error)
 void server_reload(struct server *server)
 {
     char error[512] = "out of memory";
-    if (server->access)
-        log_reload("keys", server_access_reload(server->access, error, sizeof error), error);
+    if (server->api.access)
+        log_reload("keys", server_access_reload(server->api.access, error, sizeof error), error);
     if (server->tls)
         log_reload("certificates", server_tls_reload(server->tls, error, sizeof error), error);
 }
@@ -346,13 +327,12 @@ static void stand_aside(struct server *server)
 /* Ends the threads of loader and scrub, and stores what can be computed again. */
 static void persist(struct server *server)
 {
-    struct server_surfaces *surfaces = &server->surfaces;
-    server_scrub_destroy(surfaces->scrub);
-    surfaces->scrub = NULL;
-    server_loader_stop(surfaces->loader);
-    server_registry_note_uses(surfaces->registry);
+    server_scrub_destroy(server->scrub);
+    server->scrub = NULL;
+    server_loader_stop(server->api.loader);
+    server_registry_note_uses(server->api.registry);
     if (server->config.persist_fields)
-        server_field_store_save(surfaces->field_store, surfaces->registry,
+        server_field_store_save(server->field_store, server->api.registry,
                                 gd_now_ns() + PERSIST_NS);
 }
 
@@ -364,16 +344,17 @@ void server_stop(struct server *server)
     const struct sockaddr_storage *socket = &server->config.listen.socket;
     if (socket->ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)socket)->sun_path);
     server_http_quiesce(server->http);
-    server_job_table_drain(server->jobs);
-    server_batch_runner_drain(server->batches);
-    server_events_end(server->events);
+    server_job_table_drain(server->api.jobs);
+    server_batch_runner_drain(server->api.batches);
+    server_events_end(server->host.events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
-    server_workers_cancel(server->workers);
-    while (atomic_load(&server->host.deferred) || server_workers_load(server->workers).background)
+    server_workers_cancel(server->host.workers);
+    while (atomic_load(&server->host.deferred) ||
+           server_workers_load(server->host.workers).background)
         pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     /* after a cancel streams end; the library does not stop with a connection that is suspended */
-    while (server_answer_streams_load(server->streams).count) pause_briefly();
+    while (server_answer_streams_load(server->host.streams).count) pause_briefly();
     server_http_stop(server->http);
     persist(server);
     server_destroy(server);

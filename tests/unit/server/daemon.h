@@ -50,20 +50,20 @@ static inline void daemon_start(struct server_store *store)
                                             .job_ttl_s = 60,
                                             .max_jobs = 10};
     server_budget_init(&server->budget, 64 << 20);
-    server->workspaces = server_workspaces_create(&server->budget, 1);
-    server->workers = server_workers_create(1, 10);
-    server->surfaces.cache = server_cache_create(&server->budget, server->workers);
-    server->surfaces.registry = server_registry_create(store, &server->budget);
-    server->surfaces.writer = server_workers_create(1, UINT32_MAX);
-    server->surfaces.lister = server_workers_create(1, UINT32_MAX);
-    server->surfaces.loader =
+    server->host.workspaces = server_workspaces_create(&server->budget, 1);
+    server->host.workers = server_workers_create(1, 10);
+    server->api.cache = server_cache_create(&server->budget, server->host.workers);
+    server->api.registry = server_registry_create(store, &server->budget);
+    server->api.writer = server_workers_create(1, UINT32_MAX);
+    server->api.lister = server_workers_create(1, UINT32_MAX);
+    server->api.loader =
         server_loader_create(&(struct server_loader_parts){.budget = &server->budget,
-                                                           .workers = server->workers,
-                                                           .cache = server->surfaces.cache,
-                                                           .registry = server->surfaces.registry,
+                                                           .workers = server->host.workers,
+                                                           .cache = server->api.cache,
+                                                           .registry = server->api.registry,
                                                            .max_faces = 1000});
-    server->metrics = server_metrics_create(proto_routes, proto_route_count);
-    server->events = server_events_create();
+    server->host.metrics = server_metrics_create(proto_routes, proto_route_count);
+    server->host.events = server_events_create();
     server_connect(server);
     assert_true(server_start_jobs(server));
     sem_init(&daemon_finished, 0, 0);
@@ -73,15 +73,15 @@ static inline void daemon_start(struct server_store *store)
 static inline void daemon_stop(void)
 {
     struct server *server = &daemon_server;
-    server_workers_cancel(server->workers);
+    server_workers_cancel(server->host.workers);
     while (atomic_load(&server->host.deferred)) usleep(1000);
     server_thread_stop(server->deadlines);
-    server_job_table_destroy(server->jobs);
-    server_events_destroy(server->events);
-    server_surfaces_destroy(&server->surfaces);
-    server_workers_destroy(server->workers);
-    server_workspaces_destroy(server->workspaces);
-    server_metrics_destroy(server->metrics);
+    server_job_table_destroy(server->api.jobs);
+    server_events_destroy(server->host.events);
+    server_surfaces_destroy(server);
+    server_workers_destroy(server->host.workers);
+    server_workspaces_destroy(server->host.workspaces);
+    server_metrics_destroy(server->host.metrics);
     assert_int_equal(server->budget.total, 0);
     assert_false(daemon_had_state);
 }

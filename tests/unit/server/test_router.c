@@ -60,7 +60,7 @@ static void what_takes_it_becomes_a_job(void **state)
     (void)state;
     static const char prefer[] = "Prefer: respond-async";
     assert_int_equal(status_of("PUT", "/v1/meshes/square", prefer, square), 202);
-    while (server_registry_statistics(daemon_server.surfaces.registry).surfaces == 0) usleep(1000);
+    while (server_registry_statistics(daemon_server.api.registry).surfaces == 0) usleep(1000);
     struct server_exchange *exchange =
         exchange_of("GET", "/v1/meshes/square/nearest?point=v:1", "Prefer: respond-async", NULL);
     assert_int_equal(exchange->response.status, 202);
@@ -182,7 +182,7 @@ static void work_after_the_cancel_is_told_so(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
-    server_workers_cancel(daemon_server.workers);
+    server_workers_cancel(daemon_server.host.workers);
     struct server_exchange *exchange =
         exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL);
     assert_int_equal(exchange->response.status, 503);

@@ -23,8 +23,8 @@ static int set_up(void **state)
 {
     (void)state;
     server_budget_init(&server.budget, 64 << 20);
-    server.events = server_events_create();
-    server.workers = server_workers_create(1, 10);
+    server.host.events = server_events_create();
+    server.host.workers = server_workers_create(1, 10);
     server_connect(&server);
     relay = server_relay_create(&server.host, false);
     stream = server_relay_open(relay);
@@ -37,8 +37,8 @@ static int tear_down(void **state)
     (void)state;
     server_stream_close(stream);
     server_relay_release(relay);
-    server_workers_destroy(server.workers);
-    server_events_destroy(server.events);
+    server_workers_destroy(server.host.workers);
+    server_events_destroy(server.host.events);
     assert_int_equal(server.budget.total, 0);
     return 0;
 }
@@ -101,7 +101,7 @@ static void a_writer_that_is_far_ahead_waits_until_half_is_read(void **state)
     write_blocks('a', 1);
     assert_true(server_relay_wait(relay, &job.job));
     assert_reads('a', SERVER_RELAY_MOST / 4);
-    assert_int_equal(server_workers_load(server.workers).queued + job.runs, 0);
+    assert_int_equal(server_workers_load(server.host.workers).queued + job.runs, 0);
     assert_reads('a', SERVER_RELAY_MOST / 4);
     sem_wait(&job.done);
     assert_false(server_relay_wait(relay, &job.job));
@@ -132,7 +132,7 @@ static void at_the_daemons_end_nobody_waits(void **state)
     (void)state;
     struct test_job job;
     test_job_init(&job, NULL);
-    server_workers_cancel(server.workers);
+    server_workers_cancel(server.host.workers);
     write_blocks('a', SERVER_RELAY_MOST / 4096);
     assert_false(server_relay_wait(relay, &job.job));
     assert_true(server_relay_is_over(relay));
@@ -198,7 +198,7 @@ static void a_blocked_writer_ends_with_the_daemon(void **state)
     bool is_whole;
     pthread_t writer;
     assert_int_equal(pthread_create(&writer, NULL, write_all, &is_whole), 0);
-    server_workers_cancel(server.workers);
+    server_workers_cancel(server.host.workers);
     pthread_join(writer, NULL);
     assert_false(is_whole);
 }

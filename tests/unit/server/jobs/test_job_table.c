@@ -24,14 +24,14 @@ static int start_server(uint64_t max_jobs, uint64_t ttl_s)
     server.config = (struct server_config){
         .timeout_ms = 60000, .queue_length = 2, .job_ttl_s = ttl_s, .max_jobs = max_jobs};
     server_budget_init(&server.budget, 8 << 20);
-    server.workers = server_workers_create(1, 2);
-    server.surfaces.cache = server_cache_create(&server.budget, server.workers);
-    server.surfaces.registry = server_registry_create(server_store_memory_create(), &server.budget);
-    server.surfaces.writer = server_workers_create(1, UINT32_MAX);
-    server.surfaces.lister = server_workers_create(1, UINT32_MAX);
-    server.surfaces.loader =
-        server_loader_create(&(struct server_loader_parts){.workers = server.workers});
-    server.events = server_events_create();
+    server.host.workers = server_workers_create(1, 2);
+    server.api.cache = server_cache_create(&server.budget, server.host.workers);
+    server.api.registry = server_registry_create(server_store_memory_create(), &server.budget);
+    server.api.writer = server_workers_create(1, UINT32_MAX);
+    server.api.lister = server_workers_create(1, UINT32_MAX);
+    server.api.loader =
+        server_loader_create(&(struct server_loader_parts){.workers = server.host.workers});
+    server.host.events = server_events_create();
     server_connect(&server);
     assert_true(server_start_jobs(&server));
     sem_init(&begun, 0, 0);
@@ -63,13 +63,13 @@ static int tear_down(void **state)
 {
     (void)state;
     for (int i = 0; i < 100; i++) sem_post(&hold); /* for a test that failed meanwhile */
-    server_workers_cancel(server.workers);
+    server_workers_cancel(server.host.workers);
     while (atomic_load(&server.host.deferred)) usleep(1000);
     server_thread_stop(server.deadlines);
-    server_job_table_destroy(server.jobs);
-    server_events_destroy(server.events);
-    server_surfaces_destroy(&server.surfaces);
-    server_workers_destroy(server.workers);
+    server_job_table_destroy(server.api.jobs);
+    server_events_destroy(server.host.events);
+    server_surfaces_destroy(&server);
+    server_workers_destroy(server.host.workers);
     assert_int_equal(server.budget.total, 0);
     return 0;
 }
@@ -186,7 +186,7 @@ static struct server_deferred_job *start_or_refuse(void (*handle)(struct server_
     struct proto_route *kept = &routes[next++ % 16];
     *kept = route;
     struct server_exchange *exchange = request(kept);
-    struct server_deferred_job *job = server_job_table_start(server.jobs, exchange, problem);
+    struct server_deferred_job *job = server_job_table_start(server.api.jobs, exchange, problem);
     server_exchange_destroy(exchange);
     return job;
 }
@@ -212,7 +212,8 @@ static void wait_for(struct server_deferred_job *job, enum proto_job_state state
 
 static bool is_there(const char *id)
 {
-    struct server_deferred_job *job = server_job_table_find(server.jobs, tenant, id, strlen(id));
+    struct server_deferred_job *job =
+        server_job_table_find(server.api.jobs, tenant, id, strlen(id));
     server_deferred_job_release(job);
     return job != NULL;
 }
@@ -238,7 +239,7 @@ static void an_answer_is_kept_until_it_is_removed(void **state)
     assert_string_equal(told.answer->headers[0].value, "\"tag\"");
     assert_int_equal(counted(), 100);
     assert_true(is_there(told.id));
-    server_job_table_cancel(server.jobs, job);
+    server_job_table_cancel(server.api.jobs, job);
     assert_false(is_there(told.id));
     assert_int_equal(server_deferred_job_describe(job).answer->size,
                      100); /* as long as somebody looks at it */
@@ -269,7 +270,7 @@ static void the_request_comes_whole(void **state)
     server_exchange_add_header(exchange, "Content-Type", "text/plain");
     assert_true(server_body_prepare(&exchange->body, &server.budget, 4, 10, &problem));
     server_body_append(&exchange->body, "body", 4);
-    struct server_deferred_job *job = server_job_table_start(server.jobs, exchange, &problem);
+    struct server_deferred_job *job = server_job_table_start(server.api.jobs, exchange, &problem);
     assert_int_equal(server_deferred_job_describe(job).answer->status, 204);
     assert_int_equal(exchange->body.size, 0);
     server_exchange_destroy(exchange);
@@ -290,7 +291,7 @@ static void states_follow_the_workers(void **state)
     wait_for(second, PROTO_JOB_RUNNING);
     sem_post(&hold);
     wait_for(second, PROTO_JOB_DONE);
-    struct server_job_statistics statistics = server_job_table_statistics(server.jobs, NULL);
+    struct server_job_statistics statistics = server_job_table_statistics(server.api.jobs, NULL);
     assert_int_equal(statistics.now[PROTO_JOB_DONE], 2);
     assert_int_equal(statistics.ended[PROTO_JOB_DONE], 2);
     server_deferred_job_release(first);
@@ -317,12 +318,12 @@ static void what_waits_is_cancelled_without_a_worker(void **state)
     struct server_deferred_job *first = start(wait_in_a_worker);
     sem_wait(&begun);
     struct server_deferred_job *second = start(wait_in_a_worker);
-    server_job_table_cancel(server.jobs, second);
+    server_job_table_cancel(server.api.jobs, second);
     assert_int_equal(state_of(second), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.host.deferred) > 1; i++) usleep(1000);
     assert_int_equal(atomic_load(&server.host.deferred), 1);        /* its exchange is gone, */
     assert_true(is_there(server_deferred_job_describe(second).id)); /* not so the job, */
-    server_job_table_cancel(server.jobs, second);
+    server_job_table_cancel(server.api.jobs, second);
     assert_false(is_there(server_deferred_job_describe(second).id)); /* until it is removed */
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
@@ -336,7 +337,7 @@ static void what_runs_is_stopped_and_its_answer_dropped(void **state)
     (void)state;
     struct server_deferred_job *job = start(go_on);
     sem_wait(&begun);
-    server_job_table_cancel(server.jobs, job);
+    server_job_table_cancel(server.api.jobs, job);
     assert_int_equal(state_of(job), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.host.deferred); i++) usleep(1000);
     assert_int_equal(atomic_load(&server.host.deferred), 0);
@@ -351,9 +352,9 @@ static void ended_jobs_are_dropped_in_time(void **state)
     (void)state;
     struct server_deferred_job *running = start(wait_in_a_worker), *ended = start(answer);
     sem_wait(&begun);
-    server_job_table_expire(server.jobs, gd_now_ns() + 59 * SECOND);
+    server_job_table_expire(server.api.jobs, gd_now_ns() + 59 * SECOND);
     assert_true(is_there(server_deferred_job_describe(ended).id));
-    server_job_table_expire(server.jobs, gd_now_ns() + 61 * SECOND);
+    server_job_table_expire(server.api.jobs, gd_now_ns() + 61 * SECOND);
     assert_false(is_there(server_deferred_job_describe(ended).id));
     assert_true(is_there(server_deferred_job_describe(running).id));
     sem_post(&hold);
@@ -366,7 +367,7 @@ static void an_expired_job_is_not_found(void **state)
     (void)state;
     struct server_deferred_job *job = start(answer), *listed[4];
     assert_false(is_there(server_deferred_job_describe(job).id));
-    assert_int_equal(server_job_table_list(server.jobs, "", NULL, 4, listed), 0);
+    assert_int_equal(server_job_table_list(server.api.jobs, "", NULL, 4, listed), 0);
     server_deferred_job_release(job);
 }
 
@@ -489,17 +490,18 @@ static void are_listed_by_age(void **state)
     for (int i = 0; i < 3; i++)
         assert_true(strcmp(server_deferred_job_describe(jobs[i]).id,
                            server_deferred_job_describe(jobs[i + 1]).id) < 0);
-    assert_int_equal(server_job_table_list(server.jobs, "", NULL, 3, listed), 3);
+    assert_int_equal(server_job_table_list(server.api.jobs, "", NULL, 3, listed), 3);
     for (int i = 0; i < 3; i++) assert_ptr_equal(listed[i], jobs[i]);
     for (int i = 0; i < 3; i++) server_deferred_job_release(listed[i]);
-    server_job_table_cancel(server.jobs, jobs[1]); /* a page may begin behind one that is gone */
-    assert_int_equal(
-        server_job_table_list(server.jobs, "", server_deferred_job_describe(jobs[1]).id, 4, listed),
-        2);
+    server_job_table_cancel(server.api.jobs,
+                            jobs[1]); /* a page may begin behind one that is gone */
+    assert_int_equal(server_job_table_list(server.api.jobs, "",
+                                           server_deferred_job_describe(jobs[1]).id, 4, listed),
+                     2);
     assert_ptr_equal(listed[0], jobs[2]);
     assert_ptr_equal(listed[1], jobs[3]);
     for (int i = 0; i < 2; i++) server_deferred_job_release(listed[i]);
-    assert_int_equal(server_job_table_list(server.jobs, "", "zzz", 4, listed), 0);
+    assert_int_equal(server_job_table_list(server.api.jobs, "", "zzz", 4, listed), 0);
     for (int i = 0; i < 4; i++) server_deferred_job_release(jobs[i]);
 }
 
@@ -512,9 +514,9 @@ static void are_known_to_their_tenant_only(void **state)
     assert_true(is_there(server_deferred_job_describe(job).id));
     tenant = "";
     assert_false(is_there(server_deferred_job_describe(job).id));
-    assert_int_equal(server_job_table_list(server.jobs, "", NULL, 4, listed), 0);
-    assert_int_equal(server_job_table_list(server.jobs, "b", NULL, 4, listed), 0);
-    assert_int_equal(server_job_table_list(server.jobs, "a", NULL, 4, listed), 1);
+    assert_int_equal(server_job_table_list(server.api.jobs, "", NULL, 4, listed), 0);
+    assert_int_equal(server_job_table_list(server.api.jobs, "b", NULL, 4, listed), 0);
+    assert_int_equal(server_job_table_list(server.api.jobs, "a", NULL, 4, listed), 1);
     server_deferred_job_release(listed[0]);
     server_deferred_job_release(job);
 }
@@ -535,7 +537,7 @@ static void a_drain_refuses_what_waits(void **state)
     struct server_deferred_job *running = start(wait_in_a_worker);
     sem_wait(&begun);
     struct server_deferred_job *queued = start(wait_in_a_worker);
-    server_job_table_drain(server.jobs);
+    server_job_table_drain(server.api.jobs);
     wait_for(queued, PROTO_JOB_FAILED);
     assert_int_equal(server_deferred_job_describe(queued).answer->status, 503);
     assert_non_null(strstr(server_deferred_job_describe(queued).answer->body, "draining"));

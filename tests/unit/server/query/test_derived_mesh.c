@@ -202,7 +202,7 @@ static void made_meshes_outlive_the_daemon_to_the_last_bit(void **state)
     const struct server_key key = mesh_key("a");
     struct server_listed listed;
     assert_string_equal(GET("/v1/meshes/a/attachment"), "200 [7,0,9]");
-    assert_true(server_registry_find(daemon_server.surfaces.registry, &key, &listed));
+    assert_true(server_registry_find(daemon_server.api.registry, &key, &listed));
     for (uint32_t i = 0; i < 3; i++) {
         struct gd_vec3 position = gd_mesh_position(listed.surface->mesh, (struct gd_vertex){i});
         assert_memory_equal(&position, irrational[i], sizeof position);

@@ -46,20 +46,20 @@ static int set_up(void **state)
     surface = new_sheet();
     size_t cost = gd_limit_mesh_cost(surface, LEVEL);
     server_budget_init(&server.budget, cost + cost / 2);
-    server.workspaces = server_workspaces_create(&server.budget, 1);
-    server.workers = server_workers_create(1, 1);
-    server.surfaces.discretizations = server_discretizations_create(server.workspaces, 1000000);
+    server.host.workspaces = server_workspaces_create(&server.budget, 1);
+    server.host.workers = server_workers_create(1, 1);
+    server.api.discretizations = server_discretizations_create(server.host.workspaces, 1000000);
     server_connect(&server);
-    return server.surfaces.discretizations ? 0 : -1;
+    return server.api.discretizations ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
     for (size_t i = 0; i < COUNT(slots); i++) server_discretization_slot_close(&slots[i]);
-    server_discretizations_destroy(server.surfaces.discretizations);
-    server_workers_destroy(server.workers);
-    server_workspaces_destroy(server.workspaces);
+    server_discretizations_destroy(server.api.discretizations);
+    server_workers_destroy(server.host.workers);
+    server_workspaces_destroy(server.host.workspaces);
     gd_subdivision_release(surface);
     assert_int_equal(atomic_load(&server.budget.total), 0);
     return 0;
@@ -80,7 +80,7 @@ static enum gd_status get(size_t slot, uint32_t level, struct server_discretizat
                                                           .control =
                                                               server_exchange_control(&monitor),
                                                           .detail = &detail};
-    return server_discretizations_get(server.surfaces.discretizations, &request, out);
+    return server_discretizations_get(server.api.discretizations, &request, out);
 }
 
 static void is_kept_and_found_again(void **state)

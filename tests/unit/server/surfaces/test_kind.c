@@ -250,7 +250,7 @@ static void conditions_hold_for_toys(void **state)
     struct server_key key = {.tenant = "", .kind = &toy_kind, .name = "a"};
     struct server_listed listed;
     char same[SERVER_ETAG + 32], only[SERVER_ETAG + 32];
-    assert_true(server_registry_find(daemon_server.surfaces.registry, &key, &listed));
+    assert_true(server_registry_find(daemon_server.api.registry, &key, &listed));
     snprintf(same, sizeof same, "If-None-Match: \"%s\"", listed.record->etag);
     snprintf(only, sizeof only, "If-Match: \"%s\"", listed.record->etag);
     server_listed_release(&listed);

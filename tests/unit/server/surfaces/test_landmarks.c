@@ -27,7 +27,7 @@ static enum server_store_outcome remove_sphere(uint32_t level)
 {
     char name[2] = {(char)('0' + level), '\0'};
     const struct server_key key = mesh_key(name);
-    return server_registry_remove(server.surfaces.registry, &key, &(struct server_precondition){0});
+    return server_registry_remove(server.api.registry, &key, &(struct server_precondition){0});
 }
 
 /* A surface that the registry has, under its level as a name. */
@@ -38,9 +38,9 @@ static struct server_surface *put_sphere(uint32_t level)
     struct server_record *record = new_record(name, name);
     assert_true(server_budget_take(&server.budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
     struct server_surface *made = server_surface_create(record, mesh, gd_mesh_memsize(mesh),
-                                                        &server.budget, server.surfaces.cache);
+                                                        &server.budget, server.api.cache);
     server_record_release(record);
-    assert_true(server_registry_put(server.surfaces.registry, made, name,
+    assert_true(server_registry_put(server.api.registry, made, name,
                                     &(struct server_precondition){0}) <= SERVER_STORE_REPLACED);
     return made;
 }
@@ -48,11 +48,11 @@ static struct server_surface *put_sphere(uint32_t level)
 static struct server_landmarks *create_landmarks(uint32_t count)
 {
     return server_landmarks_create(
-        &(struct server_landmarks_parts){.workers = server.workers,
-                                         .workspaces = server.workspaces,
-                                         .metrics = server.metrics,
-                                         .registry = server.surfaces.registry,
-                                         .field_store = server.surfaces.field_store,
+        &(struct server_landmarks_parts){.workers = server.host.workers,
+                                         .workspaces = server.host.workspaces,
+                                         .metrics = server.host.metrics,
+                                         .registry = server.api.registry,
+                                         .field_store = server.field_store,
                                          .count = count});
 }
 
@@ -62,37 +62,37 @@ static int set_up(void **state)
     memset(&server, 0, sizeof server);
     server.config = (struct server_config){.landmarks = 3};
     server_budget_init(&server.budget, 256 << 20);
-    server.workspaces = server_workspaces_create(&server.budget, 1);
-    server.workers = server_workers_create(1, 10);
-    server.surfaces.cache = server_cache_create(&server.budget, server.workers);
-    server.surfaces.registry = server_registry_create(server_store_memory_create(), &server.budget);
-    server.metrics = server_metrics_create(proto_routes, proto_route_count);
+    server.host.workspaces = server_workspaces_create(&server.budget, 1);
+    server.host.workers = server_workers_create(1, 10);
+    server.api.cache = server_cache_create(&server.budget, server.host.workers);
+    server.api.registry = server_registry_create(server_store_memory_create(), &server.budget);
+    server.host.metrics = server_metrics_create(proto_routes, proto_route_count);
     folder_make(folder);
-    server.surfaces.field_store = server_field_store_open(folder, &server.budget);
-    server_field_store_follow(server.surfaces.field_store, server.surfaces.registry);
-    server.surfaces.landmarks = create_landmarks(3);
+    server.field_store = server_field_store_open(folder, &server.budget);
+    server_field_store_follow(server.field_store, server.api.registry);
+    server.api.landmarks = create_landmarks(3);
     surface = put_sphere(4);
     return 0;
 }
 
 static void wait_for_background(void)
 {
-    while (server_workers_load(server.workers).background) sched_yield();
+    while (server_workers_load(server.host.workers).background) sched_yield();
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    server_workers_cancel(server.workers);
+    server_workers_cancel(server.host.workers);
     wait_for_background();
     server_surface_release(surface);
-    server_registry_destroy(server.surfaces.registry);
-    server_landmarks_destroy(server.surfaces.landmarks);
-    server_field_store_close(server.surfaces.field_store);
-    server_cache_destroy(server.surfaces.cache);
-    server_workers_destroy(server.workers);
-    server_workspaces_destroy(server.workspaces);
-    server_metrics_destroy(server.metrics);
+    server_registry_destroy(server.api.registry);
+    server_landmarks_destroy(server.api.landmarks);
+    server_field_store_close(server.field_store);
+    server_cache_destroy(server.api.cache);
+    server_workers_destroy(server.host.workers);
+    server_workspaces_destroy(server.host.workspaces);
+    server_metrics_destroy(server.host.metrics);
     folder_remove(folder);
     assert_int_equal(server.budget.total, 0); /* whatever a test did, every byte has come back */
     return 0;
@@ -105,7 +105,7 @@ static size_t counted(enum server_budget_class class)
 
 static bool has_landmarks(struct server_surface *of)
 {
-    struct server_landmark_set *set = server_landmarks_find(server.surfaces.landmarks, of);
+    struct server_landmark_set *set = server_landmarks_find(server.api.landmarks, of);
     server_landmark_set_release(set);
     return set != NULL;
 }
@@ -114,14 +114,14 @@ static bool has_landmarks(struct server_surface *of)
 static struct server_landmark_set *await(struct server_surface *of)
 {
     struct server_landmark_set *set;
-    while (!(set = server_landmarks_find(server.surfaces.landmarks, of))) sched_yield();
+    while (!(set = server_landmarks_find(server.api.landmarks, of))) sched_yield();
     return set;
 }
 
 static void assert_statistics(uint64_t built, uint64_t loaded, uint64_t dropped)
 {
     struct server_landmarks_statistics statistics =
-        server_landmarks_statistics(server.surfaces.landmarks);
+        server_landmarks_statistics(server.api.landmarks);
     assert_int_equal(statistics.built, built);
     assert_int_equal(statistics.loaded, loaded);
     assert_int_equal(statistics.dropped, dropped);
@@ -162,7 +162,7 @@ static const char *stored_file(void)
 static void they_come_in_the_background_and_are_counted(void **state)
 {
     (void)state;
-    assert_null(server_landmarks_find(server.surfaces.landmarks, surface));
+    assert_null(server_landmarks_find(server.api.landmarks, surface));
     struct server_landmark_set *set = await(surface);
     assert_int_equal(gd_landmarks_count(set->landmarks), 3);
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), gd_landmarks_memsize(set->landmarks));
@@ -212,7 +212,7 @@ static void hold_worker(struct test_job *job, sem_t *hold)
 {
     sem_init(hold, 0, 0);
     test_job_init(job, hold);
-    assert_true(server_workers_submit(server.workers, &job->job));
+    assert_true(server_workers_submit(server.host.workers, &job->job));
     sem_wait(&job->began);
 }
 
@@ -333,8 +333,8 @@ static void others_than_are_asked_for_are_built_again(void **state)
     (void)state;
     server_landmark_set_release(await(surface));
     reload_with_file();
-    server_landmarks_destroy(server.surfaces.landmarks);
-    server.surfaces.landmarks = create_landmarks(2);
+    server_landmarks_destroy(server.api.landmarks);
+    server.api.landmarks = create_landmarks(2);
     struct server_landmark_set *set = await(surface);
     assert_int_equal(gd_landmarks_count(set->landmarks), 2);
     server_landmark_set_release(set);
@@ -356,7 +356,7 @@ static void the_file_goes_with_the_mesh(void **state)
 static void *find_and_press(void *user)
 {
     for (int i = 0; i < 3000; i++) {
-        struct server_landmark_set *set = server_landmarks_find(server.surfaces.landmarks, surface);
+        struct server_landmark_set *set = server_landmarks_find(server.api.landmarks, surface);
         if (set) assert_int_equal(gd_landmarks_count(set->landmarks), 3);
         server_landmark_set_release(set);
         if (user && i % 200 == 0) reclaim(1);
