@@ -233,31 +233,18 @@ static bool copy_head(struct server_exchange *to, const struct server_exchange *
     return true;
 }
 
-/* A parameter's name in a copy of the target; a replaced name is static. */
-static const char *copied_name(const struct server_exchange *to, const struct server_exchange *from,
-                               const char *name)
+/* Hands the target and what points into it over; `from` keeps `path`, a copy of its path. */
+static void target_pass(struct server_exchange *from, struct server_exchange *to, char *path)
 {
-    bool is_static = name < from->target || name >= from->target + from->target_size;
-    return is_static ? name : to->target + (name - from->target);
-}
-
-static bool copy_target(struct server_exchange *to, const struct server_exchange *from)
-{
-    to->target = malloc(from->target_size);
-    if (!to->target) return false;
-    memcpy(to->target, from->target, from->target_size);
+    to->target = from->target;
     to->target_size = from->target_size;
-    to->path = to->target + (from->path - from->target);
+    to->path = from->path;
     to->match = from->match;
     to->deprecation = from->deprecation;
-    for (uint32_t i = 0; i < from->match.capture_count; i++)
-        to->match.captures[i].text = to->target + (from->match.captures[i].text - from->target);
     to->parameter_count = from->parameter_count;
-    for (uint32_t i = 0; i < from->parameter_count; i++) {
-        to->parameters[i].name = copied_name(to, from, from->parameters[i].name);
-        to->parameters[i].value = to->target + (from->parameters[i].value - from->target);
-    }
-    return true;
+    memcpy(to->parameters, from->parameters, from->parameter_count * sizeof *from->parameters);
+    from->path = from->target = path;
+    from->parameter_count = from->match.capture_count = 0;
 }
 
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
@@ -269,10 +256,13 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     exchange_clear(detached, exchange->host, transport);
     if (server_budget_take(exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
         detached->held = bytes;
-    if (!detached->held || !copy_target(detached, exchange) || !copy_head(detached, exchange)) {
+    char *path = strdup(exchange->path);
+    if (!detached->held || !path || !copy_head(detached, exchange)) {
+        free(path);
         server_exchange_destroy(detached);
         return NULL;
     }
+    target_pass(exchange, detached, path);
     detached->has_conditions = exchange->has_conditions;
     detached->is_http10 = exchange->is_http10;
     memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);

@@ -185,7 +185,7 @@ const char *server_exchange_check_target(const char *target);
 const char *server_exchange_read_head(struct server_exchange *exchange, const char *version);
 
 /* The same request for a transport that outlives this one's, or NULL without memory. It takes over
- * the body and copies the rest. What is left of `exchange` can be answered. */
+ * body and target, and copies the rest. What is left of `exchange` can be answered. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
