@@ -1,14 +1,18 @@
 /* See surface_resource.h. */
 #include "server/query/surface_resource.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "gd/io.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
-#include "server/surfaces/surface.h"
 #include "server/store/kind.h"
+
+#define FILE_OPTIONS "format=ply&triangulate=true" /* as the kind of meshes writes them */
+#define COPY_BYTES   ((size_t)4 << 20)             /* between two checks of the control */
 
 /* Only a new record lacks a description; a record of the registry is immutable. */
 static bool record_describe(struct server_surface *surface)
@@ -86,4 +90,193 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
     }
     server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
     server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
+}
+
+/* --- derived meshes --------------------------------------------------------------------------- */
+
+void server_derived_meshes_begin(struct server_derived_meshes *meshes,
+                                 struct server_exchange *exchange)
+{
+    *meshes = (struct server_derived_meshes){.exchange = exchange};
+}
+
+void server_derived_meshes_free(struct server_derived_meshes *meshes)
+{
+    if (!meshes->exchange) return;
+    for (uint32_t i = 0; i < meshes->count; i++) {
+        server_surface_release(meshes->list[i].surface);
+        free(meshes->list[i].file);
+    }
+    server_budget_give(meshes->exchange->host->budget, SERVER_BUDGET_FLIGHT, meshes->held);
+    *meshes = (struct server_derived_meshes){0};
+}
+
+static bool name_check(const struct server_derived_meshes *meshes, const char *name,
+                       struct proto_problem *problem)
+{
+    if (meshes->count == SERVER_DERIVED_MESHES_MOST)
+        return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                                 "one request makes at most %d meshes; ask for fewer at a time",
+                                 SERVER_DERIVED_MESHES_MOST);
+    if (!proto_mesh_name_check(name, strlen(name), problem)) return false;
+    for (uint32_t i = 0; i < meshes->count; i++)
+        if (strcmp(meshes->list[i].surface->record->name, name) == 0)
+            return proto_problem_set(
+                problem, PROTO_PROBLEM_INVALID_REQUEST,
+                "two of the meshes would have the name '%s'; name each one differently", name);
+    return true;
+}
+
+/* Upper bound of the file's bytes: doubles, and for each polygon its corners and their number. */
+static size_t file_cost(const struct gd_polygons *polygons)
+{
+    return polygons->position_count * 3 * sizeof(double) +
+           gd_polygons_corner_count(polygons) * sizeof(uint32_t) +
+           polygons->polygon_count * sizeof(uint32_t) + 1024;
+}
+
+enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
+                                        const struct gd_control *control)
+{
+    enum gd_status status = GD_OK;
+    for (size_t at = 0; !status && at < size; at += COPY_BYTES) {
+        status = gd_control_check(control, 0);
+        if (!status)
+            memcpy((char *)to + at, (const char *)from + at,
+                   size - at < COPY_BYTES ? size - at : COPY_BYTES);
+    }
+    return status;
+}
+
+/* A mesh before it is built. All borrowed. */
+struct draft {
+    const char *name, *file;
+    size_t size;
+    const struct server_attachment *attachment; /* NULL: none */
+    const struct gd_control *control;
+};
+
+/* The record of the file: the registry's, if the name holds the same mesh already. */
+static enum gd_status draft_record(const struct server_exchange *exchange,
+                                   const struct draft *draft, struct server_record **out)
+{
+    const struct server_attachment *attachment = draft->attachment;
+    char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX];
+    struct server_origin origin = {.key = {exchange->tenant, &server_kind_mesh, draft->name},
+                                   .sha256 = sha256,
+                                   .size = draft->size,
+                                   .options = FILE_OPTIONS};
+    enum gd_status status = server_sha256_within(draft->file, draft->size, draft->control, sha256);
+    if (!status && attachment) {
+        status = server_sha256_within(attachment->bytes, attachment->size, draft->control,
+                                      attachment_sha256);
+        origin.attachment_sha256 = attachment_sha256;
+        origin.attachment_size = attachment->size;
+    }
+    if (status) return status;
+    struct server_record *record = server_record_create(&origin);
+    struct server_listed before;
+    if (record && server_registry_find(exchange->host->api->registry, &origin.key, &before)) {
+        if (server_record_equal(before.record, record)) {
+            server_record_release(record);
+            record = server_record_retain(before.record);
+        }
+        server_listed_release(&before);
+    }
+    *out = record;
+    return record ? GD_OK : GD_NO_MEMORY;
+}
+
+/* A copy that is counted as SERVER_BUDGET_FLIGHT; NULL with the problem. */
+static void *attachment_copy(struct server_budget *budget, const struct draft *draft,
+                             struct proto_problem *problem)
+{
+    const struct server_attachment *attachment = draft->attachment;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, attachment->size)) {
+        server_budget_refuse(budget, "the mesh", attachment->size, problem);
+        return NULL;
+    }
+    void *copy = malloc(attachment->size);
+    enum gd_status status =
+        copy ? server_derived_mesh_copy(copy, attachment->bytes, attachment->size, draft->control)
+             : GD_NO_MEMORY;
+    if (!status) return copy;
+    free(copy);
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, attachment->size);
+    proto_problem_from_status(problem, status, NULL);
+    return NULL;
+}
+
+static struct server_surface *draft_build(struct server_exchange *exchange,
+                                          const struct draft *draft, struct proto_problem *problem)
+{
+    struct server_surface *surface = NULL;
+    struct server_record *record = NULL;
+    void *copy = NULL;
+    enum gd_status status = draft_record(exchange, draft, &record);
+    if (status)
+        proto_problem_from_status(problem, status, NULL);
+    else if (!draft->attachment || (copy = attachment_copy(exchange->host->budget, draft, problem)))
+        surface = server_surface_resource_build(exchange, record, draft->file, copy, problem);
+    server_record_release(record);
+    return surface;
+}
+
+bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
+                               const struct gd_polygons *polygons,
+                               const struct server_attachment *attachment,
+                               struct proto_problem *problem)
+{
+    struct server_budget *budget = meshes->exchange->host->budget;
+    struct server_monitor monitor = {.exchange = meshes->exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    struct draft draft = {.name = name, .attachment = attachment, .control = &control};
+    size_t cost = file_cost(polygons);
+    char *file;
+    if (!name_check(meshes, name, problem)) return false;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
+        return server_budget_refuse(budget, "the mesh", cost, problem);
+    meshes->held += cost;
+    enum gd_status status =
+        gd_write_polygons_within(polygons, GD_FORMAT_PLY, &control, &file, &draft.size);
+    if (status) return proto_problem_from_status(problem, status, NULL);
+    draft.file = file;
+    struct server_surface *surface = draft_build(meshes->exchange, &draft, problem);
+    if (surface)
+        meshes->list[meshes->count++] = (struct server_derived_mesh){surface, file, false};
+    else
+        free(file);
+    return surface != NULL;
+}
+
+/* Removes the first `count` meshes that were created, unless their names hold others by now. */
+static void meshes_undo(const struct server_derived_meshes *meshes, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const struct server_record *record = meshes->list[i].surface->record;
+        const struct server_key key = server_record_key(record);
+        char tag[SERVER_ETAG + 2];
+        if (!meshes->list[i].is_new) continue;
+        snprintf(tag, sizeof tag, "\"%s\"", record->etag);
+        const struct server_precondition same = {.if_match = {tag}};
+        (void)server_registry_remove(meshes->exchange->host->api->registry, &key, &same);
+    }
+}
+
+enum server_store_outcome server_derived_meshes_store(struct server_derived_meshes *meshes)
+{
+    static const struct server_precondition none;
+    bool is_new = true;
+    for (uint32_t i = 0; i < meshes->count; i++) {
+        struct server_derived_mesh *mesh = &meshes->list[i];
+        enum server_store_outcome outcome = server_registry_put(
+            meshes->exchange->host->api->registry, mesh->surface, mesh->file, &none);
+        if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
+            meshes_undo(meshes, i);
+            return outcome;
+        }
+        mesh->is_new = outcome == SERVER_STORE_CREATED;
+        is_new &= mesh->is_new;
+    }
+    return is_new ? SERVER_STORE_CREATED : SERVER_STORE_REPLACED;
 }

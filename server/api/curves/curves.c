@@ -11,7 +11,7 @@
 #include "proto/values/spline.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
-#include "server/query/derived_mesh.h"
+#include "server/query/surface_resource.h"
 #include "server/query/query.h"
 #include "server/query/request.h"
 

@@ -5,7 +5,6 @@
 
 #include "server/query/surface_resource.h"
 #include "server/query/handlers.h"
-#include "server/query/derived_mesh.h"
 #include "server/query/request.h"
 #include "server/store/store.h"
 
