@@ -353,13 +353,16 @@ static enum gd_status labels_find(struct voronoi_query *own)
     return status;
 }
 
-static enum gd_status bisectors_trace(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status bisectors_trace(struct voronoi_query *own, struct server_monitor *part)
 {
-    struct voronoi_query *own = user;
-    enum gd_status status = gd_voronoi_trace(own->field, own->query.field.set->members,
-                                             own->tolerance, control, &own->found);
-    if (!status) *kept = own->found.bytes;
-    return status;
+    struct server_budgeted_call call =
+        server_query_begin_call(&own->query, part, trace_grant(&own->query, BISECTOR_EDGE));
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_voronoi_trace(own->field, own->query.field.set->members, own->tolerance,
+                                       &call.control, &own->found);
+        call.kept = own->found.bytes;
+    }
+    return call.status;
 }
 
 static bool bisectors_admit(const struct voronoi_query *own, struct proto_problem *problem)
@@ -385,9 +388,7 @@ static enum server_query_turn voronoi_answer(struct server_query *query,
     uint32_t fields = query->options.fields;
     own->field = field;
     enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_find(own) : GD_OK;
-    if (!status && fields & PROTO_VORONOI_FIELD_BISECTORS)
-        status =
-            server_query_call(query, part, bisectors_trace, own, trace_grant(query, BISECTOR_EDGE));
+    if (!status && fields & PROTO_VORONOI_FIELD_BISECTORS) status = bisectors_trace(own, part);
     if (!status && !bisectors_admit(own, problem)) return SERVER_QUERY_FAILED;
     return server_query_end_draft(query, status, "the diagram", problem);
 }

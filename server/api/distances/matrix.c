@@ -178,13 +178,11 @@ static struct gd_field_request row_request(const struct matrix_row *row, struct 
 }
 
 /* From a field that is dropped. Rows are alike, so the next row begins with this one's grant. */
-static enum gd_status row_from_field(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status row_from_field(const struct matrix_row *row, const struct gd_control *control)
 {
-    const struct matrix_row *row = user;
     struct gd_seed seed;
     const struct gd_field_request request = row_request(row, &seed);
     struct gd_field *field;
-    *kept = 0;
     enum gd_status status =
         gd_field_build(row->matrix->query.surface->mesh, &request, control, NULL, &field, NULL);
     if (status) return status;
@@ -195,14 +193,13 @@ static enum gd_status row_from_field(void *user, const struct gd_control *contro
 }
 
 /* Without the wedges, which are most of a field's memory. */
-static enum gd_status row_from_vertices(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status row_from_vertices(const struct matrix_row *row,
+                                        const struct gd_control *control)
 {
-    const struct matrix_row *row = user;
     const struct gd_mesh *mesh = row->matrix->query.surface->mesh;
     struct gd_seed seed;
     const struct gd_field_request request = row_request(row, &seed);
     double *distances = malloc(gd_mesh_summary(mesh)->index_count * sizeof *distances);
-    *kept = 0;
     enum gd_status status = distances
                                 ? gd_field_distances_only(mesh, &request, control, distances, NULL)
                                 : GD_NO_MEMORY;
@@ -220,14 +217,16 @@ static enum gd_status row_propagate(struct matrix_row *row)
 {
     struct matrix_query *matrix = row->matrix;
     size_t indices = gd_mesh_summary(matrix->query.surface->mesh)->index_count;
-    const struct server_budgeted_call call = {
-        .make = matrix->vertices ? row_from_vertices : row_from_field,
-        .user = row,
-        .control = row_control(row),
-        .grant = atomic_load(&matrix->grant),
-        .aside = matrix->vertices ? indices * sizeof(double)
-                                  : (size_t)matrix->columns.count * BYTES_A_COLUMN};
-    return server_budgeted_call_run(row->monitor.exchange->host->workspaces, &call);
+    struct server_budgeted_call call = {.workspaces = row->monitor.exchange->host->workspaces,
+                                        .control = row_control(row),
+                                        .grant = atomic_load(&matrix->grant),
+                                        .aside = matrix->vertices ? indices * sizeof(double)
+                                                                  : (size_t)matrix->columns.count *
+                                                                        BYTES_A_COLUMN};
+    while (server_budgeted_call_next(&call))
+        call.status = matrix->vertices ? row_from_vertices(row, &call.control)
+                                       : row_from_field(row, &call.control);
+    return call.status;
 }
 
 /* --- a row by searches ------------------------------------------------------------------------ */
