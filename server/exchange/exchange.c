@@ -321,10 +321,21 @@ uint32_t server_exchange_count_headers(const struct server_exchange *exchange, c
     return count;
 }
 
-const char *server_exchange_code(const struct server_exchange *exchange)
+void server_exchange_log(const struct server_exchange *exchange, struct server_log_line *line,
+                         uint64_t nanoseconds)
 {
-    enum proto_problem_code code = exchange->response.problem;
-    return code == PROTO_PROBLEM_NONE ? NULL : proto_problem_name(code);
+    const struct server_response *response = &exchange->response;
+    server_log_text(line, "method", exchange->method);
+    server_log_text(line, "path", exchange->path);
+    server_log_text(line, "route", exchange->match.route ? exchange->match.route->path : NULL);
+    server_log_integer(line, "status", response->status);
+    if (response->problem != PROTO_PROBLEM_NONE)
+        server_log_text(line, "code", proto_problem_name(response->problem));
+    server_log_text(line, "key", server_grant_name(&exchange->grant));
+    server_log_integer(line, "bytes", (int64_t)response->size);
+    server_log_milliseconds(line, "ms", nanoseconds);
+    server_log_text(line, "request_id", exchange->request_id);
+    server_log_text(line, "traceparent", server_exchange_header(exchange, "traceparent"));
 }
 
 bool server_exchange_is(const struct server_exchange *exchange, const char *method)

@@ -214,8 +214,9 @@ bool server_exchange_prefers(const struct server_exchange *exchange, const char 
 /* View of the query string for proto's decoders; lives as long as the exchange. */
 struct proto_parameters server_exchange_parameters(struct server_exchange *exchange);
 
-/* The code of the problem that was replied, for the log; NULL: none was. */
-const char *server_exchange_code(const struct server_exchange *exchange);
+/* Adds what all log lines about an answered exchange say. */
+void server_exchange_log(const struct server_exchange *exchange, struct server_log_line *line,
+                         uint64_t nanoseconds);
 
 bool server_exchange_is(const struct server_exchange *exchange, const char *method);
 

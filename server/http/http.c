@@ -234,20 +234,11 @@ static void client_log(const struct client *client, uint64_t nanoseconds)
                                     : SERVER_LOG_INFO,
                           is_slow && !is_error ? "slow_request" : "request"))
         return;
-    server_log_text(&line, "method", exchange->method);
-    server_log_text(&line, "path", exchange->path);
-    server_log_text(&line, "route", exchange->match.route ? exchange->match.route->path : NULL);
-    server_log_integer(&line, "status", response->status);
-    server_log_text(&line, "code", server_exchange_code(exchange));
-    server_log_text(&line, "key", server_grant_name(&exchange->grant));
+    server_exchange_log(exchange, &line, nanoseconds);
     if (response->status == 400 || response->status == 401 || response->status == 403 ||
         response->status == 429)
         server_log_text(&line, "peer", print_peer(peer_of(client->connection), text));
-    server_log_integer(&line, "bytes", (int64_t)response->size);
-    server_log_milliseconds(&line, "ms", nanoseconds);
     server_log_text(&line, "lane", exchange->work ? "worker" : "inline");
-    server_log_text(&line, "request_id", exchange->request_id);
-    server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
     server_log_end_soon(&line);
 }
 

@@ -368,16 +368,7 @@ static void job_log(const struct server_deferred_job *job, const struct server_e
     if (!server_log_begin(&line, is_internal ? SERVER_LOG_ERROR : SERVER_LOG_INFO, "job")) return;
     server_log_text(&line, "job", job->id);
     server_log_text(&line, "state", proto_job_state_name(state));
-    server_log_text(&line, "method", exchange->method);
-    server_log_text(&line, "path", exchange->path);
-    server_log_text(&line, "route", exchange->match.route->path);
-    server_log_integer(&line, "status", exchange->response.status);
-    server_log_text(&line, "code", server_exchange_code(exchange));
-    server_log_text(&line, "key", server_grant_name(&exchange->grant));
-    server_log_integer(&line, "bytes", (int64_t)exchange->response.size);
-    server_log_milliseconds(&line, "ms", gd_now_ns() - exchange->started_ns);
-    server_log_text(&line, "request_id", exchange->request_id);
-    server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
+    server_exchange_log(exchange, &line, gd_now_ns() - exchange->started_ns);
     server_log_end(&line);
 }
 

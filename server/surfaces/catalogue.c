@@ -214,7 +214,7 @@ enum server_catalogue_finding server_catalogue_find(struct server_catalogue *cat
     if (found) {
         *out = resource_retain(found);
         found->turn = ++catalogue->clock;
-        found->uses++;
+        atomic_fetch_add(&found->uses, 1);
     } else {
         finding = find_forgotten(catalogue, id) ? SERVER_CATALOGUE_FORGOT : SERVER_CATALOGUE_ABSENT;
     }
@@ -259,13 +259,4 @@ uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *a
         out[count++] = resource_retain(resources->items[at++]);
     pthread_mutex_unlock(&catalogue->lock);
     return count;
-}
-
-uint64_t server_catalogue_count_uses(struct server_catalogue *catalogue,
-                                     const struct server_resource *resource)
-{
-    pthread_mutex_lock(&catalogue->lock);
-    uint64_t uses = resource->uses;
-    pthread_mutex_unlock(&catalogue->lock);
-    return uses;
 }

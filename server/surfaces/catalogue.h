@@ -28,10 +28,10 @@ struct server_resource {
     struct proto_located_set *set;
     struct proto_field_description description; /* `id` is the one above */
     struct server_budget *budget;
-    size_t bytes;   /* of SERVER_BUDGET_FIELDS */
-    char *set_text; /* see the description; owned */
-    uint64_t turn;  /* of the catalogue's clock at the last use; under its lock */
-    uint64_t uses;  /* under its lock */
+    size_t bytes;               /* of SERVER_BUDGET_FIELDS */
+    char *set_text;             /* see the description; owned */
+    uint64_t turn;              /* of the catalogue's clock at the last use; under its lock */
+    atomic_uint_least64_t uses; /* how often it was found */
 };
 
 /* A field as a resource with one reference. Takes over the set (free()); the description's id is
@@ -74,10 +74,6 @@ bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
 
 /* Removes the resource of that id, retained for the caller; NULL: there is none. */
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id);
-
-/* How often a listed resource was found. */
-uint64_t server_catalogue_count_uses(struct server_catalogue *catalogue,
-                                     const struct server_resource *resource);
 
 /* Up to `most` with ids after `after` (NULL: from the first), in order, each retained; returns how
  * many. */

@@ -161,7 +161,7 @@ static bool page_reply(struct server_exchange *exchange, struct server_surface *
     proto_page_begin(&writer, "fields");
     for (uint32_t i = 0; i < written && fits; i++) {
         struct proto_field_description description = resources[i]->description;
-        description.uses = server_catalogue_count_uses(catalogue, resources[i]);
+        description.uses = atomic_load(&resources[i]->uses);
         proto_field_encode_listed(&writer, surface->mesh, &description);
     }
     proto_page_end(&writer, count > page->limit ? resources[page->limit - 1]->id : NULL);
