@@ -33,22 +33,16 @@ struct server_store_uses {
     int64_t last; /* seconds since 1970 */
 };
 
+/* A surface, or a change of it by another daemon or this one. */
 struct server_stored {
-    struct server_record *record; /* the visitor retains it to keep it */
+    const char *key;              /* of a change */
+    struct server_record *record; /* the visitor retains it to keep it. NULL: it was removed */
     struct server_store_uses uses;
     uint64_t version; /* 0: the store is not shared */
 };
 
-/* A change, by another daemon or this one. */
-struct server_store_change {
-    const char *key;
-    struct server_record *record; /* NULL: the surface was removed */
-    uint64_t version;
-};
-
 /* Visitors; they return false to end the visit. */
 typedef bool server_stored_visit(void *user, const struct server_stored *stored);
-typedef bool server_change_visit(void *user, const struct server_store_change *change);
 typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
 
 /* A back-end leaves out what it does not need: close is the only function that all have, put and
@@ -91,7 +85,7 @@ struct server_store {
     uint32_t (*damaged)(struct server_store *store);
     /* Visits the changes since the last call, in the order of versions. STALE: too many; call each,
      * and drop what it does not visit. UNAVAILABLE, NO_MEMORY. */
-    enum server_store_outcome (*follow)(struct server_store *store, server_change_visit *visit,
+    enum server_store_outcome (*follow)(struct server_store *store, server_stored_visit *visit,
                                         void *user);
     /* Blocks for `ns`, or less if there is a change. */
     void (*await)(struct server_store *store, uint64_t ns);

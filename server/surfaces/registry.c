@@ -397,7 +397,7 @@ void server_registry_note_uses(struct server_registry *registry)
 /* Applies a change, unless this daemon made it itself; `*left` is the slot that it replaces or
  * removes. False without memory. */
 static bool change_follow(struct server_registry *registry, const struct server_key *key,
-                          const struct server_store_change *change, struct slot **left)
+                          const struct server_stored *change, struct slot **left)
 {
     struct server_sorted *all = &registry->all;
     const struct slot *before = server_sorted_find(all, key);
@@ -414,7 +414,7 @@ static bool change_follow(struct server_registry *registry, const struct server_
     return true;
 }
 
-static bool on_change(void *user, const struct server_store_change *change)
+static bool on_change(void *user, const struct server_stored *change)
 {
     struct server_registry *registry = user;
     struct slot *left = NULL;

@@ -194,9 +194,9 @@ static enum server_store_outcome shared_verify(struct server_store *store,
 /* --- rows ------------------------------------------------------------------------------------- */
 
 struct page {
-    server_change_visit *visit_change; /* one of the two */
-    server_stored_visit *visit_stored;
+    server_stored_visit *visit;
     void *user;
+    bool is_following;          /* removals are visited, too */
     uint64_t seen;              /* all changes up to this version are visited */
     char last[SERVER_KEY_TEXT]; /* the last surface's key */
     uint32_t rows;
@@ -225,13 +225,9 @@ static bool on_page_row(void *user, const struct server_sql_value *row)
     const char *key = row[0].bytes;
     uint64_t version = (uint64_t)row[1].integer;
     struct server_record *record = row[2].type == SERVER_SQL_BYTES ? page_record(page, row) : NULL;
-    if (page->visit_change && !page->is_over)
-        page->is_over = !page->visit_change(
-            page->user,
-            &(struct server_store_change){.key = key, .record = record, .version = version});
-    else if (record)
-        page->is_over = !page->visit_stored(
-            page->user, &(struct server_stored){.record = record, .version = version});
+    const struct server_stored stored = {.key = key, .record = record, .version = version};
+    if (!page->is_over && (record || page->is_following))
+        page->is_over = !page->visit(page->user, &stored);
     server_record_release(record);
     if (page->is_over) return false;
     page->seen = version;
@@ -267,10 +263,10 @@ static enum server_store_outcome visit_changes(struct server_pg *pg, struct page
 }
 
 static enum server_store_outcome shared_follow(struct server_store *store,
-                                               server_change_visit *visit, void *user)
+                                               server_stored_visit *visit, void *user)
 {
     struct shared *own = (struct shared *)store;
-    struct page page = {.visit_change = visit, .user = user, .seen = own->seen};
+    struct page page = {.visit = visit, .user = user, .is_following = true, .seen = own->seen};
     struct server_pg_attempt attempt = server_pg_reading(own->pool, FOLLOW_NS);
     while (server_pg_next(&attempt)) attempt.outcome = visit_changes(attempt.pg, &page);
     own->seen = page.seen;
@@ -283,7 +279,7 @@ static enum server_store_outcome shared_each(struct server_store *store, server_
                                              void *user)
 {
     struct shared *own = (struct shared *)store;
-    struct page page = {.visit_stored = visit, .user = user};
+    struct page page = {.visit = visit, .user = user};
     struct server_sql_integers clock = {0};
     struct server_pg_attempt attempt = server_pg_reading(own->pool, LOAD_NS);
     while (server_pg_next(&attempt)) {

@@ -267,7 +267,7 @@ struct changes {
     uint64_t last;
 };
 
-static bool on_change(void *user, const struct server_store_change *change)
+static bool on_change(void *user, const struct server_stored *change)
 {
     struct changes *changes = user;
     size_t size = strlen(changes->text);
