@@ -151,14 +151,6 @@ struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                          .held = &query->held};
 }
 
-enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
-                                 server_query_maker *make, void *user, size_t grant)
-{
-    struct server_budgeted_call call = server_query_begin_call(query, part, grant);
-    while (server_budgeted_call_next(&call)) call.status = make(user, &call.control, &call.kept);
-    return call.status;
-}
-
 const struct gd_landmarks *server_query_landmarks(struct server_query *query)
 {
     if (!query->landmarks)

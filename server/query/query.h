@@ -199,13 +199,6 @@ void *server_query_allocate(struct server_query *query, size_t count, size_t siz
 struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                                     struct server_monitor *part, size_t grant);
 
-/* The same call, made by a function. */
-typedef enum gd_status server_query_maker(void *user, const struct gd_control *control,
-                                          size_t *kept);
-GD_MUST_USE enum gd_status server_query_call(struct server_query *query,
-                                             struct server_monitor *part, server_query_maker *make,
-                                             void *user, size_t grant);
-
 /* The landmarks of the mesh, as long as the query; NULL: there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);
 

@@ -151,13 +151,3 @@ bool server_budgeted_call_next(struct server_budgeted_call *call)
     if (call->held) *call->held += call->kept;
     return false;
 }
-
-enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
-                                        const struct server_budgeted_call *what)
-{
-    struct server_budgeted_call call = *what;
-    call.workspaces = workspaces;
-    while (server_budgeted_call_next(&call))
-        call.status = call.make(call.user, &call.control, &call.kept);
-    return call.status;
-}

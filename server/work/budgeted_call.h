@@ -51,8 +51,6 @@ struct server_budgeted_call {
     struct server_space space; /* this and the rest are private */
     size_t taken;              /* by the attempt under way; 0: there is none */
     bool is_last;
-    enum gd_status (*make)(void *user, const struct gd_control *control, size_t *kept);
-    void *user;
 };
 
 /* Ends an attempt and begins the next. False: the call has succeeded or failed. The loop must not
@@ -60,9 +58,5 @@ struct server_budgeted_call {
  * another class or gives them back. Errors are those of the call. GD_BUDGET: all available memory
  * was not enough. */
 bool server_budgeted_call_next(struct server_budgeted_call *call);
-
-/* The same loop around `make`. */
-GD_MUST_USE enum gd_status server_budgeted_call_run(struct server_workspaces *workspaces,
-                                                    const struct server_budgeted_call *call);
 
 #endif

@@ -346,21 +346,14 @@ static bool group_find(struct pairs_query *own, uint32_t group)
 
 /* --- pairs: the other groups ------------------------------------------------------------------ */
 
-struct group_build {
-    struct pairs_query *own;
-    uint32_t group;
-};
-
 /* By a field that is dropped. */
-static enum gd_status group_from_field(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status group_from_field(struct pairs_query *own, uint32_t group,
+                                       const struct gd_control *control)
 {
-    const struct group_build *build = user;
-    struct pairs_query *own = build->own;
-    uint32_t begin = own->group[build->group], count = own->group[build->group + 1] - begin;
-    const struct gd_seed seed = {.point = *group_point(own, build->group)};
+    uint32_t begin = own->group[group], count = own->group[group + 1] - begin;
+    const struct gd_seed seed = {.point = *group_point(own, group)};
     const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_field *field;
-    *kept = 0;
     enum gd_status status =
         gd_field_build(own->query.surface->mesh, &request, control, NULL, &field, NULL);
     if (status) return status;
@@ -389,19 +382,18 @@ static void group_run(void *user, uint32_t number)
     uint32_t group = own->pending[number], count = own->group[group + 1] - own->group[group];
     double share = 1.0 / own->pending_count;
     struct server_monitor monitor = server_query_monitor(&own->query, number * share, share);
-    struct group_build build = {own, group};
     if (atomic_load(&own->status)) return;
     if (count < FEW) {
         note_status(own, group_search(own, group, &monitor));
         return;
     }
-    const struct server_budgeted_call call = {
-        .make = group_from_field,
-        .user = &build,
-        .control = server_exchange_control(&monitor),
-        .grant = server_field_build_grant(own->query.surface->mesh),
-        .aside = (size_t)count * COLUMN};
-    note_status(own, server_budgeted_call_run(own->query.exchange->host->workspaces, &call));
+    struct server_budgeted_call call = {.workspaces = own->query.exchange->host->workspaces,
+                                        .control = server_exchange_control(&monitor),
+                                        .grant = server_field_build_grant(own->query.surface->mesh),
+                                        .aside = (size_t)count * COLUMN};
+    while (server_budgeted_call_next(&call))
+        call.status = group_from_field(own, group, &call.control);
+    note_status(own, call.status);
 }
 
 static void pending_run(struct pairs_query *own)

@@ -48,7 +48,6 @@ struct isolines_query {
     double tolerance;
     bool is_file, has_flat_points;
     uint64_t points, arcs; /* written so far */
-    const struct gd_field *field;
     struct gd_isoline_index *index;
     double level; /* in work, and its lines */
     struct gd_isoline isoline;
@@ -202,33 +201,21 @@ static bool lines_write(struct isolines_query *own, const struct server_monitor 
     return !status;
 }
 
-static enum gd_status isoline_trace(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct isolines_query *own = user;
-    enum gd_status status =
-        gd_isoline_trace_indexed(own->index, own->level, control, &own->isoline);
-    if (!status) *kept = own->isoline.bytes;
-    return status;
-}
-
-static enum gd_status isolines_index(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct isolines_query *own = user;
-    enum gd_status status = gd_isoline_index_create(own->field, control, &own->index);
-    if (!status) *kept = gd_isoline_index_bytes(own->query.surface->mesh);
-    return status;
-}
-
 static bool level_write(struct isolines_query *own, const struct server_monitor *part,
                         struct proto_problem *problem)
 {
     struct server_query *query = &own->query;
     struct server_monitor first = server_monitor_portion(part, 0, ISOLINE_SHARE),
                           second = server_monitor_portion(part, ISOLINE_SHARE, 1 - ISOLINE_SHARE);
-    enum gd_status status =
-        server_query_call(query, &first, isoline_trace, own, trace_grant(query, ISOLINE_EDGE));
-    if (status) {
-        server_query_fail(query, status, "the isoline", problem);
+    struct server_budgeted_call call =
+        server_query_begin_call(query, &first, trace_grant(query, ISOLINE_EDGE));
+    while (server_budgeted_call_next(&call)) {
+        call.status =
+            gd_isoline_trace_indexed(own->index, own->level, &call.control, &own->isoline);
+        call.kept = own->isoline.bytes;
+    }
+    if (call.status) {
+        server_query_fail(query, call.status, "the isoline", problem);
         return false;
     }
     bool ok = lines_write(own, &second, problem);
@@ -244,12 +231,15 @@ static enum server_query_turn isolines_answer(struct server_query *query,
 {
     struct isolines_query *own = (struct isolines_query *)query;
     uint32_t count = own->wanted.level_count;
-    own->field = field;
     struct server_monitor first = server_monitor_portion(part, 0, INDEX_SHARE),
                           rest = server_monitor_portion(part, INDEX_SHARE, 1 - INDEX_SHARE);
-    enum gd_status status =
-        server_query_call(query, &first, isolines_index, own, trace_grant(query, 0));
-    if (status) return server_query_fail(query, status, "the isolines", problem);
+    struct server_budgeted_call call =
+        server_query_begin_call(query, &first, trace_grant(query, 0));
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_isoline_index_create(field, &call.control, &own->index);
+        call.kept = gd_isoline_index_bytes(query->surface->mesh);
+    }
+    if (call.status) return server_query_fail(query, call.status, "the isolines", problem);
     proto_write_object_begin(&query->draft);
     proto_member_array(&query->draft, "isolines");
     for (uint32_t i = 0; i < count; i++) {

@@ -66,9 +66,8 @@ struct task {
     int attempts;
 };
 
-static enum gd_status make(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status attempt(struct task *task, const struct gd_control *control, size_t *kept)
 {
-    struct task *task = user;
     task->grants[task->attempts++] = control->budget_bytes;
     if (control->budget_bytes < task->need) return GD_BUDGET;
     *kept = task->keep;
@@ -77,8 +76,9 @@ static enum gd_status make(void *user, const struct gd_control *control, size_t 
 
 static enum gd_status call(struct task *task, size_t grant)
 {
-    const struct server_budgeted_call call = {.make = make, .user = task, .grant = grant};
-    return server_budgeted_call_run(fixture.workspaces, &call);
+    struct server_budgeted_call call = {.workspaces = fixture.workspaces, .grant = grant};
+    while (server_budgeted_call_next(&call)) call.status = attempt(task, &call.control, &call.kept);
+    return call.status;
 }
 
 static void a_sufficient_grant_walks_no_meshes(void **state)
@@ -133,9 +133,8 @@ struct building {
 
 static void build(struct building *building);
 
-static enum gd_status make_field(void *user, const struct gd_control *control, size_t *kept)
+static void build_field(struct building *building, const struct gd_control *control)
 {
-    struct building *building = user;
     const struct gd_seed seed = {.point = vertex_point(fixture.mesh, building->vertex)};
     const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_field *field = NULL;
@@ -146,14 +145,13 @@ static enum gd_status make_field(void *user, const struct gd_control *control, s
     building->after = gd_workspace_bytes(control->workspace);
     if (building->inner) build(&(struct building){.vertex = 1, .inner = building->inner - 1});
     if (building->within) building->within(building);
-    *kept = 0;
-    return GD_OK;
 }
 
 static void build(struct building *building)
 {
-    const struct server_budgeted_call call = {.make = make_field, .user = building, .grant = MIB};
-    assert_int_equal(server_budgeted_call_run(fixture.workspaces, &call), GD_OK);
+    struct server_budgeted_call call = {.workspaces = fixture.workspaces, .grant = MIB};
+    while (server_budgeted_call_next(&call)) build_field(building, &call.control);
+    assert_int_equal(call.status, GD_OK);
 }
 
 static void the_next_call_reuses_the_memory_of_a_call(void **state)
