@@ -27,6 +27,7 @@ struct server {
     struct server_field_store *field_store; /* NULL: nothing is stored */
     struct server_scrub *scrub;             /* NULL: stored files are not verified */
     struct server_thread *deadlines;        /* ticks while there is something to watch */
+    struct server_thread *trimmer;          /* of the heap */
     struct server_connections *connections;
     struct server_http *http;
 };
@@ -39,8 +40,8 @@ struct server *server_start(const struct server_config *config, int listening, c
 /* Fills in what host and api have besides parts. */
 void server_connect(struct server *server);
 
-/* After server_connect: creates the table of jobs and starts the thread of deadlines. False without
- * memory or thread. */
+/* After server_connect: creates the table of jobs and starts the threads of deadlines and of the
+ * heap. False without memory or thread. */
 bool server_start_jobs(struct server *server);
 
 /* Destroys the registry and all that is kept of surfaces, after the workers were cancelled. */

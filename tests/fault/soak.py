@@ -29,6 +29,7 @@ ROWS = 24  # of the printed series
 FULL = 0.9  # of the budget: as good as used up
 DRIFT = 0.05  # of the budget: more than this over the time that is measured is a leak
 SHORT_SECONDS = 600  # in less the caches fill: what is looked at then is what nobody counts
+TRIM_SECONDS = 11  # within them the daemon returns free memory of the heap to the system
 EMPTY_SLACK = 48 * MIB  # the allocator's, above a fresh daemon, beside what the daemon says it holds
 FLAGS = ("--memory-budget", f"{BUDGET}", "--workers", "2", "--http-threads", "2", "--max-body", "16MiB", "--max-jobs", "200", "--job-ttl-s", "60", "--scrub-s", "60",
          "--persist-fields")
@@ -101,6 +102,7 @@ def empty(daemon):
                 assert daemon.request("DELETE", f"/v1/{collection}/{item['name']}").status == 204
     while any(daemon.metric(name) for name in ("workers_busy", "queue_depth", "requests_deferred")):
         time.sleep(0.05)
+    time.sleep(TRIM_SECONDS)
 
 
 def print_series(series):
