@@ -5,11 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GRANT_FACTOR 4 /* from one attempt to the next */
+#include "server/base/thread.h"
+
+#define GRANT_FACTOR 4                  /* from one attempt to the next */
+#define PATIENCE_NS  UINT64_C(10000000) /* between two looks at the control of a call that waits */
 
 struct server_workspaces {
     struct server_budget *budget;
     pthread_mutex_t lock;
+    pthread_cond_t none_runs; /* of the calls, but for those that wait */
+    uint32_t running;         /* calls that hold memory or may take it */
     uint32_t count, most;
     struct server_space idle[]; /* [count - 1] was used last */
 };
@@ -45,6 +50,7 @@ struct server_workspaces *server_workspaces_create(struct server_budget *budget,
         calloc(1, sizeof *workspaces + most * sizeof workspaces->idle[0]);
     if (!workspaces) return NULL;
     pthread_mutex_init(&workspaces->lock, NULL);
+    pthread_cond_init(&workspaces->none_runs, NULL);
     workspaces->budget = budget;
     workspaces->most = most;
     budget->reclaimers[SERVER_RECLAIM_WORKSPACES] =
@@ -62,6 +68,7 @@ void server_workspaces_destroy(struct server_workspaces *workspaces)
     if (!workspaces) return;
     workspaces->budget->reclaimers[SERVER_RECLAIM_WORKSPACES] = (struct server_reclaimer){0};
     workspaces_reclaim(workspaces, SIZE_MAX);
+    pthread_cond_destroy(&workspaces->none_runs);
     pthread_mutex_destroy(&workspaces->lock);
     free(workspaces);
 }
@@ -90,29 +97,80 @@ static void workspaces_return(struct server_workspaces *workspaces, struct serve
     if (!is_kept) space_destroy(workspaces, space);
 }
 
-/* Frees the memory of the workspace only when the budget is too small for the grant otherwise. */
-static bool call_can_take(struct server_budget *budget, struct server_space *space, size_t grant)
+static void call_trim(struct server_budgeted_call *call)
 {
-    if (server_budget_could_take(budget, grant)) return true;
-    if (space->workspace) gd_workspace_trim(space->workspace);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, space->bytes);
-    space->bytes = 0;
-    return server_budget_could_take(budget, grant);
+    if (call->space.workspace) gd_workspace_trim(call->space.workspace);
+    server_budget_give(call->workspaces->budget, SERVER_BUDGET_FLIGHT, call->space.bytes);
+    call->space.bytes = 0;
 }
 
-/* Takes the memory of an attempt; the last one has all that can be had. To the engine, a grant of 0
- * is no limit. */
+/* Frees the memory of the workspace only when the budget is too small otherwise. */
+static bool call_can_take(struct server_budgeted_call *call, size_t bytes)
+{
+    struct server_budget *budget = call->workspaces->budget;
+    if (server_budget_could_take(budget, bytes)) return true;
+    call_trim(call);
+    return server_budget_could_take(budget, bytes);
+}
+
+static void running_add(struct server_workspaces *workspaces)
+{
+    pthread_mutex_lock(&workspaces->lock);
+    workspaces->running++;
+    pthread_mutex_unlock(&workspaces->lock);
+}
+
+static void running_remove_locked(struct server_workspaces *workspaces)
+{
+    if (!--workspaces->running) pthread_cond_broadcast(&workspaces->none_runs);
+}
+
+static void running_remove(struct server_workspaces *workspaces)
+{
+    pthread_mutex_lock(&workspaces->lock);
+    running_remove_locked(workspaces);
+    pthread_mutex_unlock(&workspaces->lock);
+}
+
+static bool other_calls_run(struct server_workspaces *workspaces)
+{
+    pthread_mutex_lock(&workspaces->lock);
+    bool others = workspaces->running > 1;
+    pthread_mutex_unlock(&workspaces->lock);
+    return others;
+}
+
+/* Waits until no other call runs; of those that wait, one goes on. GD_DEADLINE, GD_CANCELLED. */
+static enum gd_status others_wait(struct server_workspaces *workspaces,
+                                  const struct gd_control *control)
+{
+    enum gd_status status;
+    pthread_mutex_lock(&workspaces->lock);
+    running_remove_locked(workspaces);
+    while (!(status = gd_control_check(control, 0)) && workspaces->running)
+        (void)server_condition_wait(&workspaces->none_runs, &workspaces->lock,
+                                    gd_now_ns() + PATIENCE_NS);
+    workspaces->running++;
+    pthread_mutex_unlock(&workspaces->lock);
+    return status;
+}
+
+/* Takes the memory of an attempt: the grant, or all that can be had. To the engine, a grant of 0 is
+ * no limit. */
 static bool attempt_begin(struct server_budgeted_call *call)
 {
     struct server_budget *budget = call->workspaces->budget;
-    call->is_last = !call_can_take(budget, &call->space, call->grant);
-    if (call->is_last) call->grant = server_budget_available(budget);
     size_t bytes = call->grant + call->aside;
-    if (!call->grant || !(call->is_modest ? server_budget_take_spare : server_budget_take)(
-                            budget, SERVER_BUDGET_FLIGHT, bytes))
+    bool others = other_calls_run(call->workspaces);
+    bool has_grant = call_can_take(call, bytes);
+    if (!has_grant) bytes = server_budget_available(budget);
+    call->is_crowded = !has_grant && (others || other_calls_run(call->workspaces));
+    call->is_last = !has_grant && !call->is_crowded;
+    if (bytes <= call->aside || !(call->is_modest ? server_budget_take_spare : server_budget_take)(
+                                    budget, SERVER_BUDGET_FLIGHT, bytes))
         return false;
     call->taken = bytes;
-    call->control.budget_bytes = call->grant;
+    call->control.budget_bytes = bytes - call->aside;
     call->control.workspace = call->space.workspace;
     call->status = GD_OK;
     call->kept = 0;
@@ -132,22 +190,34 @@ static void attempt_end(struct server_budgeted_call *call)
     call->taken = 0;
 }
 
+/* After an attempt that had too little memory: false if no other is to be made. */
+static bool attempt_prepare(struct server_budgeted_call *call)
+{
+    call->status = GD_BUDGET;
+    if (call->is_modest || call->is_last) return false;
+    if (!call->is_crowded) {
+        call->grant *= GRANT_FACTOR;
+        return true;
+    }
+    call_trim(call);
+    call->status = others_wait(call->workspaces, &call->control);
+    return !call->status;
+}
+
 bool server_budgeted_call_next(struct server_budgeted_call *call)
 {
-    bool goes_on = !call->taken;
-    if (goes_on) {
-        call->space = workspaces_borrow(call->workspaces);
-    } else {
+    bool goes_on = true;
+    if (call->taken) {
         attempt_end(call);
-        goes_on = call->status == GD_BUDGET && !call->is_modest && !call->is_last;
-        call->grant *= GRANT_FACTOR;
+        goes_on = call->status == GD_BUDGET && attempt_prepare(call);
+    } else {
+        running_add(call->workspaces);
+        call->space = workspaces_borrow(call->workspaces);
     }
-    for (; goes_on; call->grant *= GRANT_FACTOR) {
+    for (; goes_on; goes_on = attempt_prepare(call))
         if (attempt_begin(call)) return true;
-        call->status = GD_BUDGET;
-        goes_on = !call->is_last && !call->is_modest;
-    }
     workspaces_return(call->workspaces, call->space);
+    running_remove(call->workspaces);
     if (call->held) *call->held += call->kept;
     return false;
 }

@@ -9,7 +9,9 @@
  *
  * DESIGN. The memory of a call is known only when the call ends. So a call gets a grant that most
  * calls of its kind need. A call that fails for lack of memory runs again with several times as
- * much: the wasted work is a fraction of the last attempt's.
+ * much: the wasted work is a fraction of the last attempt's. If other calls hold that memory, it
+ * runs with the rest; if that is too little, it waits until no other runs. So a call must not be
+ * made within another.
  *
  * Workspaces keep the scratch memory of a call for the next one, in a stack: a call borrows the one
  * whose memory was touched last. Idle ones are reclaimed first of all classes, the longest idle
@@ -50,7 +52,8 @@ struct server_budgeted_call {
     size_t kept;               /* the loop sets the bytes of the result */
     struct server_space space; /* this and the rest are private */
     size_t taken;              /* by the attempt under way; 0: there is none */
-    bool is_last;
+    bool is_last;              /* it has all that can be had, and runs alone */
+    bool is_crowded;           /* it has what other calls left */
 };
 
 /* Ends an attempt and begins the next. False: the call has succeeded or failed. The loop must not

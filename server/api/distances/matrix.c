@@ -6,9 +6,8 @@
  * wedges. Rows of few columns are searched pair by pair. Between components nothing is computed.
  *
  * Each row is a task of an executor (executor.h) with a workspace and a grant from the memory
- * budget of its own. A row that finds too little memory while others run is retried when it is
- * alone. The first failure ends all rows: those by fields within a millisecond or so, those by
- * searches at the end of a search. */
+ * budget of its own. The first failure ends all rows: those by fields within a millisecond or so,
+ * those by searches at the end of a search. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -44,8 +43,6 @@ struct matrix_query {
     struct point_index rows, columns;
     uint32_t *vertices;    /* by column: its vertex index; NULL: not all columns are vertices */
     double *row_distances; /* rows x columns */
-    bool *is_left;         /* by row: it found too little memory while others ran */
-    bool is_alone;         /* one row runs at a time */
     atomic_size_t grant;   /* bytes that were enough for the rows so far */
     atomic_int status;     /* the first failure */
 };
@@ -290,9 +287,7 @@ static void row_run(void *user, uint32_t number)
     int none = GD_OK;
     if (atomic_load(&matrix->status) != GD_OK) return;
     enum gd_status status = row_solve(&row);
-    matrix->is_left[number] = status == GD_BUDGET && !matrix->is_alone;
-    if (status && !matrix->is_left[number])
-        atomic_compare_exchange_strong(&matrix->status, &none, (int)status);
+    if (status) atomic_compare_exchange_strong(&matrix->status, &none, (int)status);
 }
 
 static enum gd_status rows_run(struct matrix_query *matrix)
@@ -302,9 +297,6 @@ static enum gd_status rows_run(struct matrix_query *matrix)
         exchange->host->workers, matrix->rows.count, exchange->job.deadline_ns);
     gd_executor_run(executor, row_run, matrix, matrix->rows.count);
     server_executor_stop(executor);
-    matrix->is_alone = true;
-    for (uint32_t i = 0; i < matrix->rows.count; i++)
-        if (matrix->is_left[i]) row_run(matrix, i);
     return (enum gd_status)atomic_load(&matrix->status);
 }
 
@@ -338,15 +330,12 @@ static enum gd_status matrix_work(struct matrix_query *matrix)
                         : server_field_build_grant(mesh);
     matrix->row_distances =
         malloc((size_t)matrix->rows.count * matrix->columns.count * sizeof *matrix->row_distances);
-    matrix->is_left = calloc(matrix->rows.count, sizeof *matrix->is_left);
-    enum gd_status status =
-        ok && matrix->row_distances && matrix->is_left ? rows_run(matrix) : GD_NO_MEMORY;
+    enum gd_status status = ok && matrix->row_distances ? rows_run(matrix) : GD_NO_MEMORY;
     if (!status) matrix_spread(matrix);
     free(sources.points);
     free(targets.points);
     free(matrix->vertices);
     free(matrix->row_distances);
-    free(matrix->is_left);
     return status;
 }
 

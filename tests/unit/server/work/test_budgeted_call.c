@@ -121,6 +121,80 @@ static void no_call_starts_without_memory(void **state)
     assert_int_equal(task.attempts, 0);
 }
 
+static void the_last_attempt_leaves_room_for_what_is_allocated_aside(void **state)
+{
+    (void)state;
+    struct server_budgeted_call call = {
+        .workspaces = fixture.workspaces, .grant = 2 * MIB, .aside = 1000};
+    size_t granted = 0;
+    while (server_budgeted_call_next(&call)) granted = call.control.budget_bytes;
+    assert_int_equal(call.status, GD_OK);
+    assert_int_equal(granted, MIB - 1000);
+}
+
+struct rival {
+    sem_t has_begun, may_end;
+};
+
+static void *hold_all(void *user)
+{
+    struct rival *rival = user;
+    struct server_budgeted_call call = {.workspaces = fixture.workspaces, .grant = MIB};
+    while (server_budgeted_call_next(&call)) {
+        sem_post(&rival->has_begun);
+        sem_wait(&rival->may_end);
+    }
+    return NULL;
+}
+
+/* The rival may end when the waiting call looks at its control. */
+static bool end_rival(void *user, double fraction)
+{
+    (void)fraction;
+    sem_post(&((struct rival *)user)->may_end);
+    return true;
+}
+
+static bool refuse(void *user, double fraction)
+{
+    (void)user, (void)fraction;
+    return false;
+}
+
+static enum gd_status call_beside_rival(bool (*progress)(void *user, double fraction))
+{
+    struct rival rival;
+    pthread_t thread;
+    sem_init(&rival.has_begun, 0, 0);
+    sem_init(&rival.may_end, 0, 0);
+    assert_int_equal(pthread_create(&thread, NULL, hold_all, &rival), 0);
+    sem_wait(&rival.has_begun);
+    struct server_budgeted_call call = {.workspaces = fixture.workspaces,
+                                        .grant = 1000,
+                                        .control = {.progress = progress, .user = &rival}};
+    struct task task = {.need = 1000};
+    while (server_budgeted_call_next(&call))
+        call.status = attempt(&task, &call.control, &call.kept);
+    sem_post(&rival.may_end);
+    pthread_join(thread, NULL);
+    sem_destroy(&rival.has_begun);
+    sem_destroy(&rival.may_end);
+    assert_int_equal(used(SERVER_BUDGET_FLIGHT), 0);
+    return call.status;
+}
+
+static void a_call_waits_for_memory_that_others_hold(void **state)
+{
+    (void)state;
+    assert_int_equal(call_beside_rival(end_rival), GD_OK);
+}
+
+static void a_waiting_call_can_be_cancelled(void **state)
+{
+    (void)state;
+    assert_int_equal(call_beside_rival(refuse), GD_CANCELLED);
+}
+
 /* --- workspaces ------------------------------------------------------------------------------- */
 
 /* Builds a field, then makes `inner` calls within each other, then calls `within`. */
@@ -242,6 +316,9 @@ int main(void)
         SMALL(a_failed_call_runs_again_with_more),
         SMALL(the_last_attempt_gets_all_available_memory),
         SMALL(no_call_starts_without_memory),
+        SMALL(the_last_attempt_leaves_room_for_what_is_allocated_aside),
+        SMALL(a_call_waits_for_memory_that_others_hold),
+        SMALL(a_waiting_call_can_be_cancelled),
         LARGE(the_next_call_reuses_the_memory_of_a_call),
         LARGE(a_call_that_needs_the_memory_trims_its_workspace),
         LARGE(at_most_two_idle_workspaces_are_kept),
