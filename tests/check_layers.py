@@ -26,7 +26,7 @@ PUBLIC = {
     "kernel": ["cpu"],
     "wavefront": ["workspace"],
     "field": ["field", "path", "isoline", "voronoi"],
-    "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
+    "query": ["geodesic", "query", "landmarks", "sampling", "curve", "curve_distance"],
     "render": ["picture"],
     "cut": ["cut"],
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],

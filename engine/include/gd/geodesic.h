@@ -1,0 +1,93 @@
+/* Geodesic: the front door, and the umbrella header of the library libgeodesic.
+ *
+ *     struct gd_mesh *mesh;
+ *     struct gd_detail error;
+ *     if (gd_mesh_load(bytes, size, NULL, &mesh, &error) != GD_OK) return error.text;
+ *     struct gd_point a, b;
+ *     double distance;
+ *     if (gd_point_at_vertex(mesh, vertex, &a, &error) == GD_OK &&
+ *         gd_locate_nearest(mesh, xyz, -1, &b, NULL, &error) == GD_OK &&
+ *         gd_distance(mesh, &a, &b, &distance) == GD_OK)
+ *         printf("%.17g\n", distance);
+ *     gd_mesh_release(mesh);
+ *
+ * Five steps cover most programs. engine/examples/geodesic.c does all of them.
+ *
+ *   load    gd_mesh_load; gd_mesh_build for polygons that are in memory already
+ *   points  gd_point_at_vertex, gd_point_in_face, gd_locate_nearest
+ *   pairs   gd_distance, gd_path
+ *   fields  gd_field_build; then gd_field_distance, gd_field_vertex_distances, gd_field_path
+ *   free    gd_path_free, gd_field_release, gd_mesh_release
+ *
+ * Units, numbering and exactness: gd/mesh.h. Status codes and details: gd/status.h. Meshes and
+ * fields are immutable, so any number of threads may read them; the functions keep no state. */
+#ifndef GD_GEODESIC_H
+#define GD_GEODESIC_H
+
+#include "gd/colour_map.h"
+#include "gd/control_mesh.h"
+#include "gd/cpu.h"
+#include "gd/curve.h"
+#include "gd/curve_distance.h"
+#include "gd/direction.h"
+#include "gd/field.h"
+#include "gd/io.h"
+#include "gd/isoline.h"
+#include "gd/landmarks.h"
+#include "gd/locate.h"
+#include "gd/mesh.h"
+#include "gd/number.h"
+#include "gd/point.h"
+#include "gd/query.h"
+#include "gd/result_file.h"
+#include "gd/sampling.h"
+#include "gd/voronoi.h"
+#include "gd/workspace.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* All zero: the format is recognised, the limits are 2^30, polygons are triangulated, nothing is
+ * repaired. */
+struct gd_load_options {
+    enum gd_format format;
+    uint32_t max_faces, max_vertices; /* see gd_read_limits */
+    struct gd_mesh_options mesh;      /* triangulation, weld, repair */
+    const struct gd_control *control; /* borrowed for the call; NULL: none */
+};
+
+/* Reads a mesh file of any format of gd/io.h and builds its mesh. `bytes` are borrowed for the
+ * call; `options` and `error` may be NULL. The caller owns one reference of `*out` and gives it
+ * back by gd_mesh_release. On failure `error` always holds a sentence, and the first offending
+ * elements where there are any.
+ *
+ * Errors: those of gd_read_polygons and gd_mesh_build. Cost: linear in the file, expected; see
+ * gd_read_cost and gd_mesh_build_cost for the memory. Thread-safe. */
+GD_MUST_USE enum gd_status gd_mesh_load(const void *bytes, size_t size,
+                                        const struct gd_load_options *options, struct gd_mesh **out,
+                                        struct gd_detail *error);
+
+/* The length of a shortest path between two points of this mesh, in its unit of length. INFINITY:
+ * they lie on different components. It is the distance of gd_pair_solve, which takes landmarks and
+ * a control as well; for many points from one source build a field.
+ *
+ * Errors: GD_NO_MEMORY, GD_RUNAWAY, GD_INTERNAL (see gd_field_build). Cost: a small part of a
+ * field's. Thread-safe. */
+GD_MUST_USE enum gd_status gd_distance(const struct gd_mesh *mesh, const struct gd_point *from,
+                                       const struct gd_point *to, double *out);
+
+/* A shortest path, of at least one point: out->length is the distance. The caller frees it by
+ * gd_path_free; gd_points_positions tells where its points lie. In C++ the type is written `struct
+ * gd_path`, since the function has its name.
+ *
+ * Errors: GD_NOT_ON_SURFACE (no path: the points lie on different components), and those of
+ * gd_distance. Cost and threads: as gd_distance. */
+GD_MUST_USE enum gd_status gd_path(const struct gd_mesh *mesh, const struct gd_point *from,
+                                   const struct gd_point *to, struct gd_path *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

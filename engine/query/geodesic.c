@@ -1,0 +1,63 @@
+/* The front door: gd_mesh_load, gd_distance, gd_path. */
+#include "gd/geodesic.h"
+
+#include "base/share.h"
+
+static size_t bytes_of_polygons(const struct gd_polygons *polygons)
+{
+    return polygons->position_count * sizeof *polygons->positions +
+           gd_polygons_corner_count(polygons) * sizeof *polygons->corners +
+           (polygons->first ? (polygons->polygon_count + (size_t)1) * sizeof *polygons->first : 0);
+}
+
+static enum gd_status load(const void *bytes, size_t size, const struct gd_load_options *options,
+                           struct gd_mesh **out, struct gd_detail *detail)
+{
+    struct gd__share share = {options->control, 0, 2};
+    struct gd_control control = gd__share_control(&share, 0);
+    const struct gd_read_limits limits = {options->max_faces, options->max_vertices, &control};
+    enum gd_status status = GD_OK;
+    if (control.budget_bytes)
+        status = gd_control_afford(&control, gd_read_cost(bytes, size, options->format, &limits));
+    struct gd_polygons polygons;
+    if (!status)
+        status = gd_read_polygons(bytes, size, options->format, &limits, &polygons, detail);
+    if (status) return status;
+    share.done = 1;
+    control = gd__share_control(&share, bytes_of_polygons(&polygons));
+    status = gd_mesh_build(&polygons, &options->mesh, &control, out, detail);
+    gd_polygons_free(&polygons);
+    return status;
+}
+
+enum gd_status gd_mesh_load(const void *bytes, size_t size, const struct gd_load_options *options,
+                            struct gd_mesh **out, struct gd_detail *error)
+{
+    const struct gd_load_options defaults = {0};
+    struct gd_detail detail = {0};
+    enum gd_status status = load(bytes, size, options ? options : &defaults, out, &detail);
+    if (!status || !error) return status;
+    if (!detail.text[0]) status = gd_fail(&detail, status, "%s", gd_status_sentence(status));
+    *error = detail;
+    return status;
+}
+
+enum gd_status gd_distance(const struct gd_mesh *mesh, const struct gd_point *from,
+                           const struct gd_point *to, double *out)
+{
+    struct gd_pair_answer answer;
+    enum gd_status status =
+        gd_pair_solve(mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL);
+    if (!status) *out = answer.distance;
+    return status;
+}
+
+enum gd_status gd_path(const struct gd_mesh *mesh, const struct gd_point *from,
+                       const struct gd_point *to, struct gd_path *out)
+{
+    struct gd_pair_answer answer;
+    enum gd_status status = gd_pair_solve(mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
+    if (!status && answer.path.count == 0) status = GD_NOT_ON_SURFACE;
+    if (!status) *out = answer.path;
+    return status;
+}
