@@ -19,18 +19,12 @@ GD_LDFLAGS  := -pthread $(SAN)
 
 objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
-# Rooms of the engine, in order of rank (see README). ROOMS="base io" builds a part of the house.
-ROOMS   ?= base mesh io repair construction window kernel guide wavefront partition field line \
-           query transport render cut nurbs subdiv
-ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
-ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
 PROTO_C   := $(wildcard proto/*/*.c)
 SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/*/*.c server/*/*/*.c))
 no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)), \
               $(if $(filter test_%,$(notdir $(source))),,$(source))))
 SAMPLES_C := $(call no_main,tests/samples/*.c)
 
-LIB_ENGINE  := $(BUILD)/libgd.a
 LIB_PROTO   := $(BUILD)/libgd_proto.a
 LIB_SERVER  := $(BUILD)/libgd_server.a
 LIB_SAMPLES := $(BUILD)/libgd_samples.a
@@ -39,7 +33,7 @@ SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lpq -lgnutls -lseccomp -lz
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-include docker/rules.mk
+include docker/rules.mk engine/libraries.mk
 
 ##@ To begin with
 
@@ -66,7 +60,6 @@ clean: ## remove all that was built
 # --- libraries -----------------------------------------------------------------------------------
 
 generated = $(patsubst %,$(BUILD)/obj/generated/%.o,$(1))
-$(eval $(call library,$(LIB_ENGINE),$(call objects,$(ENGINE_C) $(ENGINE_CC))))
 $(eval $(call library,$(LIB_PROTO),$(call objects,$(PROTO_C)) $(call generated,fields parameters requests)))
 $(eval $(call library,$(LIB_SERVER),$(call objects,$(SERVER_C)) $(call generated,routes assets)))
 $(eval $(call library,$(LIB_SAMPLES),$(call objects,$(SAMPLES_C))))
@@ -93,4 +86,4 @@ $(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c paramete
 include $(wildcard docker/setup.mk clients/clients.mk tests/tests.mk tests/fault.mk tests/bench.mk \
                    tests/lint.mk docker/packages.mk)
 
--include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
+-include $(shell find $(BUILD)/obj $(BUILD)/pic -name '*.d' 2>/dev/null)

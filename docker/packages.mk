@@ -2,7 +2,7 @@
 #
 # One list says what goes where: for install, uninstall and the Debian packages (docker/debian).
 
-.PHONY: install uninstall deb image man test-package test-container test-cluster
+.PHONY: install install-libraries uninstall deb image man test-package test-container test-cluster
 
 ##@ Installation and packages
 
@@ -13,7 +13,17 @@ DOCDIR    := $(PREFIX)/share/doc/geodesicd
 # where Python looks below PREFIX, if it looks there at all; the command geodesic looks there in any case
 PYTHONDIR ?= $(firstword $(wildcard $(PREFIX)/lib/python3.*/dist-packages) $(PREFIX)/lib/python3/dist-packages)
 
-# mode:file:place
+# The engine's libraries: mode:file:place, or link:target:place. Headers have a folder of their own, since
+# libgd has /usr/include/gd.h.
+INSTALLED_LIBRARIES = \
+            $(foreach file,$(notdir $(SHARED)),644:$(BUILD)/$(file):$(LIBDIR)/$(file) link:$(file):$(LIBDIR)/$(basename $(file))) \
+            $(foreach name,$(LIBRARIES),644:$(BUILD)/lib$(name).a:$(LIBDIR)/lib$(name).a \
+                644:$(BUILD)/$(name).pc:$(LIBDIR)/pkgconfig/$(name).pc) \
+            $(foreach header,$(wildcard engine/include/gd/*.h),644:$(header):$(PREFIX)/include/geodesic/gd/$(notdir $(header))) \
+            644:engine/examples/geodesic.c:$(PREFIX)/share/doc/libgeodesic-dev/examples/geodesic.c \
+            644:engine/geodesic.3:$(PREFIX)/share/man/man3/geodesic.3
+
+# The rest.
 INSTALLED = 755:$(BUILD)/geodesicd:$(PREFIX)/bin/geodesicd \
             644:$(BUILD)/geodesicd.8:$(PREFIX)/share/man/man8/geodesicd.8 \
             644:$(BUILD)/geodesicd.service:$(UNITDIR)/geodesicd.service \
@@ -21,21 +31,32 @@ INSTALLED = 755:$(BUILD)/geodesicd:$(PREFIX)/bin/geodesicd \
             644:$(BUILD)/geodesic.1:$(PREFIX)/share/man/man1/geodesic.1 \
             644:clients/cli/geodesic.bash:$(PREFIX)/share/bash-completion/completions/geodesic \
             $(foreach file,$(wildcard clients/python/geodesicd/*.py) clients/python/geodesicd/py.typed,644:$(file):$(PYTHONDIR)/geodesicd/$(notdir $(file))) \
-            644:$(LIB_ENGINE):$(LIBDIR)/libgeodesicd-engine.a \
             644:$(LIB_CLIENT):$(LIBDIR)/libgeodesicd-client.a \
-            $(foreach name,engine client,644:$(BUILD)/geodesicd-$(name).pc:$(LIBDIR)/pkgconfig/geodesicd-$(name).pc) \
-            $(foreach header,$(wildcard engine/include/gd/*.h),644:$(header):$(PREFIX)/include/geodesicd/gd/$(notdir $(header))) \
+            644:$(BUILD)/geodesicd-client.pc:$(LIBDIR)/pkgconfig/geodesicd-client.pc \
             644:clients/c/geodesicd.h:$(PREFIX)/include/geodesicd.h \
             644:server/doc/guide.md:$(DOCDIR)/guide.md \
             $(foreach name,alerts.yaml grafana-dashboard.json,644:docker/$(name):$(DOCDIR)/examples/$(name))
 
-install: $(foreach file,$(INSTALLED),$(word 2,$(subst :, ,$(file)))) ## install daemon, clients, libraries, man pages and unit (PREFIX=/usr/local DESTDIR=)
-	@IFS=:; for file in $(INSTALLED); do set -- $$file; install -Dm$$1 "$$2" "$(DESTDIR)$$3" || exit 1; done
+# $(call files_of,LIST): what has to be built for it. $(call put,LIST): the recipe that installs it.
+files_of = $(foreach file,$(filter-out link:%,$(1)),$(word 2,$(subst :, ,$(file))))
+define put
+@IFS=:; for file in $(1); do set -- $$file; place="$(DESTDIR)$$3"; \
+    case $$1 in \
+    link) ln -sf "$$2" "$$place" ;; \
+    *) install -Dm$$1 "$$2" "$$place" ;; \
+    esac || exit 1; done
+endef
+
+install: install-libraries $(call files_of,$(INSTALLED)) ## install daemon, clients, libraries, man pages and unit (PREFIX=/usr/local DESTDIR=)
+	$(call put,$(INSTALLED))
+
+install-libraries: $(call files_of,$(INSTALLED_LIBRARIES)) ## install the engine's libraries, headers and geodesic(3) only
+	$(call put,$(INSTALLED_LIBRARIES))
 
 uninstall: ## remove what install has installed
-	@for file in $(INSTALLED); do rm -f "$(DESTDIR)$${file##*:}"; done
+	@for file in $(INSTALLED) $(INSTALLED_LIBRARIES); do rm -f "$(DESTDIR)$${file##*:}"; done
 	@rm -rf "$(DESTDIR)$(PYTHONDIR)/geodesicd/__pycache__"
-	@find $(foreach folder,$(PYTHONDIR)/geodesicd $(PREFIX)/include/geodesicd $(DOCDIR),"$(DESTDIR)$(folder)") -depth -type d -empty -delete 2>/dev/null || true
+	@find $(foreach folder,$(PYTHONDIR)/geodesicd $(PREFIX)/include/geodesic $(PREFIX)/share/doc/libgeodesic-dev $(DOCDIR),"$(DESTDIR)$(folder)") -depth -type d -empty -delete 2>/dev/null || true
 
 man: $(BUILD)/geodesicd.8 ## the man page geodesicd(8), of the program's own options
 $(BUILD)/geodesicd.8: server/doc/manual.py $(BUILD)/geodesicd
@@ -49,7 +70,7 @@ $(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clien
 VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
 $(BUILD)/%.pc: FORCE
 	@mkdir -p $(@D)
-	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@LIBS@|$(ENGINE_LIBS)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
+	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
 $(BUILD)/geodesicd.service: docker/geodesicd.service FORCE
 	@mkdir -p $(@D)
 	@sed "s|/usr/bin/|$(PREFIX)/bin/|" $< > $@

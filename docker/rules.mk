@@ -17,7 +17,7 @@ FORCE:
 # $(call stamp,NAME,VARIABLE): the file stamps/NAME is written when the variable's value has changed;
 # what depends on the value depends on the file. `make install` alone takes what is built as it is.
 FLAGS_GIVEN := $(foreach name,CC CXX OPT SAN CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(findstring command,$(origin $(name))))
-AS_BUILT    := $(if $(filter-out install uninstall,$(or $(MAKECMDGOALS),build))$(strip $(FLAGS_GIVEN)),,yes)
+AS_BUILT    := $(if $(filter-out install install-libraries uninstall,$(or $(MAKECMDGOALS),build))$(strip $(FLAGS_GIVEN)),,yes)
 define stamp
 $(BUILD)/stamps/$(1): export STAMP = $$($(2))
 ifneq ($$($(2)),$$(file <$(BUILD)/stamps/$(1)))
@@ -43,9 +43,9 @@ ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 AVX2_FLAGS        := -mavx2
 AVX512_FLAGS      := -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
 AVX512_BASE_FLAGS := -mavx512bw
-$(BUILD)/obj/engine/%_avx2.c.o: FILE_FLAGS += $(AVX2_FLAGS)
-$(BUILD)/obj/engine/%_avx512.c.o: FILE_FLAGS += $(AVX512_FLAGS)
-$(BUILD)/obj/engine/base/%_avx512.c.o: FILE_FLAGS += $(AVX512_BASE_FLAGS)
+$(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx2.c.o): FILE_FLAGS += $(AVX2_FLAGS)
+$(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx512.c.o): FILE_FLAGS += $(AVX512_FLAGS)
+$(foreach folder,obj pic,$(BUILD)/$(folder)/engine/base/%_avx512.c.o): FILE_FLAGS += $(AVX512_BASE_FLAGS)
 endif
 
 # All objects depend on what compilers are told, all programs on what the linker is told.

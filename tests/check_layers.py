@@ -18,7 +18,7 @@ import sys
 
 # rooms of the engine; gd/ headers have the rank of the room that implements them
 ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
-          "transport": 10, "render": 10, "cut": 11, "subdiv": 11, "nurbs": 11}
+          "transport": 10, "render": 10, "cut": 11, "subdiv": 11, "nurbs": 11, "umbrella": 12}
 PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
@@ -32,6 +32,7 @@ PUBLIC = {
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
     "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
+    "umbrella": ["tools", "smooth"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}
 

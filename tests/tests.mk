@@ -1,6 +1,6 @@
 # Tests: which programs there are, how they are linked, and the suites. Included by the Makefile.
 
-.PHONY: test test-build test-unit test-api test-web nurbs-peers contract-linter contract-generators web-peers
+.PHONY: test test-build test-unit test-api test-libraries test-web nurbs-peers contract-linter contract-generators web-peers
 
 SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
 LIB_SUPPORT := $(BUILD)/libgd_support.a
@@ -32,14 +32,14 @@ $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 
 test: PACKAGES += debhelper dh-python lintian pkg-config haproxy postgresql python3-kubernetes # wanted by tests only
 test: setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
-	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
+	@$(MAKE) --no-print-directory -j2 build test-build libraries $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@$(MAKE) --no-print-directory check-layers
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py tests/api/run.py "tests/web/run.py --build $(BUILD)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+	    tests/oracle/mirror.py tests/api/run.py "tests/web/run.py --build $(BUILD)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 # Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py, and half of test_files.py, are skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10
@@ -77,5 +77,9 @@ test-web: build web-peers ## the pages in a browser only
 
 test-api: build $(CLIENTS) ## the daemon over HTTP only
 	@tests/run.py tests/api/run.py
+
+test-libraries: ## the engine's libraries, as other programs find them by pkg-config
+	@$(MAKE) --no-print-directory libraries
+	@tests/run.py "tests/package/libraries.py --build $(BUILD)"
 
 test-build: $(TEST_PROGRAMS) $(CLIENTS) ## build the unit tests and the clients

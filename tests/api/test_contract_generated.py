@@ -12,7 +12,7 @@ import contract
 from harness import PROGRAM
 
 ROOT = contract.DOCUMENT.parents[1]
-LIBRARIES = [PROGRAM.parent / "libgd_proto.a", PROGRAM.parent / "libgd.a"]
+LIBRARIES = [PROGRAM.parent / f"lib{name}.a" for name in ("gd_proto", "geodesic-smooth", "geodesic-tools", "geodesic")]
 INCLUDE = ["-I", ROOT / "engine" / "include", "-I", ROOT / "engine", "-I", ROOT]
 # Decodes the body of a mean and prints what came of it; then a projection of the answer.
 READER = r"""

@@ -2,7 +2,7 @@
  * cube, which is sqrt(5). */
 #include <stdio.h>
 
-#include "gd/query.h"
+#include <gd/geodesic.h>
 
 int main(void)
 {
@@ -14,13 +14,12 @@ int main(void)
     const struct gd_polygons cube = {positions, 8, 6, corners, first};
     struct gd_mesh *mesh;
     struct gd_point from, to;
-    struct gd_pair_answer answer;
+    double distance;
     if (gd_mesh_build(&cube, NULL, NULL, &mesh, NULL) != GD_OK) return 1;
     if (gd_point_at_vertex(mesh, (struct gd_vertex){0}, &from, NULL) != GD_OK) return 2;
     if (gd_point_at_vertex(mesh, (struct gd_vertex){7}, &to, NULL) != GD_OK) return 3;
-    if (gd_pair_solve(mesh, &from, &to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL) != GD_OK)
-        return 4;
-    printf("%.17g\n", answer.distance);
+    if (gd_distance(mesh, &from, &to, &distance) != GD_OK) return 4;
+    printf("%.17g\n", distance);
     gd_mesh_release(mesh);
     return 0;
 }

@@ -28,7 +28,11 @@ EXPECTED = {
                   "/usr/share/man/man8/geodesicd.8.gz", "/usr/share/doc/geodesicd/copyright"},
     "geodesicd-clients": {"/usr/bin/geodesic", "/usr/share/man/man1/geodesic.1.gz", "/usr/share/bash-completion/completions/geodesic",
                           "/usr/lib/python3/dist-packages/geodesicd/__init__.py"},
-    "libgeodesicd-dev": {"/usr/include/geodesicd.h", "/usr/include/geodesicd/gd/mesh.h"},
+    "libgeodesic0": {"/usr/lib/{multiarch}/libgeodesic.so.0", "/usr/lib/{multiarch}/libgeodesic-tools.so.0", "/usr/lib/{multiarch}/libgeodesic-smooth.so.0"},
+    "libgeodesic-dev": {"/usr/include/geodesic/gd/geodesic.h", "/usr/lib/{multiarch}/libgeodesic.so", "/usr/lib/{multiarch}/libgeodesic.a",
+                        "/usr/lib/{multiarch}/pkgconfig/geodesic.pc", "/usr/share/man/man3/geodesic.3.gz",
+                        "/usr/share/doc/libgeodesic-dev/examples/geodesic.c"},
+    "libgeodesicd-dev": {"/usr/include/geodesicd.h", "/usr/lib/{multiarch}/libgeodesicd-client.a", "/usr/lib/{multiarch}/pkgconfig/geodesicd-client.pc"},
 }
 
 
@@ -67,14 +71,14 @@ def look_at_libraries(report, build, prefix):
     if not shutil.which("pkg-config"):
         return report.skip("libraries by pkg-config", "pkg-config is not installed")
     found = dict(os.environ, PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
-    flags = run("pkg-config", "--cflags", "--libs", "geodesicd-engine", env=found).split()
+    flags = run("pkg-config", "--cflags", "--libs", "geodesic", env=found).split()
     run("cc", "-std=c17", HERE / "around_the_cube.c", "-o", prefix / "cube", *flags)
-    distance = float(run(prefix / "cube", ""))
+    distance = float(run(prefix / "cube", "", env={"LD_LIBRARY_PATH": str(prefix / "lib")}))
     report.expect("the installed engine computes", abs(distance - math.sqrt(5)) < 1e-14, distance)
     flags = run("pkg-config", "--cflags", "--libs", "geodesicd-client", env=found).split()
     run("cc", "-std=c17", SOURCE / "clients/c/example.c", "-o", prefix / "example", *flags)
     report.expect("the client library links", (prefix / "example").exists())
-    version = run("pkg-config", "--modversion", "geodesicd-engine", env=found).strip()
+    version = run("pkg-config", "--modversion", "geodesic", env=found).strip()
     report.expect("libraries have the daemon's version", version == VERSION, version)
     for name in ("cube", "example"):
         (prefix / name).unlink()
@@ -104,10 +108,12 @@ def packages_of(build):
 
 def look_at_packages(report, build):
     packages = packages_of(build)
-    report.expect("there are three packages", set(packages) == set(EXPECTED), packages)
+    report.expect("there are all packages and no others", set(packages) == set(EXPECTED), packages)
+    multiarch = run("dpkg-architecture", "-qDEB_HOST_MULTIARCH").strip()
     for name, package in packages.items():
-        paths = {line.split(maxsplit=5)[5].removeprefix(".") for line in run("dpkg-deb", "--contents", package).splitlines()}
-        report.expect(f"{name} has what it should", EXPECTED[name] <= paths, EXPECTED[name] - paths)
+        paths = {line.split(maxsplit=5)[5].removeprefix(".").partition(" -> ")[0] for line in run("dpkg-deb", "--contents", package).splitlines()}
+        expected = {path.format(multiarch=multiarch) for path in EXPECTED[name]}
+        report.expect(f"{name} has what it should", expected <= paths, expected - paths)
         version = run("dpkg-deb", "--field", package, "Version").strip()
         report.expect(f"{name} has the daemon's version", version == VERSION, version)
     report.expect("settings are a conffile", run("dpkg-deb", "--info", packages["geodesicd"], "conffiles").split() == ["/etc/geodesicd/environment"])
@@ -178,7 +184,7 @@ def look_at_a_life(report, fresh):
     log = (fresh.root / "tmp/log").read_text()
     report.expect("its sandbox is on", '"level":"info","event":"sandbox"' in log or re.search(r'"event":"sandbox"[^\n]*info|info[^\n]*"event":"sandbox"', log), log)
     (fresh.root / "tmp/cube.c").write_bytes((HERE / "around_the_cube.c").read_bytes())
-    cube = fresh("sh", "-c", "cc -o /tmp/cube /tmp/cube.c $(pkg-config --cflags --libs geodesicd-engine) && /tmp/cube")
+    cube = fresh("sh", "-c", "cc -o /tmp/cube /tmp/cube.c $(pkg-config --cflags --libs geodesic) && /tmp/cube")
     report.expect("a program is built with the engine", abs(float(cube) - math.sqrt(5)) < 1e-14, cube)
     fresh("dpkg", "--install", *installed)
     report.expect("installed again, settings stay", "GEODESICD_LISTEN=127" in settings.read_text())

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Looks at the engine's libraries as other programs meet them: installed, found by pkg-config.
+
+usage: tests/package/libraries.py [--build FOLDER]
+
+C and C++ programs are linked with the shared and the static libraries and run; every header stands
+alone in both languages; sonames, exported symbols and dependencies are read from the shared objects.
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+SOURCE = HERE.parent.parent
+PARTS = ("geodesic", "geodesic-tools", "geodesic-smooth")
+UMBRELLA = {"geodesic": "geodesic", "geodesic-tools": "tools", "geodesic-smooth": "smooth"}
+# of others, and of the system on any machine
+NEEDED = {"geodesic": {"libstdc++.so.6"}, "geodesic-tools": {"libgeodesic.so.0", "libz.so.1"}, "geodesic-smooth": {"libgeodesic.so.0"}}
+SYSTEM = re.compile(r"(libc|libm|libgcc_s|ld-linux.*)\.so\.\d+")
+LANGUAGES = {"C": ["cc", "-std=c17", "-x", "c"], "C++": ["c++", "-std=c++17", "-x", "c++"]}
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+
+
+def run(*command, **options):
+    done = subprocess.run(list(map(str, command)), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    return done.returncode, done.stdout
+
+
+class Installed:
+    """A tree that `make install-libraries` made, and what is expected of it."""
+
+    def __init__(self, prefix):
+        self.prefix, self.failed = prefix, 0
+        self.folder = prefix / "lib"
+
+    def expect(self, what, holds, told=""):
+        print(f"{'ok' if holds else 'not ok'} libraries: {what}" + ("" if holds else f": {told}"), flush=True)
+        self.failed += not holds
+
+    def flags(self, *arguments):
+        environment = dict(os.environ, PKG_CONFIG_PATH=str(self.folder / "pkgconfig"))
+        return run("pkg-config", *arguments, env=environment)[1].split()
+
+
+def shared_object(tree, part):
+    place = tree.folder / f"lib{part}.so.0"
+    dynamic = run("readelf", "--wide", "--dynamic", place)[1]
+    tree.expect(f"lib{part} has its soname", re.findall(r"soname: \[(.*)\]", dynamic) == [place.name], dynamic)
+    needed = {name for name in re.findall(r"NEEDED.*\[(.*)\]", dynamic) if not SYSTEM.fullmatch(name)}
+    tree.expect(f"lib{part} needs no library but those documented", needed == NEEDED[part], needed)
+    exported = [line.split()[-1] for line in run("nm", "-D", "--defined-only", place)[1].splitlines()]
+    exported = [name for name in exported if not name.startswith("GEODESIC_")]
+    strangers = [name for name in exported if not re.fullmatch(r"gd_[a-z]\w*@@GEODESIC_0|gd__\w+@@GEODESIC_PRIVATE", name)]
+    tree.expect(f"lib{part} exports gd_ names only", exported and not strangers, strangers)
+    headers = "".join(path.read_text() for path in (tree.prefix / "include/geodesic/gd").glob("*.h"))
+    public = [name.partition("@")[0] for name in exported if name.endswith("GEODESIC_0")]
+    hidden = [name for name in public if not re.search(rf"\b{name}\b", headers)]
+    tree.expect(f"all public names of lib{part} are documented in headers", not hidden, hidden)
+    size = run("size", place)[1].split("\n")[1].split()[0]
+    print(f"# lib{part}: {int(size) / 1e3:.0f} kB of code and constants, {len(public)} public names, {len(exported) - len(public)} private ones")
+
+
+def headers_stand_alone(tree):
+    flags = tree.flags("--cflags", "geodesic")
+    for language, compiler in LANGUAGES.items():
+        failed = {}
+        for header in sorted((tree.prefix / "include/geodesic/gd").glob("*.h")):
+            program = tree.prefix / "header.txt"
+            program.write_text(f"#include <gd/{header.name}>\n#include <gd/{header.name}>\n")
+            code, told = run(*compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", *flags, program)
+            if code:
+                failed[header.name] = told
+        tree.expect(f"each header stands alone in {language}", not failed, failed)
+
+
+def programs_link(tree):
+    mesh = tree.prefix / "square.obj"
+    mesh.write_text(SQUARE)
+    example = tree.prefix / "share/doc/libgeodesic-dev/examples/geodesic.c"
+    for language, compiler in LANGUAGES.items():
+        for kind in ("shared", "static"):
+            for part in PARTS:
+                source = example if part == "geodesic" else HERE / f"use_{UMBRELLA[part]}.c"
+                program = tree.prefix / f"{part}-{kind}"
+                if kind == "shared":
+                    libraries, found = tree.flags("--libs", part), {"LD_LIBRARY_PATH": str(tree.folder)}
+                else:
+                    libraries, found = ["-static", *tree.flags("--static", "--libs", part)], {}
+                code, told = run(*compiler, "-Wall", "-Wextra", "-Werror", source, "-x", "none", "-o", program, *tree.flags("--cflags", part), *libraries)
+                if not code:
+                    code, told = run(program, mesh, "0", "2", env={"PATH": os.environ["PATH"], **found})
+                tree.expect(f"a {language} program with the {kind} lib{part} runs", code == 0 and told.startswith("distance: 1.41421356237309"), told)
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--build", type=pathlib.Path, default=SOURCE / "build")
+    build = arguments.parse_args().build.resolve()
+    missing = [program for program in ("pkg-config", "readelf", "nm") if not shutil.which(program)]
+    if missing:
+        print(f"skip libraries: {', '.join(missing)} not installed")
+        return 0
+    with tempfile.TemporaryDirectory() as place:
+        tree = Installed(pathlib.Path(place) / "usr")
+        code, told = run("make", "--no-print-directory", f"BUILD={build}", "install-libraries", f"PREFIX={tree.prefix}", cwd=SOURCE)
+        tree.expect("make install-libraries", code == 0, told)
+        if code:
+            return 1
+        for part in PARTS:
+            shared_object(tree, part)
+        headers_stand_alone(tree)
+        programs_link(tree)
+    return tree.failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
