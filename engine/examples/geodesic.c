@@ -60,7 +60,7 @@ static enum gd_status print_farthest(const struct gd_mesh *mesh, const struct gd
     request.seeds = &seed;
     request.seed_count = 1;
     struct gd_field *field;
-    enum gd_status status = gd_field_build(mesh, &request, NULL, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(mesh, &request, NULL, &field, NULL);
     if (status) return status;
     struct gd_point farthest;
     double distance;

@@ -200,9 +200,10 @@ static enum gd_status build_somehow(const struct gd_mesh *mesh,
 }
 
 enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
-                              const struct gd_control *control, const struct gd_executor *executor,
-                              struct gd_field **out, struct gd_detail *detail)
+                              const struct gd_control *control, struct gd_field **out,
+                              struct gd_detail *detail)
 {
+    const struct gd_executor *executor = control ? control->executor : NULL;
     return build_somehow(mesh, request, false, control, executor, out, detail);
 }
 

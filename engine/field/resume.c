@@ -88,14 +88,14 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
 }
 
 enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
-                               const struct gd_control *control, const struct gd_executor *executor,
-                               struct gd_field **out, struct gd_detail *detail)
+                               const struct gd_control *control, struct gd_field **out,
+                               struct gd_detail *detail)
 {
     enum gd_status status = check(partial, radius, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(partial->mesh);
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    status = resume(field, partial, radius, control, executor);
+    status = resume(field, partial, radius, control, control ? control->executor : NULL);
     if (status) {
         gd_field_release(field);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));

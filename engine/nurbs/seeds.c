@@ -81,7 +81,7 @@ static enum gd_status measure_side(const struct gd_tessellation *t, struct side 
     enum gd_status status = place_side(t, side, watch, detail);
     if (status) return status;
     struct gd_field_request request = {.seeds = side->seeds, .seed_count = side->count};
-    status = gd_field_build(t->mesh, &request, watch->control, NULL, &side->field, detail);
+    status = gd_field_build(t->mesh, &request, watch->control, &side->field, detail);
     if (status) return status;
     side->distance = malloc(gd_mesh_summary(t->mesh)->index_count * sizeof *side->distance);
     if (!side->distance)

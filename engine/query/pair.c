@@ -52,7 +52,7 @@ static enum gd_status solve_by_fields(const struct gd_mesh *mesh, const struct g
         struct gd_seed seed = {.point = end ? *to : *from};
         struct gd_field *field = NULL;
         status = gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                control, NULL, &field, NULL);
+                                control, &field, NULL);
         if (!status) status = ask(field, end ? from : to, end, wish, out);
         gd_field_release(field);
     }

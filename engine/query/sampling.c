@@ -12,7 +12,6 @@
 
 struct sampler {
     const struct gd_mesh *mesh;
-    const struct gd_executor *executor;
     struct gd_detail *detail;
     struct gd_seed *seeds; /* the points so far */
     double *radii;
@@ -52,8 +51,8 @@ static enum gd_status add_point(struct sampler *sampler, struct gd__share *share
     struct gd_field_request request = {.seeds = sampler->seeds, .seed_count = sampler->count};
     struct gd_field *field;
     struct gd_point next;
-    enum gd_status status = gd_field_build(sampler->mesh, &request, control, sampler->executor,
-                                           &field, sampler->detail);
+    enum gd_status status =
+        gd_field_build(sampler->mesh, &request, control, &field, sampler->detail);
     if (status) return status;
     share->done++;
     status = find_next(sampler, field, control, &next, &sampler->radii[sampler->count - 1]);
@@ -71,10 +70,12 @@ static struct gd_point first_vertex(const struct gd_mesh *mesh)
 }
 
 static enum gd_status sample(struct sampler *sampler, const struct gd_point *start, uint32_t count,
-                             const struct gd_control *control, size_t held)
+                             const struct gd_control *control, const struct gd_executor *executor,
+                             size_t held)
 {
     struct gd__share share = {.control = control, .total = 2 * count};
     struct gd_control own = gd__share_control(&share, held);
+    own.executor = executor;
     enum gd_status status = GD_OK;
     sampler->seeds[sampler->count++].point = start ? *start : first_vertex(sampler->mesh);
     while (sampler->count <= count && !status) status = add_point(sampler, &share, &own);
@@ -93,12 +94,12 @@ enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_
                   indices * sizeof(double);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
-    struct sampler sampler = {.mesh = mesh, .executor = executor, .detail = detail};
+    struct sampler sampler = {.mesh = mesh, .detail = detail};
     sampler.seeds = calloc(count + (size_t)1, sizeof *sampler.seeds);
     sampler.radii = malloc(count * sizeof *sampler.radii);
     sampler.distances = malloc(indices * sizeof *sampler.distances);
     status = sampler.seeds && sampler.radii && sampler.distances
-                 ? sample(&sampler, start, count, control, held)
+                 ? sample(&sampler, start, count, control, executor, held)
                  : GD_NO_MEMORY;
     for (uint32_t i = 0; i < count && !status; i++) points[i] = sampler.seeds[i].point;
     if (!status) memcpy(radii, sampler.radii, count * sizeof *radii);

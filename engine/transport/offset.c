@@ -20,7 +20,7 @@ enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve
     if (!seeds) return GD_NO_MEMORY;
     gd_curve_seeds(curve, 0, seeds);
     request.seeds = seeds;
-    status = gd_field_build(mesh, &request, control, NULL, &field, detail);
+    status = gd_field_build(mesh, &request, control, &field, detail);
     free(seeds);
     if (status) return status;
     status = gd_isoline_trace(field, distance, control, out);

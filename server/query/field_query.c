@@ -145,10 +145,10 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
     struct server_budgeted_call call = {.workspaces = host->workspaces,
                                         .control = server_exchange_control(part),
                                         .grant = server_field_build_grant(mesh)};
+    call.control.executor = executor;
     while (server_budgeted_call_next(&call)) {
-        call.status =
-            nearer ? gd_field_resume(nearer, request->radius, &call.control, executor, out, NULL)
-                   : gd_field_build(mesh, request, &call.control, executor, out, NULL);
+        call.status = nearer ? gd_field_resume(nearer, request->radius, &call.control, out, NULL)
+                             : gd_field_build(mesh, request, &call.control, out, NULL);
         if (!call.status) call.kept = gd_field_memsize(*out);
     }
     server_executor_stop(executor);

@@ -1,7 +1,7 @@
 /* Executor: lends idle workers to the parallel tasks of one job.
  *
  *     const struct gd_executor *executor = server_executor_start(workers, width, deadline_ns);
- *     ... gd_field_build(mesh, &request, control, executor, &field, NULL) ...
+ *     ... gd_field_build(mesh, &request, &(struct gd_control){.executor = executor}, &field, NULL)
  *     server_executor_stop(executor);
  *
  * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves

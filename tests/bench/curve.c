@@ -37,7 +37,7 @@ static double build(const struct gd_mesh *mesh, const struct gd_seed *seeds, uin
     struct gd_detail detail = {0};
     const struct gd_field_request request = {.seeds = seeds, .seed_count = count};
     double start = bench_thread_ms();
-    bench_require(gd_field_build(mesh, &request, bench_control(), NULL, &field, &detail), &detail);
+    bench_require(gd_field_build(mesh, &request, bench_control(), &field, &detail), &detail);
     double ms = bench_thread_ms() - start;
     gd_field_release(field);
     return ms;
@@ -64,7 +64,7 @@ static double begin(const struct gd_mesh *mesh, const struct gd_seed *seeds, uin
     control.user = &begun;
     const struct gd_field_request request = {.seeds = seeds, .seed_count = count};
     double start = bench_thread_ms();
-    enum gd_status status = gd_field_build(mesh, &request, &control, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(mesh, &request, &control, &field, NULL);
     if (status != GD_CANCELLED) bench_require(GD_INTERNAL, NULL);
     return begun - start;
 }

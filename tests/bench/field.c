@@ -18,11 +18,13 @@ static void add_field(const struct gd_mesh *mesh, struct gd_point source, uint32
     struct gd_seed seed = {.point = source};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
+    struct gd_control control = *bench_control();
+    control.executor = executor;
     double start_cpu_ms = bench_thread_ms();
     uint64_t start = gd_now_ns();
     enum gd_status status =
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                       bench_control(), executor, &field, &detail);
+        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, &control,
+                       &field, &detail);
     totals->ms[run] = bench_ms_since(start);
     totals->cpu_ms[run] = bench_thread_ms() - start_cpu_ms;
     bench_require(status, &detail);

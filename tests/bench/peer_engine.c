@@ -35,8 +35,7 @@ static bool field(void *surface, uint32_t source, double *out)
     struct engine *engine = surface;
     struct gd_seed seed = {.point = at_vertex(engine, source)};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    if (gd_field_build(engine->mesh, &request, bench_control(), NULL, &engine->field, NULL))
-        return false;
+    if (gd_field_build(engine->mesh, &request, bench_control(), &engine->field, NULL)) return false;
     gd_field_vertex_distances(engine->field, out);
     return true;
 }

@@ -19,7 +19,7 @@ static struct gd_field *build(const struct gd_mesh *mesh, const struct gd_seed *
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     const struct gd_field_request request = {.seeds = seed, .seed_count = 1, .radius = radius};
-    bench_require(gd_field_build(mesh, &request, bench_control(), NULL, &field, &detail), &detail);
+    bench_require(gd_field_build(mesh, &request, bench_control(), &field, &detail), &detail);
     return field;
 }
 
@@ -27,8 +27,7 @@ static struct gd_field *resume(const struct gd_field *partial, double radius)
 {
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    bench_require(gd_field_resume(partial, radius, bench_control(), NULL, &field, &detail),
-                  &detail);
+    bench_require(gd_field_resume(partial, radius, bench_control(), &field, &detail), &detail);
     return field;
 }
 

@@ -37,7 +37,7 @@ static double log_time(const struct gd_mesh *mesh, struct rng *rng)
     struct gd_seed seed = {.point = bench_random_point(mesh, GD_POINT_FACE, rng)};
     struct gd_field *field;
     bench_require(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                 bench_control(), NULL, &field, NULL),
+                                 bench_control(), &field, NULL),
                   NULL);
     uint64_t start = gd_now_ns();
     for (int i = 0; i < MAPS; i++)

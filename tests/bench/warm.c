@@ -21,7 +21,7 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, struct rng *rng)
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     bench_require(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                 NULL, NULL, &field, &detail),
+                                 NULL, &field, &detail),
                   &detail);
     return field;
 }

@@ -41,17 +41,16 @@ static void choose_seeds(void)
 }
 
 static enum gd_status build_on(const struct gd_mesh *on, struct gd_field_request request,
-                               const struct gd_control *control, const struct gd_executor *executor,
-                               void *out)
+                               const struct gd_control *control, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_field_build(on, &request, control, executor, out, &detail);
+    return gd_field_build(on, &request, control, out, &detail);
 }
 
 static struct gd_field *make(struct gd_field_request request)
 {
     struct gd_field *made;
-    check_ok(build_on(mesh, request, NULL, NULL, &made), NULL);
+    check_ok(build_on(mesh, request, NULL, &made), NULL);
     return made;
 }
 
@@ -201,34 +200,33 @@ static const struct answer a_voronoi = {sizeof(struct gd_voronoi), digest_vorono
 
 static enum gd_status build_point(void *out)
 {
-    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1}, NULL, NULL,
-                    out);
+    return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1}, NULL, out);
 }
 
 static enum gd_status build_set(void *out)
 {
     return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL,
-                    NULL, out);
+                    out);
 }
 
 static enum gd_status build_partial(void *out)
 {
     return build_on(mesh,
                     (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = 0.2},
-                    NULL, NULL, out);
+                    NULL, out);
 }
 
 static enum gd_status build_to_target(void *out)
 {
     return build_on(
         mesh, (struct gd_field_request){.seeds = seeds, .seed_count = 1, .target = &places[9]},
-        NULL, NULL, out);
+        NULL, out);
 }
 
 static enum gd_status build_in_workspace(void *out)
 {
     return build_on(mesh, (struct gd_field_request){.seeds = seeds, .seed_count = SEEDS},
-                    &(struct gd_control){.workspace = workspace}, NULL, out);
+                    &(struct gd_control){.workspace = workspace}, out);
 }
 
 static enum gd_status build_from_spares(void *out)
@@ -276,7 +274,7 @@ static enum gd_status build_on_two(void *out)
     return build_on(large,
                     (struct gd_field_request){.seeds = &(struct gd_seed){.point = {.element = 100}},
                                               .seed_count = 1},
-                    NULL, &two, out);
+                    &(struct gd_control){.executor = &two}, out);
 }
 
 static enum gd_status build_distances(void *out)
@@ -288,7 +286,7 @@ static enum gd_status build_distances(void *out)
 static enum gd_status resume(void *out)
 {
     struct gd_detail detail = {0};
-    return gd_field_resume(partial, 0.5, NULL, NULL, out, &detail);
+    return gd_field_resume(partial, 0.5, NULL, out, &detail);
 }
 
 static enum gd_status within(void *out)

@@ -30,7 +30,7 @@ static void open_lines(void)
     check_ok(gd_field_build(mesh,
                             &(struct gd_field_request){
                                 .seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
-                            NULL, NULL, &field, NULL),
+                            NULL, &field, NULL),
              NULL);
     check_ok(gd_pair_solve(mesh, &places[1], &places[2], true, NULL, NULL, &pair, NULL), NULL);
     check_ok(gd_vector_log(mesh, &pair.path, &logarithm, NULL), NULL);

@@ -21,7 +21,7 @@ static void open_pictures(void)
     struct gd_seed seed = {.point = test_vertex(mesh, 3)};
     struct gd_point to = test_vertex(mesh, 200);
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, &detail),
+                            &field, &detail),
              &detail);
     check_ok(gd_field_path(field, &to, &path), NULL);
 }

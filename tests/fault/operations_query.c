@@ -39,7 +39,7 @@ static struct gd_field *field_of_curve(const struct gd_curve *curve)
     struct gd_seed *seeds = malloc(count * sizeof *seeds);
     gd_curve_seeds(curve, 0, seeds);
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = count},
-                            NULL, NULL, &made, NULL),
+                            NULL, &made, NULL),
              NULL);
     free(seeds);
     return made;
@@ -61,7 +61,7 @@ static void open_queries(void)
     check_ok(gd_field_build(mesh,
                             &(struct gd_field_request){
                                 .seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
-                            NULL, NULL, &field, NULL),
+                            NULL, &field, NULL),
              NULL);
     first = through(places, 3, false);
     second = through(places + 5, 3, true);

@@ -20,7 +20,7 @@ static const char *image(size_t *size)
                                  (double[3]){0.5, 0.25, 0.25}, &seed.point, NULL) == GD_OK);
         promise(gd_field_build(patched_surface(),
                                &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                               NULL, &field, NULL) == GD_OK);
+                               &field, NULL) == GD_OK);
         length = gd_field_image_size(field);
         bytes = malloc(length);
         promise(bytes != NULL);

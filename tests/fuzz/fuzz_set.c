@@ -35,7 +35,7 @@ static struct gd_field *build(const struct gd_seed *seeds, uint32_t count, doubl
 {
     const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
     struct gd_field *field;
-    enum gd_status status = gd_field_build(house(), &request, NULL, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(house(), &request, NULL, &field, NULL);
     promise(status == GD_OK || status == GD_INTERNAL);
     return status ? NULL : field;
 }

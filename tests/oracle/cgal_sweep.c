@@ -172,7 +172,7 @@ static struct gd_field *solve(struct sweep *sweep, uint32_t source)
     uint64_t start = gd_now_ns();
     enum gd_status status =
         gd_field_build(sweep->mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                       NULL, NULL, &field, &detail);
+                       NULL, &field, &detail);
     sweep->our_ns += gd_now_ns() - start;
     if (status) printf("# %s: %s: %s\n", sweep->name, gd_status_name(status), detail.text);
     return field;

@@ -17,7 +17,7 @@ static struct gd_field *build_field(struct exact_unit *unit)
 {
     struct gd_field *field = NULL;
     struct gd_field_request request = {.seeds = unit->seeds, .seed_count = unit->seed_count};
-    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, &field, NULL);
     if (status) exact_failure(unit, "gd_field_build", status, &unit->seeds[0].point);
     return field;
 }

@@ -29,7 +29,7 @@ static struct gd_field *build_field(struct exact_unit *unit)
 {
     struct gd_field *field = NULL;
     struct gd_field_request request = {.seeds = unit->seeds, .seed_count = unit->seed_count};
-    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, &field, NULL);
     if (status) exact_failure(unit, "gd_field_build", status, &unit->seeds[0].point);
     return field;
 }
@@ -200,7 +200,7 @@ static void check_curve(struct exact_unit *unit, struct exact_scene *scene,
     if (!seeds) abort();
     gd_curve_seeds(curve, 0, seeds);
     struct gd_field_request request = {.seeds = seeds, .seed_count = count};
-    enum gd_status status = gd_field_build(scene->mesh, &request, NULL, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(scene->mesh, &request, NULL, &field, NULL);
     if (status) exact_failure(unit, "gd_field_build, curve", status, &unit->seeds[0].point);
     for (int k = 0; field && k < TARGETS; k++) {
         struct gd_path path = {0};

@@ -17,7 +17,7 @@ static struct gd_field *field_from(struct exact_unit *unit, const struct gd_poin
     struct gd_seed seed = {.point = *point};
     struct gd_field_request request = {
         .seeds = &seed, .seed_count = 1, .radius = radius, .target = target};
-    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, NULL, &field, NULL);
+    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, &field, NULL);
     if (status) exact_failure(unit, "gd_field_build", status, point);
     return field;
 }
@@ -132,8 +132,7 @@ static void by_partial_fields(struct lanes *lanes, const struct gd_point *from,
                     *resumed = NULL;
     if (aimed)
         add(lanes, "gd_field_distance, target", gd_field_distance(aimed, to, &distance), &distance);
-    enum gd_status status =
-        partial ? gd_field_resume(partial, 0, NULL, NULL, &resumed, NULL) : GD_OK;
+    enum gd_status status = partial ? gd_field_resume(partial, 0, NULL, &resumed, NULL) : GD_OK;
     if (resumed) status = gd_field_distance(resumed, to, &distance);
     if (partial) add(lanes, "gd_field_resume", status, &distance);
     gd_field_release(aimed);

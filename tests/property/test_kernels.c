@@ -55,7 +55,7 @@ static struct gd_field *field_by(const char *kernel, const struct gd_mesh *mesh,
 {
     struct gd_field *field = NULL;
     check_ok(gd_cpu_select(kernel), NULL);
-    check_ok(gd_field_build(mesh, request, NULL, NULL, &field, NULL), NULL);
+    check_ok(gd_field_build(mesh, request, NULL, &field, NULL), NULL);
     return field;
 }
 

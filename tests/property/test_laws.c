@@ -80,7 +80,7 @@ static void test_steep(void **state)
             check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){v}, &seed.point, NULL), NULL);
             check_ok(gd_field_build(mesh,
                                     &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                    NULL, NULL, &field, NULL),
+                                    NULL, &field, NULL),
                      NULL);
             gd_field_vertex_distances(field, distance + (size_t)v * count);
             gd_field_release(field);

@@ -80,7 +80,7 @@ static struct gd_field *random_set(const struct gd_mesh *mesh, struct rng *rng)
         seeds[i].offset = rng_below(rng, 2) ? rng_between(rng, 0, 0.1 * diagonal) : 0;
     }
     gd_curve_seeds(&curve, rng_between(rng, 0, 0.05 * diagonal), seeds + points);
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    check_ok(gd_field_build(mesh, &request, NULL, &field, &detail), &detail);
     gd_curve_free(&curve);
     free(seeds);
     return field;

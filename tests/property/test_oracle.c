@@ -99,7 +99,7 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, const struct que
                                     .offset = question->offsets[i]};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    check_ok(gd_field_build(mesh, &request, NULL, &field, &detail), &detail);
     return field;
 }
 

@@ -53,7 +53,7 @@ static void compare_with_field(struct trial *trial)
         .point = test_point(trial->mesh, test_random_place(trial->polygons, trial->rng))};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_field *field;
-    check_ok(gd_field_build(trial->mesh, &request, &trial->control, NULL, &field, NULL), NULL);
+    check_ok(gd_field_build(trial->mesh, &request, &trial->control, &field, NULL), NULL);
     for (int i = 0; i < PAIRS_A_FIELD; i++) {
         struct gd_point to =
             test_point(trial->mesh, test_random_place(trial->polygons, trial->rng));

@@ -33,7 +33,7 @@ static struct gd_field *build(const struct scene *scene, double radius,
     struct gd_detail detail = {0};
     const struct gd_field_request request = {
         .seeds = scene->seeds, .seed_count = scene->seed_count, .radius = radius, .target = target};
-    check_ok(gd_field_build(scene->mesh, &request, NULL, NULL, &field, &detail), &detail);
+    check_ok(gd_field_build(scene->mesh, &request, NULL, &field, &detail), &detail);
     return field;
 }
 
@@ -42,7 +42,7 @@ static struct gd_field *resumed(struct gd_field *partial, double radius)
 {
     struct gd_field *field;
     struct gd_detail detail = {0};
-    check_ok(gd_field_resume(partial, radius, NULL, NULL, &field, &detail), &detail);
+    check_ok(gd_field_resume(partial, radius, NULL, &field, &detail), &detail);
     gd_field_release(partial);
     return field;
 }

@@ -362,7 +362,7 @@ static void what_is_no_segment(void **state)
         struct gd_detail detail = {0};
         assert_int_equal(gd_field_build(mesh,
                                         &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                        NULL, NULL, &field, &detail),
+                                        NULL, &field, &detail),
                          GD_INVALID_ARGUMENT);
         assert_non_null(strstr(detail.text, "segment"));
     }

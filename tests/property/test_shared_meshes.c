@@ -66,7 +66,7 @@ static double compare(const struct gd_mesh *mesh, const struct reference *refere
              NULL);
     struct gd_field *field = NULL;
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     double worst = 0;
     for (uint32_t i = 0; i < reference->count; i++) {

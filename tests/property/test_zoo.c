@@ -281,7 +281,7 @@ static double check_source(const struct gd_mesh *mesh, const struct places *plac
     struct gd_field *field = NULL;
     double worst = 0;
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     for (int t = 0; t < TARGETS; t++) {
         struct gd_point target = test_point(mesh, places->at[SOURCES + t]);

@@ -302,7 +302,7 @@ static void ask_field(const struct exact_scene *scene, const struct gd_seed *see
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     struct gd_field_request request = {.seeds = seeds, .seed_count = count};
-    enum gd_status status = gd_field_build(scene->mesh, &request, NULL, NULL, &field, &detail);
+    enum gd_status status = gd_field_build(scene->mesh, &request, NULL, &field, &detail);
     double distance = NAN;
     struct gd_path path = {0};
     if (!status) status = gd_field_distance(field, to, &distance);

@@ -12,7 +12,7 @@ struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *se
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    check_ok(gd_field_build(mesh, &request, NULL, &field, &detail), &detail);
     return field;
 }
 

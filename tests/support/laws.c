@@ -88,7 +88,7 @@ void law_lipschitz(const struct gd_mesh *mesh, const struct gd_polygons *polygon
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, &detail),
+                            &field, &detail),
              &detail);
     double *distance = calloc(polygons->position_count, sizeof *distance);
     assert_non_null(distance);

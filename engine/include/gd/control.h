@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/executor.h"
 #include "gd/status.h"
 
 #ifdef __cplusplus
@@ -26,6 +27,9 @@ struct gd_control {
     bool (*progress)(void *user, double fraction);
     void *user;
     struct gd_workspace *workspace; /* memory of earlier calls, gd/workspace.h; NULL: none */
+    /* Threads for functions that work in parallel: gd_field_build, gd_field_resume and what builds
+     * fields by them. NULL: the calling thread. */
+    const struct gd_executor *executor;
 };
 
 /* Nanoseconds on the monotonic clock. Thread-safe. */

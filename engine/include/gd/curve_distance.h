@@ -2,7 +2,7 @@
  * most; exact, not sampled.
  *
  *     gd_curve_seeds(&a, 0, seeds);                     // the field of one curve, built once
- *     ... gd_field_build(mesh, &request, ..., &field_of_a, ...);
+ *     ... gd_field_build(mesh, &request, NULL, &field_of_a, NULL);
  *     struct gd_curve_distance distance;
  *     if (gd_curve_distance(field_of_a, &a, &b, NULL, &distance) == GD_OK) {
  *         ...

@@ -4,7 +4,7 @@
  *     struct gd_seed seed = {.point = p};
  *     struct gd_field *field;
  *     if (gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
- *                        NULL, &field, NULL) == GD_OK) {
+ *                        &field, NULL) == GD_OK) {
  *         double distance;
  *         if (gd_field_distance(field, &q, &distance) == GD_OK) printf("%.17g\n", distance);
  *         gd_field_release(field);
@@ -17,7 +17,6 @@
 #ifndef GD_FIELD_H
 #define GD_FIELD_H
 
-#include "gd/executor.h"
 #include "gd/path.h"
 
 #ifdef __cplusplus
@@ -46,7 +45,7 @@ struct gd_field_request {
 /* Propagates wedges from the seeds and keeps the final ones: of segments linear ones, so that
  * distances to them are as exact as those to points (D. Bommes and L. Kobbelt, "Accurate
  * computation of geodesic distance fields for polygonal curves on triangle meshes", 2007).
- * `control`, `executor` and `detail` may be NULL. An executor of width 2 or more halves a large
+ * `control` and `detail` may be NULL. An executor of width 2 or more in `control` halves a large
  * surface between two tasks (partition/partition.h): the same field every time, which differs from that of
  * one task by rounding. Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not
  * finite, a segment whose ends are one point or lie in no common face), GD_NO_MEMORY, GD_BUDGET,
@@ -55,8 +54,7 @@ struct gd_field_request {
  * coarse for this surface). Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
                                           const struct gd_field_request *request,
-                                          const struct gd_control *control,
-                                          const struct gd_executor *executor, struct gd_field **out,
+                                          const struct gd_control *control, struct gd_field **out,
                                           struct gd_detail *detail);
 
 /* The distance at every vertex index, as gd_field_vertex_distances gives it of such a field, for
@@ -71,17 +69,16 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
 /* The field of the same seeds that reaches farther, to `radius` (0: no limit): what `partial`,
  * which stays as it is, has found is kept, and only what lies beyond is propagated. Its distances
  * are those of a field that was built for the radius at once, but for rounding. Its statistics
- * count the work of both. `control`, `executor` and `detail` may be NULL. With an executor of width
- * 2 or more, where half of the vertices or more lie beyond the reach of `partial` and
+ * count the work of both. `control` and `detail` may be NULL. With an executor of width 2 or more in
+ * `control`, where half of the vertices or more lie beyond the reach of `partial` and
  * gd_field_build would halve the surface, it is built from the seeds: that takes less time. So it
  * is where `partial` reaches no farther than 1e-3 of the longest edge, or the shortest edge is less
  * than 1e-6 of it. Errors: GD_INVALID_ARGUMENT (the radius is negative or no number, `partial`
  * reaches as far already, or it is a damaged image), and those of gd_field_build but for the
  * request. Cost: a copy of `partial`, and what lies beyond. */
 GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
-                                           const struct gd_control *control,
-                                           const struct gd_executor *executor,
-                                           struct gd_field **out, struct gd_detail *detail);
+                                           const struct gd_control *control, struct gd_field **out,
+                                           struct gd_detail *detail);
 
 /* The field as one of that radius answers, which must be more than 0: what lies farther is beyond
  * its reach. It shares all of `field`, which lives as long, and tells the size of that; where

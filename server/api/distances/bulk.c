@@ -355,7 +355,7 @@ static enum gd_status group_from_field(struct pairs_query *own, uint32_t group,
     const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_field *field;
     enum gd_status status =
-        gd_field_build(own->query.surface->mesh, &request, control, NULL, &field, NULL);
+        gd_field_build(own->query.surface->mesh, &request, control, &field, NULL);
     if (status) return status;
     status = gd_field_distances(field, own->columns + begin, count, control, own->found + begin);
     gd_field_release(field);

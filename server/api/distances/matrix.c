@@ -181,7 +181,7 @@ static enum gd_status row_from_field(const struct matrix_row *row, const struct 
     const struct gd_field_request request = row_request(row, &seed);
     struct gd_field *field;
     enum gd_status status =
-        gd_field_build(row->matrix->query.surface->mesh, &request, control, NULL, &field, NULL);
+        gd_field_build(row->matrix->query.surface->mesh, &request, control, &field, NULL);
     if (status) return status;
     atomic_store(&row->matrix->grant, control->budget_bytes);
     status = row_evaluate(row, field, control);

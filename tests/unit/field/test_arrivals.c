@@ -34,7 +34,7 @@ static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_poi
     struct gd_seed seed = {.point = *from};
     struct gd_field *field = NULL;
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     return field;
 }

@@ -16,7 +16,7 @@ static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_fie
 {
     struct gd_field *field;
     struct gd_detail detail = {0};
-    check_ok(gd_field_build(mesh, request, NULL, NULL, &field, &detail), &detail);
+    check_ok(gd_field_build(mesh, request, NULL, &field, &detail), &detail);
     return field;
 }
 

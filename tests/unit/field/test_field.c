@@ -310,7 +310,7 @@ static void partial_fields_answer_only_what_is_final(void **state)
                                            .seed_count = 1,
                                            .target = i % 2 ? &target : NULL,
                                            .radius = i % 2 ? 0 : 0.3};
-        check_ok(gd_field_build(mesh, &request, NULL, NULL, &partial, NULL), NULL);
+        check_ok(gd_field_build(mesh, &request, NULL, &partial, NULL), NULL);
         double expected, actual;
         if (i % 2) {
             check_ok(gd_field_distance(whole, &target, &expected), NULL);
@@ -361,17 +361,15 @@ static void budget_deadline_and_cancel(void **state)
     int calls = 0;
     struct gd_control budget = {.budget_bytes = 100000}, late = {.deadline_ns = 1},
                       cancel = {.progress = stop_at_once, .user = &calls};
-    assert_int_equal(gd_field_build(mesh, &request, &budget, NULL, &field, &detail), GD_BUDGET);
-    assert_int_equal(gd_field_build(mesh, &request, &late, NULL, &field, &detail), GD_DEADLINE);
-    assert_int_equal(gd_field_build(mesh, &request, &cancel, NULL, &field, &detail), GD_CANCELLED);
+    assert_int_equal(gd_field_build(mesh, &request, &budget, &field, &detail), GD_BUDGET);
+    assert_int_equal(gd_field_build(mesh, &request, &late, &field, &detail), GD_DEADLINE);
+    assert_int_equal(gd_field_build(mesh, &request, &cancel, &field, &detail), GD_CANCELLED);
     assert_int_equal(calls, 1);
     request.seed_count = 0;
-    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail),
-                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_field_build(mesh, &request, NULL, &field, &detail), GD_INVALID_ARGUMENT);
     request.seed_count = 1;
     seed.offset = -1;
-    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail),
-                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_field_build(mesh, &request, NULL, &field, &detail), GD_INVALID_ARGUMENT);
     assert_null(field);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
@@ -395,7 +393,7 @@ static void several_seeds(void **state)
         single[i] = test_field_from(mesh, seeds[i].point);
     }
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS},
-                            NULL, NULL, &all, NULL),
+                            NULL, &all, NULL),
              NULL);
     for (int k = 0; k < 2000; k++) {
         struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
@@ -439,8 +437,9 @@ static void an_executor_changes_nothing(void **state)
     uint32_t tasks = 0;
     struct gd_executor executor = {.width = 2, .run = backwards, .user = &tasks};
     struct gd_field *a, *b;
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &a, NULL), NULL);
-    check_ok(gd_field_build(mesh, &request, NULL, &executor, &b, NULL), NULL);
+    check_ok(gd_field_build(mesh, &request, NULL, &a, NULL), NULL);
+    check_ok(gd_field_build(mesh, &request, &(struct gd_control){.executor = &executor}, &b, NULL),
+             NULL);
     assert_int_equal(a->wedge_bytes, b->wedge_bytes);
     assert_memory_equal(a->wedges, b->wedges, a->wedge_bytes);
     assert_memory_equal(a->newest, b->newest, mesh->edge_count * sizeof *a->newest);

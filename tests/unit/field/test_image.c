@@ -29,7 +29,7 @@ static int make_image(void **state)
         {.point = test_point(mesh, test_random_place(&polygons, &rng))},
         {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.25}};
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 2}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     size = gd_field_image_size(field);
     image = malloc(size);

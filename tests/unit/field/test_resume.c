@@ -24,7 +24,7 @@ static struct gd_field *build(double radius, const struct gd_control *control)
     check_ok(gd_field_build(
                  mesh,
                  &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS, .radius = radius},
-                 control, NULL, &field, NULL),
+                 control, &field, NULL),
              NULL);
     return field;
 }
@@ -34,7 +34,7 @@ static struct gd_field *resume(const struct gd_field *field, double radius,
 {
     struct gd_field *farther;
     struct gd_detail detail = {0};
-    check_ok(gd_field_resume(field, radius, control, NULL, &farther, &detail), &detail);
+    check_ok(gd_field_resume(field, radius, control, &farther, &detail), &detail);
     return farther;
 }
 
@@ -89,8 +89,7 @@ static void assert_refused(const struct gd_field *field, double radius, const ch
 {
     struct gd_field *none = NULL;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_field_resume(field, radius, NULL, NULL, &none, &detail),
-                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_field_resume(field, radius, NULL, &none, &detail), GD_INVALID_ARGUMENT);
     assert_null(none);
     assert_non_null(strstr(detail.text, why));
 }
@@ -164,9 +163,10 @@ static uint32_t turns_after(const struct gd_mesh *ball, double radius)
     check_ok(gd_field_build(
                  ball,
                  &(struct gd_field_request){.seeds = &seed, .seed_count = 1, .radius = radius},
-                 NULL, NULL, &near, NULL),
+                 NULL, &near, NULL),
              NULL);
-    check_ok(gd_field_resume(near, 0, NULL, &executor, &whole, NULL), NULL);
+    check_ok(gd_field_resume(near, 0, &(struct gd_control){.executor = &executor}, &whole, NULL),
+             NULL);
     double distance;
     check_ok(gd_field_distance(whole, &seed.point, &distance), NULL);
     check_close(distance, 0.5, 1e-15);
@@ -276,7 +276,7 @@ static void a_workspace_is_used_again(void **state)
     struct gd_field *alone = resume(partial, 0, NULL), *fresh = build(0.1, NULL), *none = NULL;
     for (int i = 0; i < 3; i++) {
         struct gd_field *again = resume(partial, 0, &control);
-        assert_int_equal(gd_field_resume(partial, 0, &late, NULL, &none, NULL), GD_DEADLINE);
+        assert_int_equal(gd_field_resume(partial, 0, &late, &none, NULL), GD_DEADLINE);
         assert_null(none);
         struct gd_field *anew = build(0.1, &control);
         assert_same_distances(again, alone, 0);
@@ -302,7 +302,7 @@ static void progress_grows_and_cancels(void **state)
     for (int most = 1; most <= all; most++) {
         struct gd_field *none = NULL;
         watch = (struct test_watch){.most = most};
-        assert_int_equal(gd_field_resume(partial, 0, &control, NULL, &none, NULL), GD_CANCELLED);
+        assert_int_equal(gd_field_resume(partial, 0, &control, &none, NULL), GD_CANCELLED);
         assert_null(none);
     }
 }
@@ -316,7 +316,7 @@ static void memory_is_asked_for(void **state)
     do {
         struct gd_control control = {.budget_bytes = need};
         struct gd_field *field = NULL;
-        status = gd_field_resume(partial, 0, &control, NULL, &field, NULL);
+        status = gd_field_resume(partial, 0, &control, &field, NULL);
         assert_true(status == GD_OK || (status == GD_BUDGET && !field));
         gd_field_release(field);
         refused += status != GD_OK;
@@ -344,8 +344,7 @@ static void damaged_images_do_no_harm(void **state)
         if (gd_field_open_image(mesh, damaged, size, NULL, NULL, &field, NULL)) continue;
         opened++;
         const struct gd_control control = {.deadline_ns = gd_now_ns() + 200000000};
-        if (gd_field_resume(field, 0, &control, NULL, &farther, NULL) == GD_OK)
-            gd_field_release(farther);
+        if (gd_field_resume(field, 0, &control, &farther, NULL) == GD_OK) gd_field_release(farther);
         gd_field_release(field);
     }
     print_message("# %d of 400 could be opened\n", opened);

@@ -203,7 +203,7 @@ static void members_by_seed(void **state)
                                {.point = test_point_near(mesh, 0.5, 0.9, 0)}};
     struct gd_field *field;
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 3}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     struct gd_voronoi voronoi;
     check_ok(gd_voronoi_trace(field, (const uint32_t[]){1, 1, 1}, fine, NULL, &voronoi), NULL);

@@ -246,7 +246,7 @@ static double sampled_distance(const struct gd_tessellation *dense, const struct
     struct gd_field_request request = {.seeds = from, .seed_count = sample(dense, a, from, gap)};
     struct gd_field *field;
     double least = INFINITY, distance;
-    check_ok(gd_field_build(gd_tessellation_mesh(dense), &request, NULL, NULL, &field, NULL), NULL);
+    check_ok(gd_field_build(gd_tessellation_mesh(dense), &request, NULL, &field, NULL), NULL);
     for (uint32_t i = 0; i < count; i++) {
         check_ok(gd_field_distance(field, &to[i].point, &distance), NULL);
         least = fmin(least, distance);

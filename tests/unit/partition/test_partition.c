@@ -53,8 +53,9 @@ build_from(const struct gd_mesh *mesh, struct gd_seed seed,
     struct gd_executor executor = {.width = 2, .run = run, .user = turns};
     struct gd_field *field;
     struct gd_detail detail = {0};
-    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            run ? &executor : NULL, &field, &detail),
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                            &(struct gd_control){.executor = run ? &executor : NULL}, &field,
+                            &detail),
              &detail);
     return field;
 }
@@ -153,15 +154,16 @@ static void limits(void **state)
     int calls = 0;
     struct gd_executor executor = {.width = 2, .run = run_on_threads, .user = &turns};
     struct gd_field *field = NULL;
-    struct gd_control cancel = {.progress = stop_soon, .user = &calls}, late = {.deadline_ns = 1};
-    assert_int_equal(gd_field_build(mesh, &request, &cancel, &executor, &field, NULL),
-                     GD_CANCELLED);
+    struct gd_control cancel = {.progress = stop_soon, .user = &calls, .executor = &executor},
+                      late = {.deadline_ns = 1, .executor = &executor};
+    assert_int_equal(gd_field_build(mesh, &request, &cancel, &field, NULL), GD_CANCELLED);
     assert_int_equal(calls, 5);
-    assert_int_equal(gd_field_build(mesh, &request, &late, &executor, &field, NULL), GD_DEADLINE);
+    assert_int_equal(gd_field_build(mesh, &request, &late, &field, NULL), GD_DEADLINE);
     /* a budget that may not do for two: what is left to share out is the check in the end */
     uint32_t before = turns;
-    struct gd_control tight = {.budget_bytes = 900 * (size_t)mesh->edge_count};
-    check_ok(gd_field_build(mesh, &request, &tight, &executor, &field, NULL), NULL);
+    struct gd_control tight = {.budget_bytes = 900 * (size_t)mesh->edge_count,
+                               .executor = &executor};
+    check_ok(gd_field_build(mesh, &request, &tight, &field, NULL), NULL);
     assert_int_equal(turns, before + 1);
     gd_field_release(field);
     gd_mesh_release(mesh);
@@ -182,9 +184,10 @@ static void one_does_what_two_cannot(void **state)
     uint32_t turns = 0;
     struct gd_executor executor = {.width = 2, .run = run_backwards, .user = &turns};
     struct gd_field *one = build(mesh, seed.point, NULL, NULL), *two = NULL;
-    struct gd_control enough = {.budget_bytes = gd_field_memsize(one) * 5 / 4};
+    struct gd_control enough = {.budget_bytes = gd_field_memsize(one) * 5 / 4,
+                                .executor = &executor};
     assert_true(enough.budget_bytes > 1000 * (size_t)mesh->edge_count);
-    check_ok(gd_field_build(mesh, &request, &enough, &executor, &two, NULL), NULL);
+    check_ok(gd_field_build(mesh, &request, &enough, &two, NULL), NULL);
     assert_true(turns > 1);
     check_same_bits(one, two);
     gd_field_release(one);

@@ -50,7 +50,7 @@ static void radii_cover_the_surface(void **state)
             seeds[i].point = points[i];
             struct gd_field *field;
             struct gd_field_request request = {.seeds = seeds, .seed_count = i + 1};
-            check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, NULL), NULL);
+            check_ok(gd_field_build(mesh, &request, NULL, &field, NULL), NULL);
             double distance = INFINITY;
             if (i + 1 < MOST) check_ok(gd_field_distance(field, &points[i + 1], &distance), NULL);
             if (i + 1 < MOST) check_close(distance, radii[i], promise);

@@ -86,7 +86,7 @@ static struct flat open_flat(double x, double y)
     struct gd_seed seed = {.point = test_point_near(flat.mesh, x, y, 0)};
     struct gd_detail detail = {0};
     check_ok(gd_field_build(flat.mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                            NULL, NULL, &flat.field, &detail),
+                            NULL, &flat.field, &detail),
              &detail);
     flat.scale = fmin((FLAT_WIDTH - 2 * margin) / 4, (FLAT_HEIGHT - 2 * margin) / 3);
     flat.left = FLAT_WIDTH / 2.0 - 2 * flat.scale;
@@ -217,7 +217,7 @@ static void what_is_behind_is_faint(void **state)
     struct gd_field *field;
     struct gd_path path;
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     check_ok(gd_field_path(field, &to, &path), NULL);
     for (int behind = 0; behind < 2; behind++) {
@@ -287,7 +287,7 @@ static void random_pictures(void **state)
     struct gd_seed seed = {.point = test_vertex(mesh, 7)};
     struct gd_field *field;
     check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
-                            NULL, &field, NULL),
+                            &field, NULL),
              NULL);
     for (int round = 0; round < 60; round++) {
         struct gd_point to = test_point(mesh, test_random_place(&polygons, &rng));

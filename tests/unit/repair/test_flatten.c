@@ -15,7 +15,7 @@ static double distance(const struct gd_mesh *mesh, uint32_t from, uint32_t to)
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){from}, &seed.point, NULL), GD_OK);
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){to}, &target, NULL), GD_OK);
     const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, NULL), GD_OK);
+    assert_int_equal(gd_field_build(mesh, &request, NULL, &field, NULL), GD_OK);
     assert_int_equal(gd_field_distance(field, &target, &result), GD_OK);
     gd_field_release(field);
     return result;

@@ -15,7 +15,7 @@ static void check_field(const struct gd_mesh *mesh)
     struct gd_field *field = NULL;
     assert_int_equal(gd_point_at_vertex(mesh, corners[0], &seed.point, NULL), GD_OK);
     const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, NULL), GD_OK);
+    assert_int_equal(gd_field_build(mesh, &request, NULL, &field, NULL), GD_OK);
     for (int k = 1; k < 3; k++) {
         struct gd_point target;
         double result = NAN;

@@ -92,7 +92,7 @@ static inline void publish_set(struct fixture *fixture, struct server_pending_bu
                                const struct gd_field_request *request)
 {
     struct gd_field *field;
-    assert_int_equal(gd_field_build(fixture->mesh, request, NULL, NULL, &field, NULL), GD_OK);
+    assert_int_equal(gd_field_build(fixture->mesh, request, NULL, &field, NULL), GD_OK);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     server_cache_unpin(server_cache_publish(build, field));

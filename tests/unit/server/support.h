@@ -47,7 +47,7 @@ static inline struct gd_field *new_field(const struct gd_mesh *mesh, const struc
     struct gd_field *field = NULL;
     assert_int_equal(gd_field_build(mesh,
                                     &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                    NULL, NULL, &field, NULL),
+                                    NULL, &field, NULL),
                      GD_OK);
     return field;
 }

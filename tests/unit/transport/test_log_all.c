@@ -104,7 +104,7 @@ static void other_fields_are_refused(void **state)
                                                 {.seeds = seeds, .seed_count = 1, .radius = 0.3}};
     for (uint32_t i = 0; i < COUNT(requests); i++) {
         struct gd_field *field;
-        check_ok(gd_field_build(grid.mesh, &requests[i], NULL, NULL, &field, NULL), NULL);
+        check_ok(gd_field_build(grid.mesh, &requests[i], NULL, &field, NULL), NULL);
         assert_int_equal(gd_vector_log_all(field, NULL, angles, angles + count, NULL),
                          GD_INVALID_ARGUMENT);
         gd_field_release(field);

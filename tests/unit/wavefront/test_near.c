@@ -17,7 +17,7 @@ static double difference(const struct gd_mesh *mesh, const struct gd_field_reque
     uint32_t count = gd_mesh_summary(mesh)->index_count;
     double *kept = malloc(sizeof *kept * count), *only = malloc(sizeof *only * count), worst = 0;
     struct gd_field *field;
-    check_ok(gd_field_build(mesh, request, control, NULL, &field, NULL), NULL);
+    check_ok(gd_field_build(mesh, request, control, &field, NULL), NULL);
     check_ok(gd_field_distances_only(mesh, request, control, only, NULL), NULL);
     gd_field_vertex_distances(field, kept);
     for (uint32_t i = 0; i < count; i++) {
@@ -92,7 +92,7 @@ static void little_memory_is_enough(void **state)
     double *out = malloc(sizeof *out * count);
     check_ok(gd_field_distances_only(mesh, &request, &control, out, NULL), NULL);
     struct gd_field *field;
-    assert_int_equal(gd_field_build(mesh, &request, &control, NULL, &field, NULL), GD_BUDGET);
+    assert_int_equal(gd_field_build(mesh, &request, &control, &field, NULL), GD_BUDGET);
     for (size_t budget = 1; budget < 16; budget += 2) { /* wherever it ends, nothing is touched */
         control.budget_bytes = budget * faces / 2;
         memset(out, 0, sizeof *out * count);

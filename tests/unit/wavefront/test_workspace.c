@@ -58,8 +58,8 @@ static void check_same_field(const struct gd_mesh *mesh, const struct gd_field_r
     struct gd_control control = {.workspace = workspace};
     struct gd_field *fresh, *again;
     size_t size, size_again;
-    check_ok(gd_field_build(mesh, request, NULL, NULL, &fresh, NULL), NULL);
-    check_ok(gd_field_build(mesh, request, &control, NULL, &again, NULL), NULL);
+    check_ok(gd_field_build(mesh, request, NULL, &fresh, NULL), NULL);
+    check_ok(gd_field_build(mesh, request, &control, &again, NULL), NULL);
     char *image = image_of(fresh, &size), *image_again = image_of(again, &size_again);
     assert_int_equal(size, size_again);
     assert_memory_equal(image, image_again, size);
@@ -81,7 +81,7 @@ static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_requ
 {
     struct gd_field *field = NULL;
     control.workspace = workspace;
-    assert_int_equal(gd_field_build(mesh, request, &control, NULL, &field, NULL), expected);
+    assert_int_equal(gd_field_build(mesh, request, &control, &field, NULL), expected);
     assert_null(field);
 }
 
@@ -145,8 +145,8 @@ static void each_call_has_its_own_budget(void **state)
     gd_pair_answer_free(&answer);
     size_t budget = 4096;
     struct gd_field *field = NULL;
-    while (gd_field_build(meshes[0], &request, &(struct gd_control){.budget_bytes = budget}, NULL,
-                          &field, NULL) == GD_BUDGET)
+    while (gd_field_build(meshes[0], &request, &(struct gd_control){.budget_bytes = budget}, &field,
+                          NULL) == GD_BUDGET)
         budget += budget / 8;
     gd_field_release(field);
     check_refusal(meshes[0], &request, (struct gd_control){.budget_bytes = budget / 2}, GD_BUDGET);

@@ -67,7 +67,7 @@ static void a_flight_finds_what_it_can_be_resumed_from(void **state)
     const struct server_cached *nearer = server_cache_find_nearer(farther);
     assert_non_null(nearer);
     struct gd_field *field;
-    assert_int_equal(gd_field_resume(nearer->field, 1, NULL, NULL, &field, NULL), GD_OK);
+    assert_int_equal(gd_field_resume(nearer->field, 1, NULL, &field, NULL), GD_OK);
     server_cache_unpin(nearer);
     assert_true(
         server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));

@@ -214,7 +214,7 @@ static void build_field(struct building *building, const struct gd_control *cont
     struct gd_field *field = NULL;
     building->workspace = control->workspace;
     building->before = gd_workspace_bytes(control->workspace);
-    assert_int_equal(gd_field_build(fixture.mesh, &request, control, NULL, &field, NULL), GD_OK);
+    assert_int_equal(gd_field_build(fixture.mesh, &request, control, &field, NULL), GD_OK);
     gd_field_release(field);
     building->after = gd_workspace_bytes(control->workspace);
     if (building->inner) build(&(struct building){.vertex = 1, .inner = building->inner - 1});
