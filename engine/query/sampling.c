@@ -70,12 +70,10 @@ static struct gd_point first_vertex(const struct gd_mesh *mesh)
 }
 
 static enum gd_status sample(struct sampler *sampler, const struct gd_point *start, uint32_t count,
-                             const struct gd_control *control, const struct gd_executor *executor,
-                             size_t held)
+                             const struct gd_control *control, size_t held)
 {
     struct gd__share share = {.control = control, .total = 2 * count};
     struct gd_control own = gd__share_control(&share, held);
-    own.executor = executor;
     enum gd_status status = GD_OK;
     sampler->seeds[sampler->count++].point = start ? *start : first_vertex(sampler->mesh);
     while (sampler->count <= count && !status) status = add_point(sampler, &share, &own);
@@ -83,10 +81,10 @@ static enum gd_status sample(struct sampler *sampler, const struct gd_point *sta
 }
 
 enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_point *start,
-                                    uint32_t count, const struct gd_control *control,
-                                    const struct gd_executor *executor, struct gd_point *points,
-                                    double *radii, struct gd_detail *detail)
+                                    const struct gd_control *control, struct gd_sampling *out,
+                                    struct gd_detail *detail)
 {
+    uint32_t count = out->count;
     if (count == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a sampling has at least one point");
     size_t indices = mesh->summary.index_count,
@@ -99,10 +97,10 @@ enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_
     sampler.radii = malloc(count * sizeof *sampler.radii);
     sampler.distances = malloc(indices * sizeof *sampler.distances);
     status = sampler.seeds && sampler.radii && sampler.distances
-                 ? sample(&sampler, start, count, control, executor, held)
+                 ? sample(&sampler, start, count, control, held)
                  : GD_NO_MEMORY;
-    for (uint32_t i = 0; i < count && !status; i++) points[i] = sampler.seeds[i].point;
-    if (!status) memcpy(radii, sampler.radii, count * sizeof *radii);
+    for (uint32_t i = 0; i < count && !status; i++) out->points[i] = sampler.seeds[i].point;
+    if (!status) memcpy(out->radii, sampler.radii, count * sizeof *out->radii);
     free(sampler.seeds);
     free(sampler.radii);
     free(sampler.distances);

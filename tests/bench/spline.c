@@ -82,9 +82,9 @@ static void measure(const struct row *row, const struct gd_mesh *mesh)
     double radii[POINTS_MOST];
     struct gd_landmarks *landmarks;
     bench_require(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &start, NULL), NULL);
-    bench_require(
-        gd_sampling_farthest(mesh, &start, row->points, bench_control(), NULL, points, radii, NULL),
-        NULL);
+    bench_require(gd_sampling_farthest(mesh, &start, bench_control(),
+                                       &(struct gd_sampling){row->points, points, radii}, NULL),
+                  NULL);
     sort_points(mesh, points, row->points);
     bench_require(gd_landmarks_build(mesh, LANDMARKS, bench_control(), &landmarks), NULL);
     struct gd_spline_request request = {.points = points, .count = row->points, .alpha = 0.5};

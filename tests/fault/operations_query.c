@@ -189,8 +189,8 @@ static enum gd_status open_image(void *out)
 static enum gd_status sample(void *out)
 {
     struct sampled *sampled = out;
-    return gd_sampling_farthest(mesh, NULL, SAMPLES, NULL, NULL, sampled->points, sampled->radii,
-                                NULL);
+    return gd_sampling_farthest(
+        mesh, NULL, NULL, &(struct gd_sampling){SAMPLES, sampled->points, sampled->radii}, NULL);
 }
 
 static enum gd_status resolve(const struct gd_curve_request *request, void *out)

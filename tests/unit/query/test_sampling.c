@@ -21,7 +21,9 @@ static void corners_and_middle_of_a_square(void **state)
             test_sample("grid", (double[SAMPLE_PARAMETERS]){cells, cells, 1, 1}, NULL);
         struct gd_point start = test_vertex(mesh, 0), points[MOST];
         double found[MOST];
-        check_ok(gd_sampling_farthest(mesh, &start, 5, NULL, NULL, points, found, NULL), NULL);
+        check_ok(
+            gd_sampling_farthest(mesh, &start, NULL, &(struct gd_sampling){5, points, found}, NULL),
+            NULL);
         for (int i = 0; i < 5; i++) check_close(found[i], radii[i], promise);
         struct gd_vec3 middle = gd_point_position(mesh, &points[4]);
         assert_true(hypot(middle.x - 0.5, middle.y - 0.5) < promise);
@@ -44,7 +46,9 @@ static void radii_cover_the_surface(void **state)
         struct gd_mesh *mesh = test_sample(surfaces[s].name, surfaces[s].values, NULL);
         struct gd_point points[MOST];
         double radii[MOST], vertices[4096];
-        check_ok(gd_sampling_farthest(mesh, NULL, MOST, NULL, NULL, points, radii, NULL), NULL);
+        check_ok(gd_sampling_farthest(mesh, NULL, NULL, &(struct gd_sampling){MOST, points, radii},
+                                      NULL),
+                 NULL);
         struct gd_seed seeds[MOST] = {0};
         for (uint32_t i = 0; i < MOST; i++) {
             seeds[i].point = points[i];
@@ -75,7 +79,8 @@ static void components_come_first(void **state)
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_point points[3];
     double radii[3];
-    check_ok(gd_sampling_farthest(mesh, NULL, 3, NULL, NULL, points, radii, NULL), NULL);
+    check_ok(gd_sampling_farthest(mesh, NULL, NULL, &(struct gd_sampling){3, points, radii}, NULL),
+             NULL);
     struct gd_point expected[2] = {test_vertex(mesh, 1), test_vertex(mesh, 4)};
     for (int i = 0; i < 2; i++) assert_true(gd_point_equal(&points[i], &expected[i]));
     assert_true(isinf(radii[0]));
@@ -91,16 +96,21 @@ static void reports_go_up_and_a_cancel_ends_it(void **state)
     double radii[MOST] = {-1};
     struct test_watch watch = {.most = 8};
     struct gd_control control = {.progress = test_watch, .user = &watch};
-    assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL),
+    assert_int_equal(gd_sampling_farthest(mesh, NULL, &control,
+                                          &(struct gd_sampling){MOST, points, radii}, NULL),
                      GD_CANCELLED);
     assert_true(watch.last > 0 && watch.last < 1 && radii[0] == -1);
     watch = (struct test_watch){0};
-    check_ok(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), NULL);
+    check_ok(gd_sampling_farthest(mesh, NULL, &control, &(struct gd_sampling){MOST, points, radii},
+                                  NULL),
+             NULL);
     control = (struct gd_control){.budget_bytes = 64};
-    assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL),
+    assert_int_equal(gd_sampling_farthest(mesh, NULL, &control,
+                                          &(struct gd_sampling){MOST, points, radii}, NULL),
                      GD_BUDGET);
-    assert_int_equal(gd_sampling_farthest(mesh, NULL, 0, NULL, NULL, points, radii, NULL),
-                     GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_sampling_farthest(mesh, NULL, NULL, &(struct gd_sampling){0, points, radii}, NULL),
+        GD_INVALID_ARGUMENT);
     gd_mesh_release(mesh);
 }
 
