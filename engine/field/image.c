@@ -6,8 +6,8 @@
 #include "mesh/segment.h"
 #include "mesh/image_header.h"
 
-/* An image: a header that begins with gd__image_header, then the field's arrays as they are in memory,
- * each at a multiple of 8 bytes, in the order of struct layout below. */
+/* An image: a header that begins with gd__image_header, then the field's arrays as they are in
+ * memory, each at a multiple of 8 bytes, in the order of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
 static const uint32_t version = 3;
@@ -202,19 +202,18 @@ static void point_into(struct gd_field *field, const char *image, const struct h
     field->seeds = (struct gd__seed *)(image + l.seeds);
 }
 
-enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes, size_t size,
-                                   void (*release)(void *user), void *user, struct gd_field **out,
-                                   struct gd_detail *detail)
+enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const struct gd_field_image *image,
+                                   struct gd_field **out, struct gd_detail *detail)
 {
     struct header header;
-    if (size < sizeof header)
+    if (image->size < sizeof header)
         return gd_fail(detail, GD_TRUNCATED, "the image ends within its header");
-    memcpy(&header, bytes, sizeof header);
-    enum gd_status status = check_header(mesh, &header, size, detail);
+    memcpy(&header, image->bytes, sizeof header);
+    enum gd_status status = check_header(mesh, &header, image->size, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    point_into(field, bytes, &header);
+    point_into(field, image->bytes, &header);
     status =
         are_indices_sound(field)
             ? gd__field_index_seeds(field)
@@ -223,8 +222,8 @@ enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes
         gd_field_release(field);
         return status;
     }
-    field->release_image = release;
-    field->image_user = user;
+    field->release_image = image->release;
+    field->image_user = image->user;
     field->bytes = gd__field_bytes(field);
     *out = field;
     return GD_OK;

@@ -166,8 +166,9 @@ static bool field_restore(struct server_field_store *store, struct server_surfac
     struct gd_field *field;
     struct image image;
     if (!image_read(store, file, &image)) return false;
-    enum gd_status status = gd_field_open_image(surface->mesh, image.bytes, image.size, free,
-                                                image.bytes, &field, NULL);
+    enum gd_status status = gd_field_open_image(
+        surface->mesh, &(struct gd_field_image){image.bytes, image.size, free, image.bytes}, &field,
+        NULL);
     if (status) {
         if (status != GD_NO_MEMORY) file_discard(file->path, gd_status_sentence(status));
         image_free(store, &image);

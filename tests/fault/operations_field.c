@@ -297,7 +297,8 @@ static enum gd_status within(void *out)
 static enum gd_status open_image(void *out)
 {
     struct gd_detail detail = {0};
-    return gd_field_open_image(mesh, image, image_size, NULL, NULL, out, &detail);
+    return gd_field_open_image(mesh, &(struct gd_field_image){image, image_size, NULL, NULL}, out,
+                               &detail);
 }
 
 /* --- questions -------------------------------------------------------------------------------- */

@@ -69,8 +69,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char *patched = patched_copy(whole, length, data, size, &left);
     struct gd_field *field;
     struct gd_detail detail = {.text = ""};
-    enum gd_status status =
-        gd_field_open_image(patched_surface(), patched, left, NULL, NULL, &field, &detail);
+    enum gd_status status = gd_field_open_image(
+        patched_surface(), &(struct gd_field_image){patched, left, NULL, NULL}, &field, &detail);
     if (status == GD_OK) {
         ask_everywhere(field);
         gd_field_release(field);

@@ -46,12 +46,13 @@ struct gd_field_request {
  * distances to them are as exact as those to points (D. Bommes and L. Kobbelt, "Accurate
  * computation of geodesic distance fields for polygonal curves on triangle meshes", 2007).
  * `control` and `detail` may be NULL. An executor of width 2 or more in `control` halves a large
- * surface between two tasks (partition/partition.h): the same field every time, which differs from that of
- * one task by rounding. Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not
- * finite, a segment whose ends are one point or lie in no common face), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows than any surface of sense needs),
- * GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was too
- * coarse for this surface). Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
+ * surface between two tasks (partition/partition.h): the same field every time, which differs from
+ * that of one task by rounding. Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or
+ * not finite, a segment whose ends are one point or lie in no common face), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows than any surface of sense
+ * needs), GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was
+ * too coarse for this surface). Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge.
+ */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
                                           const struct gd_field_request *request,
                                           const struct gd_control *control, struct gd_field **out,
@@ -69,8 +70,8 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
 /* The field of the same seeds that reaches farther, to `radius` (0: no limit): what `partial`,
  * which stays as it is, has found is kept, and only what lies beyond is propagated. Its distances
  * are those of a field that was built for the radius at once, but for rounding. Its statistics
- * count the work of both. `control` and `detail` may be NULL. With an executor of width 2 or more in
- * `control`, where half of the vertices or more lie beyond the reach of `partial` and
+ * count the work of both. `control` and `detail` may be NULL. With an executor of width 2 or more
+ * in `control`, where half of the vertices or more lie beyond the reach of `partial` and
  * gd_field_build would halve the surface, it is built from the seeds: that takes less time. So it
  * is where `partial` reaches no farther than 1e-3 of the longest edge, or the shortest edge is less
  * than 1e-6 of it. Errors: GD_INVALID_ARGUMENT (the radius is negative or no number, `partial`
@@ -196,15 +197,22 @@ GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct 
 size_t gd_field_image_size(const struct gd_field *field);
 void gd_field_write_image(const struct gd_field *field, void *bytes);
 
-/* A field over an image in memory, without a copy: `bytes` (8-byte aligned) are borrowed until
- * `release(user)` is called, which happens when the field's last reference goes, and not at all on
- * failure. `release` may be NULL. The mesh must be the one the field was made on: built by the same
- * version from the same input. Every index in the image is checked, so that no image, however
- * damaged, leads outside its arrays; that the numbers are the ones written is for the caller's
- * checksum to say. Errors: GD_UNRECOGNIZED (no image, or of another version), GD_TRUNCATED,
- * GD_INVALID_ARGUMENT (of another mesh), GD_INDEX, GD_NO_MEMORY. Cost: one pass over the image. */
-GD_MUST_USE enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes,
-                                               size_t size, void (*release)(void *user), void *user,
+struct gd_field_image {
+    const void *bytes; /* 8-byte aligned */
+    size_t size;
+    void (*release)(void *user); /* NULL: none */
+    void *user;
+};
+
+/* A field over an image in memory, without a copy: the bytes are borrowed until `release(user)` is
+ * called, which happens when the field's last reference goes, and not at all on failure. The mesh
+ * must be the one the field was made on: built by the same version from the same input. Every index
+ * in the image is checked, so that no image, however damaged, leads outside its arrays; that the
+ * numbers are the ones written is for the caller's checksum to say. Errors: GD_UNRECOGNIZED (no
+ * image, or of another version), GD_TRUNCATED, GD_INVALID_ARGUMENT (of another mesh), GD_INDEX,
+ * GD_NO_MEMORY. Cost: one pass over the image. */
+GD_MUST_USE enum gd_status gd_field_open_image(const struct gd_mesh *mesh,
+                                               const struct gd_field_image *image,
                                                struct gd_field **out, struct gd_detail *detail);
 
 #ifdef __cplusplus

@@ -53,7 +53,9 @@ static void answers_like_the_field(void **state)
     (void)state;
     struct gd_field *opened;
     struct gd_detail detail;
-    check_ok(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+    check_ok(gd_field_open_image(mesh,
+                                 &(struct gd_field_image){image, size, count_release, &released},
+                                 &opened, &detail),
              &detail);
     assert_int_equal(gd_field_memsize(opened), gd_field_memsize(field));
     struct rng rng = {8};
@@ -88,23 +90,28 @@ static void refuses_what_is_no_image_of_this_mesh(void **state)
     struct gd_polygons other;
     check_ok(sample_terrain(12, 0.3, 8, &other), NULL);
     struct gd_mesh *stranger = test_mesh(&other);
+    assert_int_equal(gd_field_open_image(
+                         stranger, &(struct gd_field_image){image, size, count_release, &released},
+                         &opened, &detail),
+                     GD_INVALID_ARGUMENT);
     assert_int_equal(
-        gd_field_open_image(stranger, image, size, count_release, &released, &opened, &detail),
-        GD_INVALID_ARGUMENT);
-    assert_int_equal(
-        gd_field_open_image(mesh, image, 50, count_release, &released, &opened, &detail),
+        gd_field_open_image(mesh, &(struct gd_field_image){image, 50, count_release, &released},
+                            &opened, &detail),
         GD_TRUNCATED);
-    assert_int_equal(
-        gd_field_open_image(mesh, image, size - 8, count_release, &released, &opened, &detail),
-        GD_TRUNCATED);
+    assert_int_equal(gd_field_open_image(
+                         mesh, &(struct gd_field_image){image, size - 8, count_release, &released},
+                         &opened, &detail),
+                     GD_TRUNCATED);
     image[0] ^= 1;
     assert_int_equal(
-        gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+        gd_field_open_image(mesh, &(struct gd_field_image){image, size, count_release, &released},
+                            &opened, &detail),
         GD_UNRECOGNIZED);
     image[0] ^= 1;
     image[8] = 1; /* the version before this one */
     assert_int_equal(
-        gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+        gd_field_open_image(mesh, &(struct gd_field_image){image, size, count_release, &released},
+                            &opened, &detail),
         GD_UNRECOGNIZED);
     assert_non_null(strstr(detail.text, "version 1"));
     assert_int_equal(released, 0);
@@ -156,7 +163,8 @@ static enum gd_status try_damaged(struct rng *rng)
 {
     struct gd_field *opened = NULL;
     struct gd_detail detail = {0};
-    enum gd_status status = gd_field_open_image(mesh, image, size, NULL, NULL, &opened, &detail);
+    enum gd_status status = gd_field_open_image(
+        mesh, &(struct gd_field_image){image, size, NULL, NULL}, &opened, &detail);
     if (status == GD_OK)
         ask_everywhere(opened, rng);
     else

@@ -253,9 +253,10 @@ static void an_image_is_resumed_too(void **state)
     (void)state;
     char *image = image_of(partial);
     struct gd_field *opened, *fresh = build(0, NULL);
-    check_ok(
-        gd_field_open_image(mesh, image, gd_field_image_size(partial), NULL, NULL, &opened, NULL),
-        NULL);
+    check_ok(gd_field_open_image(
+                 mesh, &(struct gd_field_image){image, gd_field_image_size(partial), NULL, NULL},
+                 &opened, NULL),
+             NULL);
     struct gd_field *a = resume(partial, 0, NULL), *b = resume(opened, 0, NULL);
     gd_field_release(opened);
     free(image);
@@ -341,7 +342,9 @@ static void damaged_images_do_no_harm(void **state)
         for (uint32_t k = 1 + rng_below(&rng, 5); k > 0; k--)
             damaged[rng_below(&rng, (uint32_t)size)] ^= (char)(1 << rng_below(&rng, 8));
         struct gd_field *field, *farther;
-        if (gd_field_open_image(mesh, damaged, size, NULL, NULL, &field, NULL)) continue;
+        if (gd_field_open_image(mesh, &(struct gd_field_image){damaged, size, NULL, NULL}, &field,
+                                NULL))
+            continue;
         opened++;
         const struct gd_control control = {.deadline_ns = gd_now_ns() + 200000000};
         if (gd_field_resume(field, 0, &control, &farther, NULL) == GD_OK) gd_field_release(farther);
@@ -358,9 +361,10 @@ static void distances_below_zero_are_damage(void **state)
     (void)state;
     char *image = image_of(partial);
     struct gd_field *field;
-    check_ok(
-        gd_field_open_image(mesh, image, gd_field_image_size(partial), NULL, NULL, &field, NULL),
-        NULL);
+    check_ok(gd_field_open_image(
+                 mesh, &(struct gd_field_image){image, gd_field_image_size(partial), NULL, NULL},
+                 &field, NULL),
+             NULL);
     field->distance[3] = -1;
     assert_refused(field, 0, "damaged");
     field->distance[3] = NAN;
