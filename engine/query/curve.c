@@ -85,8 +85,11 @@ static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j,
     const struct gd_point from = corner(drawing, i), to = corner(drawing, j);
     if (gd__common_face(drawing->mesh, &from, &to) != GD_NONE) return add(drawing, &to);
     struct gd_pair_answer answer;
-    enum gd_status status = gd_pair_solve(drawing->mesh, &from, &to, true, landmarks, control,
-                                          &answer, drawing->detail);
+    enum gd_status status =
+        gd_pair_solve(drawing->mesh,
+                      &(struct gd_pair_request){
+                          .from = &from, .to = &to, .wish = GD_PAIR_PATH, .landmarks = landmarks},
+                      control, &answer, drawing->detail);
     if (status) return status;
     if (!answer.path.count)
         status =

@@ -47,7 +47,7 @@ enum gd_status gd_distance(const struct gd_mesh *mesh, const struct gd_point *fr
 {
     struct gd_pair_answer answer;
     enum gd_status status =
-        gd_pair_solve(mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL);
+        gd_pair_solve(mesh, &(struct gd_pair_request){.from = from, .to = to}, NULL, &answer, NULL);
     if (!status) *out = answer.distance;
     return status;
 }
@@ -56,7 +56,9 @@ enum gd_status gd_path(const struct gd_mesh *mesh, const struct gd_point *from,
                        const struct gd_point *to, struct gd_path *out)
 {
     struct gd_pair_answer answer;
-    enum gd_status status = gd_pair_solve(mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
+    enum gd_status status =
+        gd_pair_solve(mesh, &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                      NULL, &answer, NULL);
     if (!status && answer.path.count == 0) status = GD_NOT_ON_SURFACE;
     if (!status) *out = answer.path;
     return status;

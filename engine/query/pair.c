@@ -43,33 +43,33 @@ enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_
 
 /* Both ends' whole fields, one after the other: for a pair whose search has failed its own
  * check. */
-static enum gd_status solve_by_fields(const struct gd_mesh *mesh, const struct gd_point *from,
-                                      const struct gd_point *to, enum gd_pair_wish wish,
+static enum gd_status solve_by_fields(const struct gd_mesh *mesh,
+                                      const struct gd_pair_request *request,
                                       const struct gd_control *control, struct gd_pair_answer *out)
 {
+    const struct gd_point *from = request->from, *to = request->to;
     enum gd_status status = GD_INTERNAL;
     for (int end = 0; end < 2 && status == GD_INTERNAL; end++) {
         struct gd_seed seed = {.point = end ? *to : *from};
         struct gd_field *field = NULL;
         status = gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
                                 control, &field, NULL);
-        if (!status) status = ask(field, end ? from : to, end, wish, out);
+        if (!status) status = ask(field, end ? from : to, end, request->wish, out);
         gd_field_release(field);
     }
     return status;
 }
 
-enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from,
-                             const struct gd_point *to, enum gd_pair_wish wish,
-                             const struct gd_landmarks *landmarks, const struct gd_control *control,
-                             struct gd_pair_answer *out, struct gd_detail *detail)
+enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_pair_request *request,
+                             const struct gd_control *control, struct gd_pair_answer *out,
+                             struct gd_detail *detail)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status = gd__search(mesh, from, to, wish, landmarks, control, &answer);
+    enum gd_status status = gd__search(mesh, request, control, &answer);
     if (status == GD_INTERNAL) {
         gd_pair_answer_free(&answer);
         answer = (struct gd_pair_answer){0};
-        status = solve_by_fields(mesh, from, to, wish, control, &answer);
+        status = solve_by_fields(mesh, request, control, &answer);
     }
     if (status) {
         gd_pair_answer_free(&answer);

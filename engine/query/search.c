@@ -156,21 +156,20 @@ static enum gd_status search_in(struct gd_workspace *work, struct search *search
     return status;
 }
 
-enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from,
-                          const struct gd_point *to, enum gd_pair_wish wish,
-                          const struct gd_landmarks *landmarks, const struct gd_control *control,
-                          struct gd_pair_answer *out)
+enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_pair_request *request,
+                          const struct gd_control *control, struct gd_pair_answer *out)
 {
+    const struct gd_point *from = request->from, *to = request->to;
     if (gd_point_component(mesh, from) != gd_point_component(mesh, to)) {
         out->distance = INFINITY;
         return GD_OK;
     }
     struct search search = {
-        .mesh = mesh, .seed = {.point = *from}, .target = *to, .wish = wish, .out = out};
+        .mesh = mesh, .seed = {.point = *from}, .target = *to, .wish = request->wish, .out = out};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();
     if (!own.workspace) return GD_NO_MEMORY;
-    enum gd_status status = search_in(own.workspace, &search, landmarks, &own);
+    enum gd_status status = search_in(own.workspace, &search, request->landmarks, &own);
     if (!control || !control->workspace) gd_workspace_destroy(own.workspace);
     return status;
 }

@@ -5,9 +5,8 @@
 #include "gd/query.h"
 
 /* As gd_pair_solve. */
-GD_MUST_USE enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from,
-                                      const struct gd_point *to, enum gd_pair_wish wish,
-                                      const struct gd_landmarks *landmarks,
+GD_MUST_USE enum gd_status gd__search(const struct gd_mesh *mesh,
+                                      const struct gd_pair_request *request,
                                       const struct gd_control *control, struct gd_pair_answer *out);
 
 #endif

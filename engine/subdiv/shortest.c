@@ -46,8 +46,10 @@ static enum gd_status search_mesh(struct search *search)
     for (int i = 0; i < 2 && !status; i++)
         status = gd_limit_mesh_point(search->fine, &search->ends[i], &points[i], search->detail);
     if (status) return status;
-    return gd_pair_solve(gd_limit_mesh_mesh(search->fine), &points[0], &points[1], true, NULL,
-                         search->control, &search->pair, search->detail);
+    return gd_pair_solve(
+        gd_limit_mesh_mesh(search->fine),
+        &(struct gd_pair_request){.from = &points[0], .to = &points[1], .wish = GD_PAIR_PATH},
+        search->control, &search->pair, search->detail);
 }
 
 /* The middle of a straight part of the path; where the mesh passes through itself perhaps that of

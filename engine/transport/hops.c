@@ -69,8 +69,12 @@ static enum gd_status search(struct hunt *hunt, struct gd__hop *hop,
     bool is_swapped = gd__point_follows(from, to);
     struct gd_pair_answer answer;
     enum gd_status status =
-        gd_pair_solve(hunt->mesh, is_swapped ? to : from, is_swapped ? from : to,
-                      GD_PAIR_PATH_AND_CUT, hunt->request->landmarks, control, &answer, NULL);
+        gd_pair_solve(hunt->mesh,
+                      &(struct gd_pair_request){.from = is_swapped ? to : from,
+                                                .to = is_swapped ? from : to,
+                                                .wish = GD_PAIR_PATH_AND_CUT,
+                                                .landmarks = hunt->request->landmarks},
+                      control, &answer, NULL);
     if (status) return status;
     if (is_swapped) gd__points_reverse(answer.path.points, answer.path.count);
     hop->path = answer.path;

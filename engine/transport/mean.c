@@ -51,8 +51,12 @@ static enum gd_status pull_of(const struct finder *finder, const struct gd_point
     struct gd_pair_answer answer;
     struct gd_log log;
     enum gd_status status =
-        gd_pair_solve(finder->mesh, from, &finder->request->points[i], GD_PAIR_PATH_AND_CUT,
-                      finder->request->landmarks, finder->control, &answer, finder->detail);
+        gd_pair_solve(finder->mesh,
+                      &(struct gd_pair_request){.from = from,
+                                                .to = &finder->request->points[i],
+                                                .wish = GD_PAIR_PATH_AND_CUT,
+                                                .landmarks = finder->request->landmarks},
+                      finder->control, &answer, finder->detail);
     if (status) return status;
     status = gd_vector_log(finder->mesh, &answer.path, &log, finder->detail);
     gd_pair_answer_free(&answer);

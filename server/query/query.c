@@ -179,8 +179,13 @@ enum gd_status server_pair_search(struct server_monitor *part, struct server_sur
                                         .grant = BYTES_A_SEARCH + edges * BYTES_AN_EDGE};
     server_metrics_count_search(host->metrics);
     while (server_budgeted_call_next(&call))
-        call.status = gd_pair_solve(surface->mesh, pair->from, pair->to, pair->wish,
-                                    set ? set->landmarks : NULL, &call.control, out, NULL);
+        call.status =
+            gd_pair_solve(surface->mesh,
+                          &(struct gd_pair_request){.from = pair->from,
+                                                    .to = pair->to,
+                                                    .wish = pair->wish,
+                                                    .landmarks = set ? set->landmarks : NULL},
+                          &call.control, out, NULL);
     server_landmark_set_release(set);
     return call.status;
 }

@@ -140,8 +140,12 @@ static double search_all(const struct bundle *bundle)
     int done = 0;
     for (; done < SEARCHES && bench_thread_ms() - begun < SEARCHES_MS; done++) {
         struct gd_pair_answer answer;
-        bench_require(gd_pair_solve(mesh, &start, &bundle->end_points[done * (FAN / SEARCHES)],
-                                    true, NULL, bench_control(), &answer, NULL),
+        bench_require(gd_pair_solve(mesh,
+                                    &(struct gd_pair_request){
+                                        .from = &start,
+                                        .to = &bundle->end_points[done * (FAN / SEARCHES)],
+                                        .wish = GD_PAIR_PATH},
+                                    bench_control(), &answer, NULL),
                       NULL);
         gd_pair_answer_free(&answer);
     }

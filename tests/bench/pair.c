@@ -11,8 +11,9 @@ static double time_pair(const struct gd_mesh *mesh, const struct gd_landmarks *l
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
     uint64_t start = gd_now_ns();
-    enum gd_status status =
-        gd_pair_solve(mesh, from, to, false, landmarks, bench_control(), &answer, &detail);
+    enum gd_status status = gd_pair_solve(
+        mesh, &(struct gd_pair_request){.from = from, .to = to, .landmarks = landmarks},
+        bench_control(), &answer, &detail);
     double ms = bench_ms_since(start);
     bench_require(status, &detail);
     gd_pair_answer_free(&answer);

@@ -45,7 +45,8 @@ static bool pair(void *surface, uint32_t from, uint32_t to, double *out)
     struct engine *engine = surface;
     struct gd_point a = at_vertex(engine, from), b = at_vertex(engine, to);
     struct gd_pair_answer answer = {0};
-    if (gd_pair_solve(engine->mesh, &a, &b, false, NULL, bench_control(), &answer, NULL))
+    if (gd_pair_solve(engine->mesh, &(struct gd_pair_request){.from = &a, .to = &b},
+                      bench_control(), &answer, NULL))
         return false;
     *out = answer.distance;
     gd_pair_answer_free(&answer);

@@ -32,7 +32,11 @@ static void open_lines(void)
                                 .seeds = &(struct gd_seed){.point = places[0]}, .seed_count = 1},
                             NULL, &field, NULL),
              NULL);
-    check_ok(gd_pair_solve(mesh, &places[1], &places[2], true, NULL, NULL, &pair, NULL), NULL);
+    check_ok(gd_pair_solve(mesh,
+                           &(struct gd_pair_request){
+                               .from = &places[1], .to = &places[2], .wish = GD_PAIR_PATH},
+                           NULL, &pair, NULL),
+             NULL);
     check_ok(gd_vector_log(mesh, &pair.path, &logarithm, NULL), NULL);
     bent[0] = bent[1] = logarithm.vector;
     bent[1].direction.angle += 1;

@@ -148,7 +148,11 @@ static enum gd_status search(const struct gd_landmarks *with, const struct gd_co
                              void *out)
 {
     struct gd_detail detail = {0};
-    return gd_pair_solve(mesh, &places[1], &places[6], true, with, control, out, &detail);
+    return gd_pair_solve(
+        mesh,
+        &(struct gd_pair_request){
+            .from = &places[1], .to = &places[6], .wish = GD_PAIR_PATH, .landmarks = with},
+        control, out, &detail);
 }
 
 static enum gd_status search_pair(void *out)

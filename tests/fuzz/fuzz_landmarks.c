@@ -38,8 +38,11 @@ static void search_with(const struct gd_landmarks *landmarks)
         struct gd_detail detail = {.text = ""};
         promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, place, &to, NULL) ==
                 GD_OK);
-        enum gd_status status =
-            gd_pair_solve(patched_surface(), &from, &to, true, landmarks, NULL, &answer, &detail);
+        enum gd_status status = gd_pair_solve(
+            patched_surface(),
+            &(struct gd_pair_request){
+                .from = &from, .to = &to, .wish = GD_PAIR_PATH, .landmarks = landmarks},
+            NULL, &answer, &detail);
         promise(status ? detail.text[0] != '\0' : answer.distance > 0 && isfinite(answer.distance));
         gd_pair_answer_free(&answer);
     }

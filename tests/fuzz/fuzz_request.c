@@ -46,8 +46,11 @@ static void answer(struct proto_points *stops)
         promise_sentence(&problem);
         return;
     }
-    promise(gd_pair_solve(cube(), &located.points[0], &located.points[1], true, NULL, NULL, &result,
-                          NULL) == GD_OK);
+    promise(gd_pair_solve(cube(),
+                          &(struct gd_pair_request){.from = &located.points[0],
+                                                    .to = &located.points[1],
+                                                    .wish = GD_PAIR_PATH},
+                          NULL, &result, NULL) == GD_OK);
     promise(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
     struct proto_options options = {.fields = ~0u};
     proto_writer_init(&writer, 1 << 20);

@@ -66,7 +66,9 @@ static double ask(const struct gd_mesh *mesh, const struct gd_point *from,
                   const struct gd_point *to)
 {
     struct gd_pair_answer answer;
-    promise(gd_pair_solve(mesh, from, to, true, NULL, NULL, &answer, NULL) == GD_OK);
+    promise(gd_pair_solve(mesh,
+                          &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                          NULL, &answer, NULL) == GD_OK);
     double distance = answer.distance;
     promise(distance >= 0);
     if (isfinite(distance)) {

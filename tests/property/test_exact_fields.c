@@ -248,8 +248,9 @@ static void compare_pair(struct exact_unit *unit, struct exact_truth *truth,
                          const struct gd_point *target)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status =
-        gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
+    enum gd_status status = gd_pair_solve(
+        unit->scene->mesh, &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+        NULL, &answer, NULL);
     if (status) {
         exact_failure(unit, "gd_pair_solve", status, target);
         return;

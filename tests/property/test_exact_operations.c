@@ -337,8 +337,11 @@ static void vectors(uint64_t number, struct exact_tally *tally)
         for (int k = 0; k < TARGETS; k++) {
             struct gd_pair_answer answer = {0};
             struct gd_point to = k % 2 ? beside_something(&scene) : any_point(&scene);
-            enum gd_status status = gd_pair_solve(scene.mesh, &seed.point, &to,
-                                                  GD_PAIR_PATH_AND_CUT, NULL, NULL, &answer, NULL);
+            enum gd_status status =
+                gd_pair_solve(scene.mesh,
+                              &(struct gd_pair_request){
+                                  .from = &seed.point, .to = &to, .wish = GD_PAIR_PATH_AND_CUT},
+                              NULL, &answer, NULL);
             if (status)
                 exact_failure(&unit, "gd_pair_solve", status, &to);
             else if (!gd_point_equal(&seed.point, &to))

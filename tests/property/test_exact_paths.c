@@ -39,14 +39,16 @@ static void ask_pair(struct exact_unit *unit, struct exact_truth *truth,
                      const struct gd_point *target)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status =
-        gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL);
+    enum gd_status status = gd_pair_solve(
+        unit->scene->mesh, &(struct gd_pair_request){.from = from, .to = to}, NULL, &answer, NULL);
     if (status)
         exact_failure(unit, "gd_pair_solve, distance", status, target);
     else
         exact_answer(unit, truth, target, answer.distance);
     gd_pair_answer_free(&answer);
-    status = gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
+    status = gd_pair_solve(unit->scene->mesh,
+                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                           NULL, &answer, NULL);
     if (status)
         exact_failure(unit, "gd_pair_solve, path", status, target);
     else
@@ -115,7 +117,10 @@ static void by_search(struct lanes *lanes, const struct gd_point *from, const st
     const struct gd_mesh *mesh = lanes->unit.scene->mesh;
     for (enum gd_pair_wish wish = GD_PAIR_DISTANCE; wish <= GD_PAIR_PATH_AND_CUT; wish++) {
         struct gd_pair_answer answer = {0};
-        enum gd_status status = gd_pair_solve(mesh, from, to, wish, landmarks, NULL, &answer, NULL);
+        enum gd_status status = gd_pair_solve(
+            mesh,
+            &(struct gd_pair_request){.from = from, .to = to, .wish = wish, .landmarks = landmarks},
+            NULL, &answer, NULL);
         add(lanes, "gd_pair_solve", status, &answer.distance);
         if (wish != GD_PAIR_DISTANCE && !status)
             add(lanes, "gd_pair_solve", GD_OK, &answer.path.length);

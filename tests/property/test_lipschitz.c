@@ -132,7 +132,9 @@ static void check_anywhere(const struct gd_field *field, struct rng *rng, struct
         struct gd_point x = random_point(mesh, random_face(mesh, rng), rng),
                         y = random_point(mesh, random_face(mesh, rng), rng);
         struct gd_pair_answer answer;
-        check_ok(gd_pair_solve(mesh, &x, &y, false, NULL, NULL, &answer, NULL), NULL);
+        check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &x, .to = &y}, NULL, &answer,
+                               NULL),
+                 NULL);
         check_pair(field, &x, &y, answer.distance, tally);
     }
 }

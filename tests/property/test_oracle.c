@@ -128,7 +128,9 @@ static double check_pair(const struct gd_mesh *mesh, const struct question *ques
     struct gd_point source = test_point(mesh, question->sources[0]);
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_pair_solve(mesh, &source, &target, false, NULL, NULL, &answer, &detail), &detail);
+    check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &source, .to = &target}, NULL,
+                           &answer, &detail),
+             &detail);
     double error = check_close(answer.distance, expected, promise);
     gd_pair_answer_free(&answer);
     return error;

@@ -32,9 +32,14 @@ static void compare(struct trial *trial, const struct gd_point *from, const stru
         const struct gd_point *a = k & 2 ? to : from, *b = k & 2 ? from : to;
         struct gd_pair_answer answer = {0};
         struct gd_detail detail = {0};
-        check_ok(gd_pair_solve(trial->mesh, a, b, true, k & 1 ? trial->landmarks : NULL,
-                               &trial->control, &answer, &detail),
-                 &detail);
+        check_ok(
+            gd_pair_solve(trial->mesh,
+                          &(struct gd_pair_request){.from = a,
+                                                    .to = b,
+                                                    .wish = GD_PAIR_PATH,
+                                                    .landmarks = k & 1 ? trial->landmarks : NULL},
+                          &trial->control, &answer, &detail),
+            &detail);
         trial->worst = fmax(trial->worst, check_close(answer.distance, expected, AGREEMENT));
         if (isfinite(expected)) {
             check_close(answer.path.length, expected, 1e-9);

@@ -38,7 +38,10 @@ static void put_segment(const struct gd_point *a, const struct gd_point *b)
 static void put_geodesic(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to)
 {
     struct gd_pair_answer answer;
-    check_ok(gd_pair_solve(mesh, &from, &to, true, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(
+                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                 NULL, &answer, NULL),
+             NULL);
     curve.seeds[curve.count++] = (struct gd_seed){.point = from};
     for (uint32_t i = 0; i + 1 < answer.path.count; i++)
         put_segment(&answer.path.points[i], &answer.path.points[i + 1]);

@@ -110,7 +110,10 @@ static double check_log(const struct gd_mesh *mesh, const struct gd_point *from,
     struct gd_pair_answer answer;
     struct gd_log log;
     struct gd_trace trace;
-    check_ok(gd_pair_solve(mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(mesh,
+                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                           NULL, &answer, NULL),
+             NULL);
     check_ok(gd_vector_log(mesh, &answer.path, &log, NULL), NULL);
     check_ok(gd_vector_exp(mesh, from, log.segments, log.count, NULL, NULL, &trace, NULL), NULL);
     double off = distance_in_space(mesh, end_of(&trace), to);

@@ -268,7 +268,9 @@ static double check_pair(const struct gd_mesh *mesh, struct gd_point source, str
                          double expected)
 {
     struct gd_pair_answer answer = {0};
-    check_ok(gd_pair_solve(mesh, &source, &target, false, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &source, .to = &target}, NULL,
+                           &answer, NULL),
+             NULL);
     double error = check_close(answer.distance, expected, promise);
     gd_pair_answer_free(&answer);
     return error;

@@ -47,7 +47,10 @@ void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, str
                          struct gd_point to)
 {
     struct gd_pair_answer answer;
-    check_ok(gd_pair_solve(mesh, &from, &to, true, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(
+                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                 NULL, &answer, NULL),
+             NULL);
     member_set_put_curve(set, answer.path.points, answer.path.count, false, 0);
     gd_pair_answer_free(&answer);
 }

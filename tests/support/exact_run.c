@@ -320,12 +320,14 @@ static void ask_pair(const struct exact_scene *scene, const char *name, const st
 {
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
-    enum gd_status status =
-        gd_pair_solve(scene->mesh, from, to, GD_PAIR_DISTANCE, NULL, NULL, &answer, &detail);
+    enum gd_status status = gd_pair_solve(
+        scene->mesh, &(struct gd_pair_request){.from = from, .to = to}, NULL, &answer, &detail);
     printf("%s       %.17g  %s %s\n", name, status ? NAN : answer.distance, gd_status_name(status),
            detail.text);
     gd_pair_answer_free(&answer);
-    status = gd_pair_solve(scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, &detail);
+    status = gd_pair_solve(scene->mesh,
+                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                           NULL, &answer, &detail);
     printf("%s, path %.17g  %s %s\n", name, status ? NAN : answer.path.length,
            gd_status_name(status), detail.text);
     gd_pair_answer_free(&answer);

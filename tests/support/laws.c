@@ -12,7 +12,9 @@ static struct gd_pair_answer solve(const struct gd_mesh *mesh, struct gd_point p
 {
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_pair_solve(mesh, &p, &q, want_path, NULL, NULL, &answer, &detail), &detail);
+    check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &p, .to = &q, .wish = want_path},
+                           NULL, &answer, &detail),
+             &detail);
     return answer;
 }
 

@@ -38,13 +38,19 @@ GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field,
                                               const struct gd_point *to, enum gd_pair_wish wish,
                                               struct gd_pair_answer *out);
 
-/* Point to point from nothing: propagates only what can lie on a shortest path. `landmarks` of this
- * mesh narrow the search, NULL: none; the answer is the same. Points of different components:
- * INFINITY, at once. Errors: those of gd_field_build. Cost: a small part of a field's; with a
- * workspace in `control`, nothing that grows with the mesh. */
-GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from,
-                                         const struct gd_point *to, enum gd_pair_wish wish,
-                                         const struct gd_landmarks *landmarks,
+struct gd_pair_request {
+    const struct gd_point *from, *to;
+    enum gd_pair_wish wish;
+    /* of this mesh; they narrow the search, and the answer is the same. NULL: none */
+    const struct gd_landmarks *landmarks;
+};
+
+/* Point to point from nothing: propagates only what can lie on a shortest path. Points of different
+ * components: INFINITY, at once. `control` and `detail` may be NULL. Errors: those of
+ * gd_field_build. Cost: a small part of a field's; with a workspace in `control`, nothing that
+ * grows with the mesh. */
+GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh,
+                                         const struct gd_pair_request *request,
                                          const struct gd_control *control,
                                          struct gd_pair_answer *out, struct gd_detail *detail);
 

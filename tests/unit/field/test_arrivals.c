@@ -50,7 +50,11 @@ static bool is_cut_by_search(const struct gd_mesh *mesh, const struct gd_point *
                              const struct gd_point *to)
 {
     struct gd_pair_answer answer = {0};
-    check_ok(gd_pair_solve(mesh, from, to, GD_PAIR_PATH_AND_CUT, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(
+                 mesh,
+                 &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH_AND_CUT},
+                 NULL, &answer, NULL),
+             NULL);
     gd_pair_answer_free(&answer);
     return answer.is_cut;
 }

@@ -54,7 +54,10 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
 {
     struct gd_pair_answer answer;
     struct gd_detail detail = {0};
-    check_ok(gd_pair_solve(mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, &detail), &detail);
+    check_ok(gd_pair_solve(mesh,
+                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                           NULL, &answer, &detail),
+             &detail);
     check_path(mesh, &answer.path, distance);
     gd_pair_answer_free(&answer);
 }

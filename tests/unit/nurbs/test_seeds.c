@@ -62,7 +62,9 @@ static struct brute brute_force(const struct gd_tessellation *dense, struct plac
     check_ok(gd_tessellation_point(dense, a.at[0], a.at[1], &from, NULL), NULL);
     check_ok(gd_tessellation_point(dense, b.at[0], b.at[1], &to, NULL), NULL);
     check_ok(
-        gd_pair_solve(gd_tessellation_mesh(dense), &from, &to, true, NULL, NULL, &answer, NULL),
+        gd_pair_solve(gd_tessellation_mesh(dense),
+                      &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                      NULL, &answer, NULL),
         NULL);
     struct brute brute = {answer.distance, answer.distance};
     double angle = follow(dense, &answer.path, a, &b);

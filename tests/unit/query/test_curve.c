@@ -17,7 +17,9 @@ static enum gd_status resolve(const struct gd_mesh *mesh, struct gd_curve_reques
 static double distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q)
 {
     struct gd_pair_answer answer;
-    check_ok(gd_pair_solve(mesh, &p, &q, false, NULL, NULL, &answer, NULL), NULL);
+    check_ok(
+        gd_pair_solve(mesh, &(struct gd_pair_request){.from = &p, .to = &q}, NULL, &answer, NULL),
+        NULL);
     return answer.distance;
 }
 

@@ -44,7 +44,9 @@ static double solve(const struct gd_mesh *mesh, uint32_t a, uint32_t b,
 {
     struct gd_point from = test_vertex(mesh, a), to = test_vertex(mesh, b);
     struct gd_pair_answer answer = {.distance = -1};
-    check_ok(gd_pair_solve(mesh, &from, &to, false, NULL, control, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &from, .to = &to}, control,
+                           &answer, NULL),
+             NULL);
     return answer.distance;
 }
 
@@ -224,7 +226,8 @@ static void a_failed_search_leaves_nothing(void **state)
     for (poor.budget_bytes = 10000; status == GD_BUDGET;
          poor.budget_bytes += poor.budget_bytes / 20) {
         struct gd_pair_answer answer = {.distance = -1};
-        status = gd_pair_solve(mesh, &from, &to, false, NULL, &poor, &answer, NULL);
+        status = gd_pair_solve(mesh, &(struct gd_pair_request){.from = &from, .to = &to}, &poor,
+                               &answer, NULL);
         check_close(solve(mesh, far, 0, &usual), expected, 1e-15);
         failed += status == GD_BUDGET;
     }
@@ -270,7 +273,11 @@ static void points_close_to_a_vertex(void **state)
                                       0.5 + size * (rng_unit(&rng) - 0.5), 0};
             check_ok(gd_locate_nearest(mesh, xyz[k], -1, &point[k], NULL, NULL), NULL);
         }
-        check_ok(gd_pair_solve(mesh, &point[0], &point[1], true, NULL, NULL, &answer, NULL), NULL);
+        check_ok(gd_pair_solve(mesh,
+                               &(struct gd_pair_request){
+                                   .from = &point[0], .to = &point[1], .wish = GD_PAIR_PATH},
+                               NULL, &answer, NULL),
+                 NULL);
         assert_true(fabs(answer.distance - gd_vec3_distance(xyz[0], xyz[1])) < 4e-15);
         gd_pair_answer_free(&answer);
     }
@@ -295,7 +302,11 @@ static void points_close_to_a_vertex_at_the_origin(void **state)
                 continue;
             double length = gd_vec3_distance(gd_mesh_position(mesh, (struct gd_vertex){0}),
                                              gd_mesh_position(mesh, (struct gd_vertex){other}));
-            check_ok(gd_pair_solve(mesh, &point, &corner, true, NULL, NULL, &answer, NULL), NULL);
+            check_ok(gd_pair_solve(mesh,
+                                   &(struct gd_pair_request){
+                                       .from = &point, .to = &corner, .wish = GD_PAIR_PATH},
+                                   NULL, &answer, NULL),
+                     NULL);
             assert_true(fabs(answer.distance - t * length) < 4e-15);
             gd_pair_answer_free(&answer);
         }

@@ -22,7 +22,9 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_landmarks *la
     struct gd__guide guide = {0};
     struct gd_pair_answer answer;
     double upper, length;
-    check_ok(gd_pair_solve(mesh, &from, &to, GD_PAIR_DISTANCE, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &from, .to = &to}, NULL, &answer,
+                           NULL),
+             NULL);
     gd__landmarks_offer(landmarks, mesh, &guide);
     check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
     check_ok(gd__tether_length(&guide, &from, &to, NULL, &length), NULL);

@@ -71,7 +71,10 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
 {
     struct gd_pair_answer answer;
     struct gd_flat_strip strip;
-    check_ok(gd_pair_solve(mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(mesh,
+                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                           NULL, &answer, NULL),
+             NULL);
     check_ok(gd_flat_strip_of(mesh, &answer.path, NULL, &strip), NULL);
     const double *end = strip.points[strip.point_count - 1];
     check_points(mesh, &answer.path, &strip);
@@ -137,9 +140,15 @@ static void keeps_ways_back(void **state)
     check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &ends[2], NULL), NULL);
     for (int i = 0; i < 2; i++) {
         struct gd_flat_strip strip;
-        check_ok(gd_pair_solve(mesh, &ends[0], &ends[1], GD_PAIR_PATH, NULL, NULL, &there, NULL),
+        check_ok(gd_pair_solve(mesh,
+                               &(struct gd_pair_request){
+                                   .from = &ends[0], .to = &ends[1], .wish = GD_PAIR_PATH},
+                               NULL, &there, NULL),
                  NULL);
-        check_ok(gd_pair_solve(mesh, &ends[1], &ends[2 * i], GD_PAIR_PATH, NULL, NULL, &back, NULL),
+        check_ok(gd_pair_solve(mesh,
+                               &(struct gd_pair_request){
+                                   .from = &ends[1], .to = &ends[2 * i], .wish = GD_PAIR_PATH},
+                               NULL, &back, NULL),
                  NULL);
         struct gd_path path = {there.path.length + back.path.length,
                                there.path.count + back.path.count, NULL};

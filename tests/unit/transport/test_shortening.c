@@ -19,7 +19,9 @@ static double distance_between(const struct gd_mesh *mesh, const struct gd_point
                                const struct gd_point *q)
 {
     struct gd_pair_answer answer;
-    check_ok(gd_pair_solve(mesh, p, q, false, NULL, NULL, &answer, NULL), NULL);
+    check_ok(
+        gd_pair_solve(mesh, &(struct gd_pair_request){.from = p, .to = q}, NULL, &answer, NULL),
+        NULL);
     return answer.distance;
 }
 

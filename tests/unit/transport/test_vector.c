@@ -14,7 +14,10 @@ static struct gd_path shortest(const struct gd_mesh *mesh, struct gd_point from,
 {
     struct gd_pair_answer answer;
     struct gd_detail detail = {0};
-    check_ok(gd_pair_solve(mesh, &from, &to, true, NULL, NULL, &answer, &detail), &detail);
+    check_ok(gd_pair_solve(
+                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                 NULL, &answer, &detail),
+             &detail);
     *distance = answer.distance;
     return answer.path;
 }

@@ -104,8 +104,11 @@ static void calls_do_not_see_each_other(void **state)
         check_same_field(mesh, &requests[round % 3]);
         struct gd_pair_answer fresh = {0}, again = {0};
         struct gd_control control = {.workspace = workspace};
-        check_ok(gd_pair_solve(mesh, &seed.point, &target, false, NULL, NULL, &fresh, NULL), NULL);
-        check_ok(gd_pair_solve(mesh, &seed.point, &target, false, NULL, &control, &again, NULL),
+        check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &seed.point, .to = &target},
+                               NULL, &fresh, NULL),
+                 NULL);
+        check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &seed.point, .to = &target},
+                               &control, &again, NULL),
                  NULL);
         assert_true(fresh.distance == again.distance);
         gd_pair_answer_free(&fresh);
@@ -140,7 +143,8 @@ static void each_call_has_its_own_budget(void **state)
     struct gd_point far =
         test_point(meshes[0], (struct test_place){polygons[0].polygon_count - 1, {0, 1, 0}});
     struct gd_control free_of_it = {.workspace = workspace};
-    check_ok(gd_pair_solve(meshes[0], &seed.point, &far, false, NULL, &free_of_it, &answer, NULL),
+    check_ok(gd_pair_solve(meshes[0], &(struct gd_pair_request){.from = &seed.point, .to = &far},
+                           &free_of_it, &answer, NULL),
              NULL);
     gd_pair_answer_free(&answer);
     size_t budget = 4096;

@@ -9,7 +9,10 @@ static struct gd_pair_answer leg(const struct gd_mesh *mesh, uint32_t from, uint
 {
     struct gd_point a = vertex_point(mesh, from), b = vertex_point(mesh, to);
     struct gd_pair_answer answer;
-    assert_int_equal(gd_pair_solve(mesh, &a, &b, want_path, NULL, NULL, &answer, NULL), GD_OK);
+    assert_int_equal(
+        gd_pair_solve(mesh, &(struct gd_pair_request){.from = &a, .to = &b, .wish = want_path},
+                      NULL, &answer, NULL),
+        GD_OK);
     return answer;
 }
 
