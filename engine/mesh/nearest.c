@@ -49,13 +49,15 @@ static struct gd_vec3 bring_inside(const struct gd_mesh *mesh, struct gd_vec3 xy
     return gd_vec3_scale(xyz, 1 / mesh->unit);
 }
 
-static double distance_between(struct gd_vec3 a, struct gd_vec3 b)
+double gd_locate_distance(const struct gd_mesh *mesh, struct gd_vec3 xyz,
+                          const struct gd_point *point)
 {
-    return hypot(hypot(a.x - b.x, a.y - b.y), a.z - b.z);
+    struct gd_vec3 d = gd_vec3_sub(xyz, gd_point_position(mesh, point));
+    return hypot(hypot(d.x, d.y), d.z);
 }
 
 enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz, double max_snap,
-                                 struct gd_point *out, double *distance, struct gd_detail *detail)
+                                 struct gd_point *out, struct gd_detail *detail)
 {
     if (!isfinite(xyz.x) || !isfinite(xyz.y) || !isfinite(xyz.z) || isnan(max_snap))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -67,13 +69,12 @@ enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz,
     gd__bvh_run(mesh, &nearest.search);
     struct gd_point point =
         gd__face_closest_point(mesh, nearest.face, nearest.q, gd__largest_coordinate(nearest.q));
-    double moved = distance_between(xyz, gd_point_position(mesh, &point));
+    double moved = max_snap >= 0 ? gd_locate_distance(mesh, xyz, &point) : 0;
     if (max_snap >= 0 && moved > max_snap)
         return gd_fail(
             detail, GD_NOT_ON_SURFACE,
             "the nearest point of the surface is %.17g away, farther than max_snap = %.17g", moved,
             max_snap);
     *out = point;
-    if (distance) *distance = moved;
     return GD_OK;
 }

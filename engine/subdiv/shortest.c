@@ -61,7 +61,7 @@ static enum gd_status place_between(const struct search *search, const struct gd
     struct gd_vec3 sum = gd_vec3_add(gd_point_position(mesh, a), gd_point_position(mesh, b));
     struct gd_point middle;
     enum gd_status status =
-        gd_locate_nearest(mesh, gd_vec3_scale(sum, 0.5), -1, &middle, NULL, search->detail);
+        gd_locate_nearest(mesh, gd_vec3_scale(sum, 0.5), -1, &middle, search->detail);
     if (!status) *out = gd_limit_mesh_place(search->fine, &middle);
     return status;
 }

@@ -210,7 +210,7 @@ static enum gd_status begin(const struct finder *finder, struct view *out)
     struct gd_point start = nearest_given(finder, middle), other;
     bool has_moved;
     enum gd_status status = look(finder, &start, out);
-    if (status || gd_locate_nearest(finder->mesh, middle, -1, &other, NULL, NULL)) return status;
+    if (status || gd_locate_nearest(finder->mesh, middle, -1, &other, NULL)) return status;
     if (gd_point_component(finder->mesh, &other) != gd_point_component(finder->mesh, &start))
         return GD_OK;
     return try_point(finder, &other, out, &has_moved);

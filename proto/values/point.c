@@ -221,6 +221,16 @@ bool proto_point_parse(const char *text, const char *parameter, struct proto_poi
 
 /* --- onto the mesh ---------------------------------------------------------------------------- */
 
+static enum gd_status locate_xyz(const struct gd_mesh *mesh, const struct proto_point *point,
+                                 struct gd_point *out, double *snap_distance,
+                                 struct gd_detail *detail)
+{
+    struct gd_vec3 xyz = point->xyz.xyz;
+    enum gd_status status = gd_locate_nearest(mesh, xyz, point->xyz.max_snap, out, detail);
+    if (!status && snap_distance) *snap_distance = gd_locate_distance(mesh, xyz, out);
+    return status;
+}
+
 static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_point *point,
                              struct gd_point *out, double *snap_distance, struct gd_detail *detail)
 {
@@ -233,8 +243,7 @@ static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_poin
     case PROTO_POINT_FACE:
         return gd_point_in_face(mesh, point->face.face, point->face.barycentric, out, detail);
     case PROTO_POINT_XYZ:
-        return gd_locate_nearest(mesh, point->xyz.xyz, point->xyz.max_snap, out, snap_distance,
-                                 detail);
+        return locate_xyz(mesh, point, out, snap_distance, detail);
     case PROTO_POINT_RAY:
         return gd_locate_first_hit(mesh, point->ray.origin, point->ray.direction, out, detail);
     }

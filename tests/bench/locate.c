@@ -30,7 +30,7 @@ static double nearest_rate(const struct gd_mesh *mesh, const struct question *qu
     uint64_t start = gd_now_ns();
     for (uint32_t i = 0; i < QUESTIONS; i++)
         bench_require(gd_locate_nearest(mesh, on ? questions[i].on : questions[i].around, -1,
-                                        &point, NULL, &detail),
+                                        &point, &detail),
                       &detail);
     return 1e3 * QUESTIONS / bench_ms_since(start);
 }

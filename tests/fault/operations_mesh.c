@@ -139,9 +139,8 @@ static enum gd_status make_polygons(void *out)
 
 static enum gd_status locate_nearest(void *out)
 {
-    double distance;
     struct gd_detail detail = {0};
-    return gd_locate_nearest(mesh, (struct gd_vec3){0.3, 0.4, 1}, -1, out, &distance, &detail);
+    return gd_locate_nearest(mesh, (struct gd_vec3){0.3, 0.4, 1}, -1, out, &detail);
 }
 
 static enum gd_status locate_first_hit(void *out)

@@ -171,7 +171,7 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
         int digits = 13 + i % 3;
         struct gd_vec3 xyz = {rounded(p[0], digits), rounded(p[1], digits), rounded(p[2], digits)};
         struct gd_seed seed = {0};
-        enum gd_status status = gd_locate_nearest(scene.mesh, xyz, -1, &seed.point, NULL, NULL);
+        enum gd_status status = gd_locate_nearest(scene.mesh, xyz, -1, &seed.point, NULL);
         if (status) abort();
         check_rounded(&scene, vertex, &seed, tally);
     }
@@ -215,15 +215,16 @@ static void check_position(struct exact_scene *scene, struct exact_tally *tally)
 {
     uint32_t index = exact_random_vertex(scene);
     struct gd_vec3 vertex = gd_mesh_position(scene->mesh, (struct gd_vertex){index});
-    double apart = scene->mean_edge * pow(10, rng_between(&scene->rng, -17, -10)), reported = NAN;
+    double apart = scene->mean_edge * pow(10, rng_between(&scene->rng, -17, -10));
     double rounding = 4e-15 * (fabs(vertex.x) + fabs(vertex.y) + fabs(vertex.z)), offset[3];
     for (int i = 0; i < 3; i++) offset[i] = apart * rng_between(&scene->rng, -1, 1);
     struct gd_vec3 xyz = gd_vec3_add(vertex, (struct gd_vec3){offset[0], offset[1], offset[2]});
     struct gd_seed seed = {0};
     struct exact_unit unit = {.scene = scene, .seeds = &seed, .seed_count = 1};
-    if (gd_locate_nearest(scene->mesh, xyz, -1, &seed.point, &reported, NULL)) abort();
+    if (gd_locate_nearest(scene->mesh, xyz, -1, &seed.point, NULL)) abort();
     double moved = gd_vec3_distance(xyz, gd_point_position(scene->mesh, &seed.point));
     double allowed = gd_vec3_distance(xyz, vertex) + SNAP * scene->mean_edge + rounding;
+    double reported = gd_locate_distance(scene->mesh, xyz, &seed.point);
     exact_law(&unit, &seed.point, moved, allowed, moved / allowed);
     exact_law(&unit, &seed.point, reported, moved,
               fabs(reported - moved) / (rounding + 1e-14 * moved));

@@ -26,7 +26,7 @@ static struct scene scene_of(const char *name, struct gd_mesh *mesh, const doubl
     struct scene scene = {.name = name, .mesh = mesh};
     for (int i = 0; i < POINTS; i++)
         check_ok(gd_locate_nearest(mesh, (struct gd_vec3){places[i][0], places[i][1], places[i][2]},
-                                   -1, &scene.points[i], NULL, NULL),
+                                   -1, &scene.points[i], NULL),
                  NULL);
     struct gd_spline_request request = {.points = scene.points, .count = POINTS, .alpha = 0.5};
     check_ok(gd_spline_build(mesh, &request, NULL, &scene.spline, NULL), NULL);
@@ -93,7 +93,7 @@ static bool to_nearest(const struct gd_mesh *mesh, struct gd_vec3 from, const vo
 {
     struct gd_point point;
     (void)user;
-    check_ok(gd_locate_nearest(mesh, from, -1, &point, NULL, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, from, -1, &point, NULL), NULL);
     *out = gd_point_position(mesh, &point);
     return true;
 }

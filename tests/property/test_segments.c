@@ -283,7 +283,7 @@ static void planes(void **state)
 static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 place)
 {
     struct gd_point point;
-    check_ok(gd_locate_nearest(mesh, place, -1, &point, NULL, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, place, -1, &point, NULL), NULL);
     return point;
 }
 

@@ -103,8 +103,7 @@ struct gd_point test_point_near(const struct gd_mesh *mesh, double x, double y, 
 {
     struct gd_point point = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, NULL, &detail),
-             &detail);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, &detail), &detail);
     return point;
 }
 

@@ -6,7 +6,7 @@
  *     struct gd_point a, b;
  *     double distance;
  *     if (gd_point_at_vertex(mesh, vertex, &a, &error) == GD_OK &&
- *         gd_locate_nearest(mesh, xyz, -1, &b, NULL, &error) == GD_OK &&
+ *         gd_locate_nearest(mesh, xyz, -1, &b, &error) == GD_OK &&
  *         gd_distance(mesh, &a, &b, &distance) == GD_OK)
  *         printf("%.17g\n", distance);
  *     gd_mesh_release(mesh);

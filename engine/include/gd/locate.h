@@ -9,12 +9,15 @@ extern "C" {
 #endif
 
 /* The point of the surface nearest to `xyz`; ties go to the lowest-numbered face. `max_snap` < 0:
- * any distance will do; else a nearest point farther than it is GD_NOT_ON_SURFACE. `*distance` (may
- * be NULL) is how far `xyz` was moved, in the mesh's unit. Errors: GD_INVALID_ARGUMENT (not
- * finite), GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
+ * any distance will do; else a nearest point farther than it is GD_NOT_ON_SURFACE. Errors:
+ * GD_INVALID_ARGUMENT (not finite), GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                                              double max_snap, struct gd_point *out,
-                                             double *distance, struct gd_detail *detail);
+                                             struct gd_detail *detail);
+
+/* How far `xyz` is from a point of the surface in a straight line, in the mesh's unit. O(1). */
+double gd_locate_distance(const struct gd_mesh *mesh, struct gd_vec3 xyz,
+                          const struct gd_point *point);
 
 /* The first point of the surface that the ray meets, from either side; watertight along edges and
  * vertices. A face seen exactly edge-on is met at its border, or at the origin if that lies on it.

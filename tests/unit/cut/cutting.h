@@ -74,7 +74,7 @@ static inline struct gd_point vertex_of(const struct gd_mesh *mesh, uint32_t ind
 static inline struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, double z)
 {
     struct gd_point point;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, NULL, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, NULL), NULL);
     return point;
 }
 

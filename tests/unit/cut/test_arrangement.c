@@ -56,7 +56,7 @@ static void crowds(void **state)
         for (int i = 0; i < 24; i++) {
             double x = rng_below(&rng, 5) / 4.0 + jitter * rng_between(&rng, -1, 1),
                    y = rng_below(&rng, 5) / 4.0 + jitter * rng_between(&rng, -1, 1);
-            check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, -1, &points[i], NULL, NULL),
+            check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, -1, &points[i], NULL),
                      NULL);
         }
         struct gd_curve curve = curve_through(mesh, points, 24, true);

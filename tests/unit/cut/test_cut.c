@@ -76,12 +76,12 @@ static void round_a_handle(void **state)
     for (int i = 0; i < 4; i++)
         check_ok(gd_locate_nearest(
                      mesh, (struct gd_vec3){1 + 0.4 * cos(1.5 * i), 0.05, 0.4 * sin(1.5 * i)}, -1,
-                     &round_tube[i], NULL, NULL),
+                     &round_tube[i], NULL),
                  NULL);
     for (int i = 0; i < 6; i++)
         check_ok(gd_locate_nearest(mesh,
                                    (struct gd_vec3){1.4 * cos(1.05 * i), 1.4 * sin(1.05 * i), 0.03},
-                                   -1, &round_axis[i], NULL, NULL),
+                                   -1, &round_axis[i], NULL),
                  NULL);
     struct cutting tube = cutting_through(mesh, round_tube, 4, true),
                    axis = cutting_through(mesh, round_axis, 6, true);
@@ -104,9 +104,8 @@ static void along_a_tube(void **state)
     struct gd_mesh *mesh = sample_mesh("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 12, 3});
     struct gd_point ends[2];
     for (int i = 0; i < 2; i++)
-        check_ok(
-            gd_locate_nearest(mesh, (struct gd_vec3){0.9, 0.2, i * 2.0}, -1, &ends[i], NULL, NULL),
-            NULL);
+        check_ok(gd_locate_nearest(mesh, (struct gd_vec3){0.9, 0.2, i * 2.0}, -1, &ends[i], NULL),
+                 NULL);
     struct cutting cutting = cutting_through(mesh, ends, 2, false);
     check_cutting(mesh, &cutting, 1e-12);
     assert_false(cutting.cut.separates);

@@ -16,8 +16,7 @@ static const double promise = 1e-9;
 static struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, double z)
 {
     struct gd_point point;
-    double moved;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, &moved, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, NULL), NULL);
     return point;
 }
 

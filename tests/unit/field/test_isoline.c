@@ -154,8 +154,7 @@ static void two_seeds_in_the_plane(void **state)
     const struct gd_vec3 at[2] = {{4, 4, 0}, {6.1, 4.3, 0}};
     struct gd_seed seeds[2] = {{.offset = 0}, {.offset = 0.2}};
     for (int i = 0; i < 2; i++) {
-        double moved;
-        check_ok(gd_locate_nearest(mesh, at[i], 1, &seeds[i].point, &moved, NULL), NULL);
+        check_ok(gd_locate_nearest(mesh, at[i], 1, &seeds[i].point, NULL), NULL);
     }
     struct gd_field *field = test_field(mesh, seeds, 2, 0);
     double apart = gd_vec3_distance(at[0], at[1]);
@@ -238,9 +237,7 @@ static void on_a_cube(void **state)
     check_ok(sample_box(size, cells, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {0};
-    double moved;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){0.5, 0.5, 1}, 1, &seed.point, &moved, NULL),
-             NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){0.5, 0.5, 1}, 1, &seed.point, NULL), NULL);
     struct gd_field *field = test_field(mesh, &seed, 1, 0);
     struct gd_isoline on_top = trace(field, 0.4), over = trace(field, 0.6),
                       holes = trace(field, 1.9);

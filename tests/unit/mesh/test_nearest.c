@@ -56,7 +56,8 @@ static double surface_distance(const struct gd_polygons *polygons, struct gd_vec
 static struct gd_point nearest(const struct gd_mesh *mesh, struct gd_vec3 q, double *distance)
 {
     struct gd_point point;
-    assert_int_equal(gd_locate_nearest(mesh, q, -1, &point, distance, NULL), GD_OK);
+    assert_int_equal(gd_locate_nearest(mesh, q, -1, &point, NULL), GD_OK);
+    if (distance) *distance = gd_locate_distance(mesh, q, &point);
     return point;
 }
 
@@ -181,21 +182,17 @@ static void max_snap_bounds_the_distance(void **state)
     struct gd_mesh *mesh = build(&polygons);
     struct gd_point point;
     struct gd_detail detail = {0};
-    double distance = -7;
     struct gd_vec3 q = {0.25, 0.5, 1.5};
-    assert_int_equal(gd_locate_nearest(mesh, q, 0.4, &point, &distance, &detail),
-                     GD_NOT_ON_SURFACE);
-    assert_true(strstr(detail.text, "0.5") && distance == -7);
-    assert_int_equal(gd_locate_nearest(mesh, q, 0.5, &point, &distance, &detail), GD_OK);
-    assert_true(distance == 0.5);
-    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){0, 0, 0}, 0, &point, NULL, NULL),
-                     GD_OK);
-    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){NAN, 0, 0}, -1, &point, NULL, NULL),
+    assert_int_equal(gd_locate_nearest(mesh, q, 0.4, &point, &detail), GD_NOT_ON_SURFACE);
+    assert_non_null(strstr(detail.text, "0.5"));
+    assert_int_equal(gd_locate_nearest(mesh, q, 0.5, &point, &detail), GD_OK);
+    assert_true(gd_locate_distance(mesh, q, &point) == 0.5);
+    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){0, 0, 0}, 0, &point, NULL), GD_OK);
+    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){NAN, 0, 0}, -1, &point, NULL),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(
-        gd_locate_nearest(mesh, (struct gd_vec3){0, INFINITY, 0}, -1, &point, NULL, NULL),
-        GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_locate_nearest(mesh, q, NAN, &point, NULL, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_locate_nearest(mesh, (struct gd_vec3){0, INFINITY, 0}, -1, &point, NULL),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_locate_nearest(mesh, q, NAN, &point, NULL), GD_INVALID_ARGUMENT);
     gd_mesh_release(mesh);
 }
 

@@ -28,7 +28,7 @@ static int drop_mesh(void **state)
 static struct gd_point at(double x, double y)
 {
     struct gd_point point;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, 0, &point, NULL, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, 0, &point, NULL), NULL);
     return point;
 }
 

@@ -10,7 +10,7 @@
 static struct gd_point at(const struct gd_mesh *mesh, double x, double y, double z)
 {
     struct gd_point point;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, NULL, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, NULL), NULL);
     return point;
 }
 

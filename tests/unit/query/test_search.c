@@ -271,7 +271,7 @@ static void points_close_to_a_vertex(void **state)
         for (int k = 0; k < 2; k++) {
             xyz[k] = (struct gd_vec3){0.25 + size * (rng_unit(&rng) - 0.5),
                                       0.5 + size * (rng_unit(&rng) - 0.5), 0};
-            check_ok(gd_locate_nearest(mesh, xyz[k], -1, &point[k], NULL, NULL), NULL);
+            check_ok(gd_locate_nearest(mesh, xyz[k], -1, &point[k], NULL), NULL);
         }
         check_ok(gd_pair_solve(mesh,
                                &(struct gd_pair_request){

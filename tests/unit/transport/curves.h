@@ -28,9 +28,8 @@ static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve
                        b = gd_point_position(mesh, &curve->points[i % curve->count]);
         struct gd_vec3 middle = gd_vec3_scale(gd_vec3_add(a, b), 0.5);
         struct gd_point foot;
-        double distance;
-        check_ok(gd_locate_nearest(mesh, middle, -1, &foot, &distance, NULL), NULL);
-        assert_true(distance <= 1e-12 * size);
+        check_ok(gd_locate_nearest(mesh, middle, -1, &foot, NULL), NULL);
+        assert_true(gd_locate_distance(mesh, middle, &foot) <= 1e-12 * size);
     }
 }
 

@@ -64,7 +64,7 @@ static inline struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
 static inline struct gd_point nearest(const struct gd_mesh *mesh, double x, double y, double z)
 {
     struct gd_point point;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, NULL, NULL), NULL);
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, NULL), NULL);
     return point;
 }
 
