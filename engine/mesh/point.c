@@ -89,9 +89,10 @@ enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex v
     return status;
 }
 
-enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, struct gd_vertex b,
+enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, const struct gd_vertex ends[2],
                                 double t, struct gd_point *out, struct gd_detail *detail)
 {
+    struct gd_vertex a = ends[0], b = ends[1];
     uint32_t from = GD_NONE, to = GD_NONE;
     enum gd_status status = find_vertex(mesh, a, &from, detail);
     if (!status) status = find_vertex(mesh, b, &to, detail);

@@ -261,9 +261,9 @@ static enum gd_status add_crossing(struct search *search, const struct crossing 
                                    struct gd_detail *detail)
 {
     struct gd_point point;
-    enum gd_status status =
-        gd_point_on_edge(search->tessellation->mesh, (struct gd_vertex){crossing->a},
-                         (struct gd_vertex){crossing->b}, crossing->part, &point, detail);
+    enum gd_status status = gd_point_on_edge(search->tessellation->mesh,
+                                             (struct gd_vertex[]){{crossing->a}, {crossing->b}},
+                                             crossing->part, &point, detail);
     return status ? status : add_seed(search, &point);
 }
 

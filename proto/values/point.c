@@ -238,8 +238,7 @@ static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_poin
     case PROTO_POINT_VERTEX:
         return gd_point_at_vertex(mesh, point->vertex, out, detail);
     case PROTO_POINT_EDGE:
-        return gd_point_on_edge(mesh, point->edge.ends[0], point->edge.ends[1], point->edge.t, out,
-                                detail);
+        return gd_point_on_edge(mesh, point->edge.ends, point->edge.t, out, detail);
     case PROTO_POINT_FACE:
         return gd_point_in_face(mesh, point->face.face, point->face.barycentric, out, detail);
     case PROTO_POINT_XYZ:

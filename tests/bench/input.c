@@ -142,7 +142,7 @@ struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kin
     if (kind == GD_POINT_VERTEX)
         bench_require(gd_point_at_vertex(mesh, corners[0], &point, &detail), &detail);
     else if (kind == GD_POINT_EDGE)
-        bench_require(gd_point_on_edge(mesh, corners[0], corners[1], u, &point, &detail), &detail);
+        bench_require(gd_point_on_edge(mesh, corners, u, &point, &detail), &detail);
     else
         bench_require(gd_point_in_face(mesh, face, w, &point, &detail), &detail);
     return point;

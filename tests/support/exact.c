@@ -162,8 +162,8 @@ static struct gd_point on_edge(const struct exact_scene *scene, uint32_t from, u
                                double t)
 {
     struct gd_point point = {0};
-    require(gd_point_on_edge(scene->mesh, (struct gd_vertex){from}, (struct gd_vertex){to}, t,
-                             &point, NULL) == GD_OK,
+    require(gd_point_on_edge(scene->mesh, (struct gd_vertex[]){{from}, {to}}, t, &point, NULL) ==
+                GD_OK,
             "no such edge");
     return point;
 }

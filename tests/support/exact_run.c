@@ -45,8 +45,7 @@ static bool read_point(const struct exact_scene *scene, const char *text, struct
     if (sscanf(text, "v:%u", &a) == 1)
         status = gd_point_at_vertex(scene->mesh, (struct gd_vertex){a}, out, &detail);
     if (sscanf(text, "e:%u,%u,%lf", &a, &b, w) == 3)
-        status = gd_point_on_edge(scene->mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, w[0],
-                                  out, &detail);
+        status = gd_point_on_edge(scene->mesh, (struct gd_vertex[]){{a}, {b}}, w[0], out, &detail);
     if (sscanf(text, "f:%u,%lf,%lf,%lf", &a, w, w + 1, w + 2) == 4)
         status = gd_point_in_face(scene->mesh, (struct gd_face){a}, w, out, &detail);
     if (status) fprintf(stderr, "%s: %s %s\n", text, gd_status_name(status), detail.text);

@@ -35,10 +35,10 @@ struct gd_point {
 GD_MUST_USE enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex,
                                               struct gd_point *out, struct gd_detail *detail);
 
-/* The point (1-t) a + t b of the edge between vertices a and b. */
-GD_MUST_USE enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a,
-                                            struct gd_vertex b, double t, struct gd_point *out,
-                                            struct gd_detail *detail);
+/* The point (1-t) ends[0] + t ends[1] of the edge between two vertices. */
+GD_MUST_USE enum gd_status gd_point_on_edge(const struct gd_mesh *mesh,
+                                            const struct gd_vertex ends[2], double t,
+                                            struct gd_point *out, struct gd_detail *detail);
 
 /* Barycentric coordinates by the face's corners in the input's order (whether or not the face was
  * turned over). */

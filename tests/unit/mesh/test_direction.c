@@ -10,9 +10,8 @@ static const double exact = 1e-14;
 static struct gd_point on_edge(const struct gd_mesh *mesh, uint32_t a, uint32_t b)
 {
     struct gd_point point;
-    assert_int_equal(
-        gd_point_on_edge(mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, 0.3, &point, NULL),
-        GD_OK);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){{a}, {b}}, 0.3, &point, NULL),
+                     GD_OK);
     return point;
 }
 

@@ -31,7 +31,7 @@ static struct gd_point on_edge(const struct gd_mesh *mesh, uint32_t a, uint32_t 
 {
     struct gd_point point;
     struct gd_detail detail = {0};
-    if (gd_point_on_edge(mesh, (struct gd_vertex){a}, (struct gd_vertex){b}, t, &point, &detail))
+    if (gd_point_on_edge(mesh, (struct gd_vertex[]){{a}, {b}}, t, &point, &detail))
         fail_msg("%s", detail.text);
     return point;
 }
@@ -137,12 +137,18 @@ static void what_is_no_point_is_refused_by_name(void **state)
                      GD_OUT_OF_RANGE);
     assert_int_equal(gd_point_at_vertex(mesh, v9, &out, NULL), GD_OUT_OF_RANGE);
     assert_int_equal(gd_point_at_vertex(mesh, v3, &out, NULL), GD_UNREFERENCED_VERTEX);
-    assert_int_equal(gd_point_on_edge(mesh, v0, v4, 0.5, &out, NULL), GD_NO_SUCH_EDGE);
-    assert_int_equal(gd_point_on_edge(mesh, v0, v0, 0.5, &out, NULL), GD_NO_SUCH_EDGE);
-    assert_int_equal(gd_point_on_edge(mesh, v0, v3, 0.5, &out, NULL), GD_UNREFERENCED_VERTEX);
-    assert_int_equal(gd_point_on_edge(mesh, v9, v0, 0.5, &out, NULL), GD_OUT_OF_RANGE);
-    assert_int_equal(gd_point_on_edge(mesh, v0, v1, 1.1, &out, NULL), GD_NOT_ON_SURFACE);
-    assert_int_equal(gd_point_on_edge(mesh, v0, v1, NAN, &out, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){v0, v4}, 0.5, &out, NULL),
+                     GD_NO_SUCH_EDGE);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){v0, v0}, 0.5, &out, NULL),
+                     GD_NO_SUCH_EDGE);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){v0, v3}, 0.5, &out, NULL),
+                     GD_UNREFERENCED_VERTEX);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){v9, v0}, 0.5, &out, NULL),
+                     GD_OUT_OF_RANGE);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){v0, v1}, 1.1, &out, NULL),
+                     GD_NOT_ON_SURFACE);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){v0, v1}, NAN, &out, NULL),
+                     GD_INVALID_ARGUMENT);
     expect_equal(out, before);
     gd_mesh_release(mesh);
 }

@@ -19,9 +19,8 @@ static void encodes_by_geometry(void **state)
     struct gd_mesh *mesh = new_tetrahedron();
     struct gd_point points[3];
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &points[0], NULL), GD_OK);
-    assert_int_equal(
-        gd_point_on_edge(mesh, (struct gd_vertex){1}, (struct gd_vertex){2}, 0.5, &points[1], NULL),
-        GD_OK);
+    assert_int_equal(gd_point_on_edge(mesh, (struct gd_vertex[]){{1}, {2}}, 0.5, &points[1], NULL),
+                     GD_OK);
     assert_int_equal(gd_point_in_face(mesh, (struct gd_face){0}, (const double[]){0.5, 0.25, 0.25},
                                       &points[2], NULL),
                      GD_OK);

@@ -297,8 +297,7 @@ static void points_close_to_a_vertex_at_the_origin(void **state)
     for (uint32_t other = 1; other < 8; other++) {
         for (double t = 1e-14; t < 1e-6; t *= 1.7) {
             struct gd_pair_answer answer;
-            if (gd_point_on_edge(mesh, (struct gd_vertex){0}, (struct gd_vertex){other}, t, &point,
-                                 NULL))
+            if (gd_point_on_edge(mesh, (struct gd_vertex[]){{0}, {other}}, t, &point, NULL))
                 continue;
             double length = gd_vec3_distance(gd_mesh_position(mesh, (struct gd_vertex){0}),
                                              gd_mesh_position(mesh, (struct gd_vertex){other}));
