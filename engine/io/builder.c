@@ -25,9 +25,9 @@ static uint32_t effective_limit(uint32_t limit)
 }
 
 struct gd__builder gd__builder_begin(const struct gd__scan *scan,
-                                     const struct gd_read_limits *limits)
+                                     const struct gd_read_options *limits)
 {
-    struct gd_read_limits wanted = limits ? *limits : (struct gd_read_limits){0};
+    struct gd_read_options wanted = limits ? *limits : (struct gd_read_options){0};
     return (struct gd__builder){
         .scan = scan,
         .limits = {.max_faces = effective_limit(wanted.max_faces),

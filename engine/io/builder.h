@@ -12,8 +12,8 @@
 #include "io/scan.h"
 
 struct gd__builder {
-    const struct gd__scan *scan;  /* borrowed: errors name its places */
-    struct gd_read_limits limits; /* neither is 0 */
+    const struct gd__scan *scan;   /* borrowed: errors name its places */
+    struct gd_read_options limits; /* neither is 0 */
     /* how the format numbers its first vertex: 0 or 1; for error texts only */
     uint32_t index_base;
     const char *next_look; /* at the control, once the scan is there */
@@ -39,7 +39,7 @@ struct gd__builder {
 
 /* An empty builder. `limits` may be NULL. */
 struct gd__builder gd__builder_begin(const struct gd__scan *scan,
-                                     const struct gd_read_limits *limits);
+                                     const struct gd_read_options *limits);
 void gd__builder_free(struct gd__builder *builder);
 
 /* Room for so many vertices and triangles: call it with counts that the input's length was checked

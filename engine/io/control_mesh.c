@@ -166,8 +166,9 @@ static enum gd_status read_tag(struct gd__scan *scan, struct gd_control_mesh *me
                          gd__excerpt(name).text);
 }
 
-static enum gd_status read_tags(const void *bytes, size_t size, const struct gd_read_limits *limits,
-                                struct gd_control_mesh *mesh, struct gd_detail *detail)
+static enum gd_status read_tags(const void *bytes, size_t size,
+                                const struct gd_read_options *limits, struct gd_control_mesh *mesh,
+                                struct gd_detail *detail)
 {
     struct gd__scan scan = gd__scan_begin(bytes, size, detail);
     scan.comments = scan.continued = true;
@@ -180,14 +181,16 @@ static enum gd_status read_tags(const void *bytes, size_t size, const struct gd_
     return gd__scan_end(&scan, status);
 }
 
-enum gd_status gd_read_control_mesh(const void *bytes, size_t size, enum gd_format format,
-                                    const struct gd_read_limits *limits,
+enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
+                                    const struct gd_read_options *options,
                                     struct gd_control_mesh *out, struct gd_detail *detail)
 {
-    if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
+    struct gd_read_options own = options ? *options : (struct gd_read_options){0};
+    if (own.format == GD_FORMAT_ANY) own.format = gd_format_recognise(bytes, size);
     struct gd_control_mesh mesh = {0};
-    enum gd_status status = gd_read_polygons(bytes, size, format, limits, &mesh.polygons, detail);
-    if (!status && format == GD_FORMAT_OBJ) status = read_tags(bytes, size, limits, &mesh, detail);
+    enum gd_status status = gd_read_polygons(bytes, size, &own, &mesh.polygons, detail);
+    if (!status && own.format == GD_FORMAT_OBJ)
+        status = read_tags(bytes, size, &own, &mesh, detail);
     if (status)
         gd_control_mesh_free(&mesh);
     else

@@ -405,9 +405,9 @@ enum gd_status gd__glb_read(struct gd__scan *scan, struct gd__builder *builder)
  * no more than half as much again. */
 #define TREE_FACTOR 6
 
-static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_limits *limits)
+static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_options *limits)
 {
-    struct gd_read_limits most = limits ? *limits : (struct gd_read_limits){0};
+    struct gd_read_options most = limits ? *limits : (struct gd_read_options){0};
     uint64_t vertices = sum->vertices;
     if (most.max_faces && sum->triangles > most.max_faces) return 0;
     if (most.max_vertices && vertices > most.max_vertices) vertices = most.max_vertices;
@@ -416,7 +416,7 @@ static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_limit
 }
 
 size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
-                     const struct gd_read_limits *limits)
+                     const struct gd_read_options *limits)
 {
     struct gd__scan scan = gd__scan_begin(bytes, size, NULL);
     scan.deadline_ns = limits && limits->control ? limits->control->deadline_ns : 0;

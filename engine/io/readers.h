@@ -21,6 +21,6 @@ GD_FORMAT_MAP(GD__READER)
 
 /* gd_read_cost of a glTF; 0: it can't be read. */
 size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
-                     const struct gd_read_limits *limits);
+                     const struct gd_read_options *limits);
 
 #endif

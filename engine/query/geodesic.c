@@ -15,13 +15,13 @@ static enum gd_status load(const void *bytes, size_t size, const struct gd_load_
 {
     struct gd__share share = {options->control, 0, 2};
     struct gd_control control = gd__share_control(&share, 0);
-    const struct gd_read_limits limits = {options->max_faces, options->max_vertices, &control};
+    const struct gd_read_options reading = {options->format, options->max_faces,
+                                            options->max_vertices, &control};
     enum gd_status status = GD_OK;
     if (control.budget_bytes)
-        status = gd_control_afford(&control, gd_read_cost(bytes, size, options->format, &limits));
+        status = gd_control_afford(&control, gd_read_cost(bytes, size, &reading));
     struct gd_polygons polygons;
-    if (!status)
-        status = gd_read_polygons(bytes, size, options->format, &limits, &polygons, detail);
+    if (!status) status = gd_read_polygons(bytes, size, &reading, &polygons, detail);
     if (status) return status;
     share.done = 1;
     control = gd__share_control(&share, bytes_of_polygons(&polygons));

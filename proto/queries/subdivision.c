@@ -54,7 +54,7 @@ static bool settle_scheme(const struct proto_subdivision_options *options,
 
 bool proto_subdivision_read(const void *bytes, size_t size,
                             const struct proto_subdivision_options *options,
-                            const struct gd_read_limits *limits, struct gd_control_mesh *out,
+                            const struct gd_read_options *limits, struct gd_control_mesh *out,
                             enum gd_scheme *scheme, struct proto_problem *problem)
 {
     struct proto_usd usd = {0};
@@ -62,8 +62,9 @@ bool proto_subdivision_read(const void *bytes, size_t size,
         if (!proto_usd_read(bytes, size, limits, &usd, problem)) return false;
     } else {
         struct gd_detail detail = {0};
-        enum gd_status status =
-            gd_read_control_mesh(bytes, size, options->format, limits, &usd.control_mesh, &detail);
+        struct gd_read_options own = limits ? *limits : (struct gd_read_options){0};
+        own.format = options->format;
+        enum gd_status status = gd_read_control_mesh(bytes, size, &own, &usd.control_mesh, &detail);
         if (status) return proto_subdivision_refuse(status, &detail, problem);
     }
     if (!settle_scheme(options, &usd, scheme, problem)) {

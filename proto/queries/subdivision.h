@@ -30,7 +30,7 @@ bool proto_subdivision_options_parse(const struct proto_parameters *parameters,
  * for each byte of the file. */
 bool proto_subdivision_read(const void *bytes, size_t size,
                             const struct proto_subdivision_options *options,
-                            const struct gd_read_limits *limits, struct gd_control_mesh *out,
+                            const struct gd_read_options *limits, struct gd_control_mesh *out,
                             enum gd_scheme *scheme, struct proto_problem *problem);
 
 /* The problem of a control mesh that is read and no surface: what names an element that isn't there

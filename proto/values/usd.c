@@ -94,7 +94,7 @@ static bool read_point(const json_t *value, double out[3])
     return true;
 }
 
-static bool read_points(const json_t *document, const struct gd_read_limits *limits,
+static bool read_points(const json_t *document, const struct gd_read_options *limits,
                         struct gd_polygons *out, struct proto_problem *problem)
 {
     const json_t *array = proto_decode_member(document, "", "points", problem);
@@ -149,7 +149,7 @@ static bool check_corners(const struct gd_polygons *polygons, uint32_t corner_co
     return true;
 }
 
-static bool read_faces(const json_t *document, const struct gd_read_limits *limits,
+static bool read_faces(const json_t *document, const struct gd_read_options *limits,
                        struct gd_polygons *out, struct proto_problem *problem)
 {
     struct indices counts = {0}, corners = {0};
@@ -299,7 +299,7 @@ static bool read_words(const json_t *document, struct proto_usd *out, struct pro
 
 /* --- the whole -------------------------------------------------------------------------------- */
 
-static bool read_document(const json_t *document, const struct gd_read_limits *limits,
+static bool read_document(const json_t *document, const struct gd_read_options *limits,
                           struct proto_usd *out, struct proto_problem *problem)
 {
     static const char *const members[] = {"points",
@@ -321,7 +321,7 @@ static bool read_document(const json_t *document, const struct gd_read_limits *l
            read_creases(document, mesh, problem) && read_corners(document, mesh, problem);
 }
 
-bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_limits *limits,
+bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_options *limits,
                     struct proto_usd *out, struct proto_problem *problem)
 {
     struct proto_usd usd = {0};

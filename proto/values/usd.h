@@ -20,7 +20,7 @@ bool proto_usd_is(const void *bytes, size_t size);
 
 /* invalid_request; invalid_mesh with a reason (index, empty); too_large by limits->max_faces and
  * max_vertices (`limits` may be NULL); insufficient_memory. The caller frees out->control_mesh. */
-bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_limits *limits,
+bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_options *limits,
                     struct proto_usd *out, struct proto_problem *problem);
 
 #endif

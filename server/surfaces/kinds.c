@@ -141,8 +141,8 @@ static struct proto_parameters options_of_record(const struct server_record *rec
 
 static size_t read_cost(const struct server_builder *builder, enum gd_format format)
 {
-    const struct gd_read_limits limits = {.max_faces = builder->max_faces};
-    return gd_read_cost(builder->bytes, (size_t)builder->record->size, format, &limits);
+    const struct gd_read_options options = {.format = format, .max_faces = builder->max_faces};
+    return gd_read_cost(builder->bytes, (size_t)builder->record->size, &options);
 }
 
 static size_t json_cost(const struct server_builder *builder)
@@ -174,10 +174,10 @@ static bool mesh_read_options(const struct proto_parameters *parameters,
 static enum gd_status mesh_read(struct build *build, const struct gd_control *control, size_t *kept)
 {
     const struct server_builder *builder = build->builder;
-    const struct gd_read_limits limits = {builder->max_faces, .control = control};
-    enum gd_status status =
-        gd_read_polygons(builder->bytes, (size_t)builder->record->size, build->mesh_options.format,
-                         &limits, &build->file.polygons, &build->detail);
+    const struct gd_read_options options = {
+        .format = build->mesh_options.format, .max_faces = builder->max_faces, .control = control};
+    enum gd_status status = gd_read_polygons(builder->bytes, (size_t)builder->record->size,
+                                             &options, &build->file.polygons, &build->detail);
     *kept = file_size(&build->file);
     return status;
 }
@@ -403,7 +403,7 @@ static enum gd_status subdivision_read(struct build *build, const struct gd_cont
                                        size_t *kept)
 {
     const struct server_builder *builder = build->builder;
-    const struct gd_read_limits limits = {builder->max_faces, .control = control};
+    const struct gd_read_options limits = {.max_faces = builder->max_faces, .control = control};
     if (!proto_subdivision_read(builder->bytes, (size_t)builder->record->size,
                                 &build->subdivision_options, &limits, &build->file, &build->scheme,
                                 builder->problem))

@@ -41,8 +41,7 @@ static bool read_file(const char *path, struct gd_polygons *out)
     struct bench_file file;
     if (!bench_map_file(path, &file)) return false;
     struct gd_detail detail = {0};
-    enum gd_status status =
-        gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, out, &detail);
+    enum gd_status status = gd_read_polygons(file.bytes, file.size, NULL, out, &detail);
     bench_unmap_file(&file);
     if (status)
         fprintf(stderr, "gd_bench: %s: %s (%s)\n", path, gd_status_sentence(status), detail.text);

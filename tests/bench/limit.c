@@ -44,8 +44,7 @@ static struct gd_subdivision *read_surface(const char *bytes, size_t size, enum 
     struct gd_control_mesh control_mesh;
     struct gd_subdivision *surface;
     struct gd_detail detail = {0};
-    bench_require(gd_read_control_mesh(bytes, size, GD_FORMAT_ANY, NULL, &control_mesh, &detail),
-                  &detail);
+    bench_require(gd_read_control_mesh(bytes, size, NULL, &control_mesh, &detail), &detail);
     bench_require(gd_subdivision_create(&control_mesh, scheme, NULL, &surface, &detail), &detail);
     gd_control_mesh_free(&control_mesh);
     return surface;

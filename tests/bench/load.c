@@ -38,8 +38,7 @@ static struct gd_mesh *load(const char *path, const struct bench_options *option
     uint64_t start = gd_now_ns();
     if (!bench_map_file(path, &file)) return NULL;
     ms[READ] = bench_ms_since(start);
-    enum gd_status status =
-        gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, &polygons, &detail);
+    enum gd_status status = gd_read_polygons(file.bytes, file.size, NULL, &polygons, &detail);
     ms[PARSE] = bench_ms_since(start) - ms[READ];
     *size = file.size;
     bench_unmap_file(&file);

@@ -34,7 +34,9 @@ static const char text_stl[] =
 static void open_files(void)
 {
     check_ok(sample_terrain(10, 0.4, 7, &polygons), NULL);
-    check_ok(gd_read_polygons(tagged, strlen(tagged), GD_FORMAT_OBJ, NULL, &quads, NULL), NULL);
+    check_ok(gd_read_polygons(tagged, strlen(tagged),
+                              &(struct gd_read_options){.format = GD_FORMAT_OBJ}, &quads, NULL),
+             NULL);
     for (int format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++)
         check_ok(gd_write_polygons(&polygons, (enum gd_format)format, &files[format].bytes,
                                    &files[format].size),
@@ -85,7 +87,7 @@ static const struct answer written = {sizeof(struct text), digest_text, discard_
 static enum gd_status read_text(const void *bytes, size_t size, enum gd_format format, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_read_polygons(bytes, size, format, NULL, out, &detail);
+    return gd_read_polygons(bytes, size, &(struct gd_read_options){.format = format}, out, &detail);
 }
 
 #define FORMAT(NAME, name)                                                                         \
@@ -121,7 +123,8 @@ static enum gd_status read_text_stl(void *out)
 static enum gd_status read_tagged(void *out)
 {
     struct gd_detail detail = {0};
-    return gd_read_control_mesh(tagged, strlen(tagged), GD_FORMAT_OBJ, NULL, out, &detail);
+    return gd_read_control_mesh(tagged, strlen(tagged),
+                                &(struct gd_read_options){.format = GD_FORMAT_OBJ}, out, &detail);
 }
 
 static enum gd_status write_quads(void *out)

@@ -24,7 +24,9 @@ static const char prism_text[] = "v 0 0 0\nv 2 0 0\nv 1 2 0\nv 0 0 2\nv 2 0 2\nv
 static void read_control(const char *text, struct gd_control_mesh *out)
 {
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, out, &detail), &detail);
+    check_ok(gd_read_control_mesh(text, strlen(text),
+                                  &(struct gd_read_options){.format = GD_FORMAT_OBJ}, out, &detail),
+             &detail);
 }
 
 static void open_limits(void)

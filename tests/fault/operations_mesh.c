@@ -42,7 +42,9 @@ static const char flat_text[] =
 static void read_text(const char *text, struct gd_polygons *out)
 {
     struct gd_detail detail = {0};
-    check_ok(gd_read_polygons(text, strlen(text), GD_FORMAT_OBJ, NULL, out, &detail), &detail);
+    check_ok(gd_read_polygons(text, strlen(text),
+                              &(struct gd_read_options){.format = GD_FORMAT_OBJ}, out, &detail),
+             &detail);
 }
 
 static void open_meshes(void)

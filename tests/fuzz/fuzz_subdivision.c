@@ -43,8 +43,8 @@ static void create(const struct gd_control_mesh *control_mesh, enum gd_scheme sc
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const struct gd_read_limits limits = {.max_faces = MOST_FACES,
-                                                 .max_vertices = MOST_FACES};
+    static const struct gd_read_options limits = {.max_faces = MOST_FACES,
+                                                  .max_vertices = MOST_FACES};
     if (size == 0) return 0;
     const struct proto_subdivision_options options = {
         .format = data[0] & 1 ? GD_FORMAT_ANY : GD_FORMAT_OBJ,

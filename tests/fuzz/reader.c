@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* A violated promise ends the run: the fuzzer keeps the input. */
-static void check_promises(const struct gd_polygons *polygons, const struct gd_read_limits *limits)
+static void check_promises(const struct gd_polygons *polygons, const struct gd_read_options *limits)
 {
     uint64_t triangles = 0;
     promise(polygons->polygon_count > 0 && polygons->position_count <= limits->max_vertices);
@@ -45,7 +45,8 @@ static void check_round_trip(const struct gd_polygons *polygons, enum gd_format 
     if (is_float && (status == GD_NOT_TRIANGLES || status == GD_NON_FINITE)) return;
     promise(status == GD_OK);
     promise(gd_format_recognise(bytes, size) == format);
-    promise(gd_read_polygons(bytes, size, format, NULL, &back, NULL) == GD_OK);
+    promise(gd_read_polygons(bytes, size, &(struct gd_read_options){.format = format}, &back,
+                             NULL) == GD_OK);
     free(bytes);
     if (!is_float) check_equal(polygons, &back);
     gd_polygons_free(&back);
@@ -53,16 +54,17 @@ static void check_round_trip(const struct gd_polygons *polygons, enum gd_format 
 
 int fuzz_reader(enum gd_format format, const uint8_t *data, size_t size)
 {
-    static const struct gd_read_limits limits = {.max_faces = 4096, .max_vertices = 4096};
+    const struct gd_read_options options = {
+        .format = format, .max_faces = 4096, .max_vertices = 4096};
     struct gd_polygons polygons;
     struct gd_detail detail = {.text = ""};
-    size_t cost = gd_read_cost(data, size, format, &limits);
-    enum gd_status status = gd_read_polygons(data, size, format, &limits, &polygons, &detail);
+    size_t cost = gd_read_cost(data, size, &options);
+    enum gd_status status = gd_read_polygons(data, size, &options, &polygons, &detail);
     if (status != GD_OK) {
         promise(detail.text[0] != '\0' && status != GD_INTERNAL);
         return 0;
     }
-    check_promises(&polygons, &limits);
+    check_promises(&polygons, &options);
     promise(polygons.position_count * sizeof *polygons.positions <= cost);
     for (format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++)
         check_round_trip(&polygons, format);

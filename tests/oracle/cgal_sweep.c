@@ -57,7 +57,7 @@ static enum gd_status read_file(const char *path, struct gd_polygons *out, struc
     if (!bytes)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "there is neither a sample nor a file \"%s\"",
                        path);
-    enum gd_status status = gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, out, detail);
+    enum gd_status status = gd_read_polygons(bytes, size, NULL, out, detail);
     free(bytes);
     return status;
 }

@@ -172,7 +172,8 @@ static void compare_sample(const struct sample *sample, int level, struct tally 
 {
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(sample->text, strlen(sample->text), GD_FORMAT_OBJ, NULL, &mesh,
+    check_ok(gd_read_control_mesh(sample->text, strlen(sample->text),
+                                  &(struct gd_read_options){.format = GD_FORMAT_OBJ}, &mesh,
                                   &detail),
              &detail);
     mesh.boundary = sample->boundary;
@@ -324,7 +325,9 @@ static void approximated(void **state)
     (void)state;
     struct gd_control_mesh mesh;
     const char *text = SKEW_CUBE "t crease 2/1/0 4 5 10\n";
-    check_ok(gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, NULL), NULL);
+    check_ok(gd_read_control_mesh(text, strlen(text),
+                                  &(struct gd_read_options){.format = GD_FORMAT_OBJ}, &mesh, NULL),
+             NULL);
     struct pair pair = pair_of(&mesh, CC);
     double off[7] = {0};
     for (int level = 2; level <= 6; level++) {

@@ -285,8 +285,7 @@ static bool open_mesh(const char *path, struct exact_scene *scene)
     size_t size = 0;
     struct gd_polygons polygons;
     char *bytes = test_read_file(path, &size);
-    bool is_read =
-        bytes && gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL) == GD_OK;
+    bool is_read = bytes && gd_read_polygons(bytes, size, NULL, &polygons, NULL) == GD_OK;
     free(bytes);
     if (is_read)
         exact_scene_from(polygons, scene);

@@ -37,7 +37,7 @@ struct gd_polygons test_shared_polygons(const char *name)
     struct gd_detail detail = {0};
     snprintf(file, sizeof file, "meshes/%s.obj", name);
     char *bytes = test_shared_file(file, &size);
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, &detail), &detail);
+    check_ok(gd_read_polygons(bytes, size, NULL, &polygons, &detail), &detail);
     free(bytes);
     return polygons;
 }

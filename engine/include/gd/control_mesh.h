@@ -46,13 +46,12 @@ void gd_control_mesh_free(struct gd_control_mesh *mesh);
  * it: `t crease N/M/0 v0 v1 ... s ...` (a chain of N vertices, one sharpness for all of it or one
  * an edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and
  * corner, 2 edge only). Vertices of tags are counted from zero, although those of faces are counted
- * from one. Tags that concern texture coordinates are skipped. `limits` and `detail` may be NULL;
+ * from one. Tags that concern texture coordinates are skipped. `options` and `detail` may be NULL;
  * the caller frees `*out`. Thread-safe; time and memory as gd_read_polygons. Errors: those of
  * gd_read_polygons; GD_UNSUPPORTED (any other tag, such as holes), GD_SYNTAX, GD_INDEX. That a
  * crease is an edge and its sharpness a fit one is for gd_subdivision_create to say. */
 GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
-                                                enum gd_format format,
-                                                const struct gd_read_limits *limits,
+                                                const struct gd_read_options *options,
                                                 struct gd_control_mesh *out,
                                                 struct gd_detail *detail);
 

@@ -52,7 +52,7 @@ extern "C" {
  * repaired. */
 struct gd_load_options {
     enum gd_format format;
-    uint32_t max_faces, max_vertices; /* see gd_read_limits */
+    uint32_t max_faces, max_vertices; /* see gd_read_options */
     struct gd_mesh_options mesh;      /* triangulation, weld, repair */
     const struct gd_control *control; /* borrowed for the call; NULL: none */
 };

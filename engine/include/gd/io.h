@@ -2,7 +2,7 @@
  *
  *     struct gd_polygons polygons;
  *     enum gd_status status =
- *         gd_read_polygons(bytes, size, GD_FORMAT_ANY, &limits, &polygons, &detail);
+ *         gd_read_polygons(bytes, size, &options, &polygons, &detail);
  *
  * The readers are bounded: memory is at most ten times `size` and a few KiB, every count that a
  * header declares is checked against the length of the input before anything is allocated for it,
@@ -69,7 +69,9 @@ const char *gd_format_media_type(enum gd_format format);
  * first MiB. */
 enum gd_format gd_format_recognise(const void *bytes, size_t size);
 
-struct gd_read_limits {
+/* All zero: the format is recognised, and the limits are 2^30. */
+struct gd_read_options {
+    enum gd_format format;
     /* triangles after triangulation (a polygon of n corners counts n - 2); 0, or more than 2^30:
        2^30 */
     uint32_t max_faces;
@@ -80,20 +82,19 @@ struct gd_read_limits {
 
 /* Bytes that gd_read_polygons holds at most for that input, its result included: eight for each of
  * the file's, and of glTF as many as the file's meshes take wherever they are placed
- * (limits->max_vertices counts, faces beyond limits->max_faces don't: they are refused). Reads a
+ * (options->max_vertices counts, faces beyond options->max_faces don't: they are refused). Reads a
  * glTF's document; what is wrong with it is for gd_read_polygons to say. Thread-safe. */
-size_t gd_read_cost(const void *bytes, size_t size, enum gd_format format,
-                    const struct gd_read_limits *limits);
+size_t gd_read_cost(const void *bytes, size_t size, const struct gd_read_options *options);
 
-/* Reads a mesh file. `bytes` are borrowed for the call, `limits` may be NULL, `detail` may be NULL;
+/* Reads a mesh file. `bytes` are borrowed for the call, `options` and `detail` may be NULL;
  * the caller frees `*out` by gd_polygons_free. Thread-safe; time linear in `size` (STL: expected
  * linear, a hash welds equal corners). Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX,
  * GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes at all), GD_TOO_LARGE,
  * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; the byte in binary files and
  * in JSON, which is often one long line (of a glTF's numbers the byte of what describes them). A
  * face may still repeat a vertex: that is for the mesh builder to refuse by name. */
-GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format format,
-                                            const struct gd_read_limits *limits,
+GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size,
+                                            const struct gd_read_options *options,
                                             struct gd_polygons *out, struct gd_detail *detail);
 
 /* Writes polygons, whose coordinates are finite, as OBJ, OFF or JSON text (doubles shortest

@@ -39,13 +39,15 @@ struct bad_input {
 
 /* Reads an exact copy of the bytes, so that a sanitizer sees a reader look behind them. */
 static inline enum gd_status read_copy(const char *bytes, size_t size, enum gd_format format,
-                                       const struct gd_read_limits *limits, struct gd_polygons *out,
-                                       struct gd_detail *detail)
+                                       const struct gd_read_options *limits,
+                                       struct gd_polygons *out, struct gd_detail *detail)
 {
     char *copy = malloc(size ? size : 1);
     assert_non_null(copy);
     memcpy(copy, bytes, size);
-    enum gd_status status = gd_read_polygons(copy, size, format, limits, out, detail);
+    struct gd_read_options options = limits ? *limits : (struct gd_read_options){0};
+    options.format = format;
+    enum gd_status status = gd_read_polygons(copy, size, &options, out, detail);
     free(copy);
     return status;
 }

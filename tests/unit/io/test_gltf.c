@@ -422,9 +422,9 @@ static void counts_what_is_placed(void **state)
     assert_int_equal(polygons.polygon_count, 2 * PLACES);
     assert_int_equal(polygons.position_count, 4 * PLACES);
     gd_polygons_free(&polygons);
-    size_t cost = gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, NULL);
+    size_t cost = gd_read_cost(file.bytes, file.size, NULL);
     assert_in_range(cost, PLACES * (2 * 12 + 4 * 24) + file.size, 10 * PLACES * (2 * 12 + 4 * 40));
-    struct gd_read_limits limits = {.max_faces = 2 * PLACES - 1};
+    struct gd_read_options limits = {.max_faces = 2 * PLACES - 1};
     assert_int_equal(read_copy(file.bytes, file.size, GD_FORMAT_ANY, &limits, &polygons, &detail),
                      GD_TOO_LARGE);
     free(file.bytes);
@@ -439,12 +439,11 @@ static void counts_zeros(void **state)
         "{'asset':{'version':'2.0'},'accessors':[{'componentType':5126,'type':'VEC3',"
         "'count':1000000000}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':6}]}]}",
         "", 0);
-    assert_true(gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, NULL) >
-                1000000000 * (size_t)(24 + 12));
+    assert_true(gd_read_cost(file.bytes, file.size, NULL) > 1000000000 * (size_t)(24 + 12));
     struct gd_polygons polygons;
     struct gd_detail detail = {.text = ""};
-    struct gd_read_limits limits = {.max_faces = 1000};
-    assert_int_equal(gd_read_cost(file.bytes, file.size, GD_FORMAT_ANY, &limits), 8 * file.size);
+    struct gd_read_options limits = {.max_faces = 1000};
+    assert_int_equal(gd_read_cost(file.bytes, file.size, &limits), 8 * file.size);
     assert_int_equal(read_copy(file.bytes, file.size, GD_FORMAT_ANY, &limits, &polygons, &detail),
                      GD_TOO_LARGE);
     free(file.bytes);

@@ -2,7 +2,7 @@
 #include "tests/unit/io/reading.h"
 
 static enum gd_status read_text(const char *text, enum gd_format format,
-                                const struct gd_read_limits *limits, struct gd_detail *detail)
+                                const struct gd_read_options *limits, struct gd_detail *detail)
 {
     struct gd_polygons polygons = {0};
     enum gd_status status = read_copy(text, strlen(text), format, limits, &polygons, detail);
@@ -15,8 +15,10 @@ static void refuses_what_is_no_mesh(void **state)
     (void)state;
     struct gd_polygons polygons;
     struct gd_detail detail;
-    assert_int_equal(gd_read_polygons(NULL, 0, GD_FORMAT_ANY, NULL, &polygons, &detail), GD_EMPTY);
-    assert_int_equal(gd_read_polygons(NULL, 0, GD_FORMAT_OBJ, NULL, &polygons, NULL), GD_EMPTY);
+    assert_int_equal(gd_read_polygons(NULL, 0, NULL, &polygons, &detail), GD_EMPTY);
+    assert_int_equal(gd_read_polygons(NULL, 0, &(struct gd_read_options){.format = GD_FORMAT_OBJ},
+                                      &polygons, NULL),
+                     GD_EMPTY);
     assert_int_equal(read_text("<html>", GD_FORMAT_ANY, NULL, &detail), GD_UNRECOGNIZED);
     assert_int_equal(detail.total, 0);
     assert_int_equal(read_text("<html>", (enum gd_format)99, NULL, NULL), GD_UNRECOGNIZED);
@@ -62,7 +64,7 @@ static enum gd_status read_within(enum gd_format format, enum gd_format named, u
                                   uint32_t vertices, struct gd_detail *detail)
 {
     return read_text(meshes[format], named,
-                     &(struct gd_read_limits){.max_faces = faces, .max_vertices = vertices},
+                     &(struct gd_read_options){.max_faces = faces, .max_vertices = vertices},
                      detail);
 }
 
@@ -91,7 +93,7 @@ static void keeps_the_limits(void **state)
 static void refuses_declared_counts(void **state)
 {
     (void)state;
-    struct gd_read_limits limits = {.max_faces = 2, .max_vertices = 5};
+    struct gd_read_options limits = {.max_faces = 2, .max_vertices = 5};
     assert_int_equal(read_text("OFF\n6 0 0\nx x x x x x x x x x x x x x x x x x x x x x x x",
                                GD_FORMAT_OFF, &limits, NULL),
                      GD_TOO_LARGE);
@@ -156,8 +158,9 @@ static enum gd_status read_watched(const char *bytes, size_t size, struct watch 
     const struct gd_control control = {
         .progress = on_progress, .user = watch, .deadline_ns = deadline_ns};
     struct gd_polygons polygons = {0};
-    enum gd_status status = read_copy(
-        bytes, size, GD_FORMAT_ANY, &(struct gd_read_limits){.control = &control}, &polygons, NULL);
+    enum gd_status status =
+        read_copy(bytes, size, GD_FORMAT_ANY, &(struct gd_read_options){.control = &control},
+                  &polygons, NULL);
     if (status != GD_OK) assert_null(polygons.positions);
     gd_polygons_free(&polygons);
     return status;
@@ -245,14 +248,14 @@ static void blanks_end_at_the_deadline(void **state)
     char *text = malloc(size);
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct gd_control late = {.deadline_ns = 1};
-        const struct gd_read_limits limits = {.control = &late};
+        const struct gd_read_options options = {.format = cases[i].format, .control = &late};
         struct gd_polygons polygons;
         memset(text, cases[i].fill, size);
         memcpy(text, cases[i].begin, strlen(cases[i].begin));
-        assert_int_equal(gd_read_polygons(text, size, cases[i].format, &limits, &polygons, NULL),
-                         GD_DEADLINE);
-        assert_true(gd_read_polygons(text, size, cases[i].format, NULL, &polygons, NULL) !=
-                    GD_DEADLINE);
+        assert_int_equal(gd_read_polygons(text, size, &options, &polygons, NULL), GD_DEADLINE);
+        assert_true(gd_read_polygons(text, size,
+                                     &(struct gd_read_options){.format = cases[i].format},
+                                     &polygons, NULL) != GD_DEADLINE);
     }
     memset(text, ' ', size);
     strcpy(text + size - 20, "\nv 0 0 0\n");

@@ -30,7 +30,7 @@ static void reads_options(void **state)
 #define POINTS "\"points\":[[0,0,0],[1,0,0],[1,1,0],[0,1,0],[2,0,0]]"
 #define FACES  "\"faceVertexCounts\":[4,3],\"faceVertexIndices\":[0,1,2,3,1,4,2]"
 
-static bool read(const char *text, const struct gd_read_limits *limits, struct proto_usd *out,
+static bool read(const char *text, const struct gd_read_options *limits, struct proto_usd *out,
                  struct proto_problem *problem)
 {
     return proto_usd_read(text, strlen(text), limits, out, problem);
@@ -111,9 +111,9 @@ static void refuses_bad_usd(void **state)
                       &problem));
     assert_string_equal(problem.reason, "empty");
     assert_false(
-        read("{" POINTS "," FACES "}", &(struct gd_read_limits){.max_faces = 2}, &usd, &problem));
+        read("{" POINTS "," FACES "}", &(struct gd_read_options){.max_faces = 2}, &usd, &problem));
     assert_true(problem.code == PROTO_PROBLEM_TOO_LARGE && problem.limit == 2);
-    assert_false(read("{" POINTS "," FACES "}", &(struct gd_read_limits){.max_vertices = 4}, &usd,
+    assert_false(read("{" POINTS "," FACES "}", &(struct gd_read_options){.max_vertices = 4}, &usd,
                       &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
 }

@@ -24,7 +24,9 @@ static inline struct gd_subdivision *surface_from(const char *text, enum gd_sche
 {
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail),
+    check_ok(gd_read_control_mesh(text, strlen(text),
+                                  &(struct gd_read_options){.format = GD_FORMAT_OBJ}, &mesh,
+                                  &detail),
              &detail);
     struct gd_subdivision *surface = surface_of(&mesh, scheme);
     gd_control_mesh_free(&mesh);

@@ -417,7 +417,10 @@ static void scales(void **state)
     (void)state;
     for (int e = -6; e <= 6; e += 3) {
         struct gd_control_mesh mesh;
-        check_ok(gd_read_control_mesh(CUBE, strlen(CUBE), GD_FORMAT_OBJ, NULL, &mesh, NULL), NULL);
+        check_ok(gd_read_control_mesh(CUBE, strlen(CUBE),
+                                      &(struct gd_read_options){.format = GD_FORMAT_OBJ}, &mesh,
+                                      NULL),
+                 NULL);
         double scale = pow(10, e);
         for (uint32_t i = 0; i < 24; i++) mesh.polygons.positions[i / 3][i % 3] *= scale;
         struct gd_subdivision *cube = surface_of(&mesh, GD_SCHEME_CATMULL_CLARK);

@@ -5,8 +5,8 @@ static void check_refused(const char *text, enum gd_scheme scheme, enum gd_statu
 {
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    enum gd_status status =
-        gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail);
+    enum gd_status status = gd_read_control_mesh(
+        text, strlen(text), &(struct gd_read_options){.format = GD_FORMAT_OBJ}, &mesh, &detail);
     struct gd_subdivision *surface = NULL;
     if (!status) {
         status = gd_subdivision_create(&mesh, scheme, NULL, &surface, &detail);
@@ -90,8 +90,7 @@ static void tags(void **state)
              "t facevaryinginterpolateboundary 1/0/0 3\nt interpolateboundary 1/0/0 2 # edges\n";
     struct gd_control_mesh mesh;
     struct gd_detail detail = {0};
-    check_ok(gd_read_control_mesh(text, sizeof text - 1, GD_FORMAT_ANY, NULL, &mesh, &detail),
-             &detail);
+    check_ok(gd_read_control_mesh(text, sizeof text - 1, NULL, &mesh, &detail), &detail);
     assert_int_equal(mesh.crease_count, 3);
     assert_int_equal(mesh.creases[1].vertices[0], 5);
     assert_int_equal(mesh.creases[1].vertices[1], 7);

@@ -46,7 +46,9 @@ static inline bool surface_read(const char *name, struct surface *out)
     snprintf(path, sizeof path, "../shared/meshes/%s.obj", name);
     char *bytes = test_read_file(path, &size);
     if (!bytes) return false;
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_OBJ, NULL, &out->polygons, &detail), &detail);
+    check_ok(gd_read_polygons(bytes, size, &(struct gd_read_options){.format = GD_FORMAT_OBJ},
+                              &out->polygons, &detail),
+             &detail);
     check_ok(gd_mesh_build(&out->polygons, &(struct gd_mesh_options){.repair_split = true}, NULL,
                            &out->mesh, &detail),
              &detail);
