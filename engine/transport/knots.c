@@ -94,8 +94,9 @@ static enum gd_status moved(const struct gd__knotting *knotting, const struct gd
         status = gd__route_join(&copy, path->points, path->count, 0, true, knotting->control);
         turned.points = copy.points;
     }
-    if (!status)
-        status = gd_vector_transport(knotting->mesh, &turned, vector, 1, out, knotting->detail);
+    struct gd_vector own = *vector;
+    if (!status) status = gd_vector_transport(knotting->mesh, &turned, &own, 1, knotting->detail);
+    if (!status) *out = own;
     gd__route_free(&copy);
     return status;
 }

@@ -56,13 +56,18 @@ static enum gd_status trace_leg(const struct lane *lane, uint32_t i, double fact
     struct gd_vector vector =
         gd_vector_combine(mesh, from, &knotting->knots[i].tangent, &factor, 1);
     struct gd_trace trace;
-    enum gd_status status = gd_trace_follow(mesh, from, &vector.direction, vector.length, NULL,
-                                            lane->control, &trace, NULL);
+    enum gd_status status =
+        gd_trace_follow(mesh,
+                        &(struct gd_trace_request){
+                            .start = from, .ahead = &vector.direction, .length = vector.length},
+                        lane->control, &trace, NULL);
     *is_clipped = status == GD_NOT_ON_SURFACE && vector.length > 0;
     if (status == GD_NOT_ON_SURFACE) {
         vector.direction = gd_trace_fan(mesh, from, 1, 0);
-        status =
-            gd_trace_follow(mesh, from, &vector.direction, 0, NULL, lane->control, &trace, NULL);
+        status = gd_trace_follow(
+            mesh,
+            &(struct gd_trace_request){.start = from, .ahead = &vector.direction, .length = 0},
+            lane->control, &trace, NULL);
     }
     if (status) return status;
     if (trace.end == GD_TRACE_END_STEP_LIMIT) {

@@ -101,9 +101,11 @@ static enum gd_status step(const struct finder *finder, const struct view *view,
 {
     const struct gd_direction ahead = gd__turn_direction(finder->mesh, &view->point, turn);
     struct gd_trace trace;
-    enum gd_status status =
-        gd_trace_follow(finder->mesh, &view->point, &ahead, length * finder->mesh->unit, NULL,
-                        finder->control, &trace, finder->detail);
+    enum gd_status status = gd_trace_follow(
+        finder->mesh,
+        &(struct gd_trace_request){
+            .start = &view->point, .ahead = &ahead, .length = length * finder->mesh->unit},
+        finder->control, &trace, finder->detail);
     if (status) return status;
     *out = trace.path.points[trace.path.count - 1];
     gd_trace_free(&trace);

@@ -342,10 +342,11 @@ static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *s
 }
 
 /* At its start, on its way over the first face. */
-static enum gd_status open(struct tracer *tracer, const struct gd_point *start,
-                           const struct gd_direction *ahead, double length,
-                           struct gd_detail *detail)
+static enum gd_status open(struct tracer *tracer, const struct gd_trace_request *request,
+                           const struct gd_direction *ahead, struct gd_detail *detail)
 {
+    const struct gd_point *start = request->start;
+    double length = request->length;
     enum gd_status status = check(tracer->mesh, start, ahead, length, &tracer->ahead, detail);
     if (status) return status;
     uint64_t limit = tracer->options->step_limit ? tracer->options->step_limit : GD_TRACE_STEPS;
@@ -369,20 +370,20 @@ static enum gd_status status_of(const struct tracer *tracers, uint32_t count)
     return status;
 }
 
-enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_point *start,
-                                    const struct gd_direction *ahead, uint32_t count, double length,
-                                    const struct gd_trace_options *options,
+enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
+                                    const struct gd_trace_request *request,
                                     const struct gd_control *control, struct gd_trace *out,
                                     struct gd_detail *detail)
 {
+    uint32_t count = request->count;
     static const struct gd_trace_options usual = {0};
     struct tracer tracers[GD_TRACE_LANES];
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < count; i++) {
         tracers[i] = (struct tracer){.mesh = mesh,
-                                     .options = options ? options : &usual,
+                                     .options = request->options ? request->options : &usual,
                                      .line = {.control = control, .others = count - 1}};
-        if (!status) status = open(&tracers[i], start, &ahead[i], length, detail);
+        if (!status) status = open(&tracers[i], request, &request->ahead[i], detail);
     }
     if (!status) {
         run(tracers, count);
@@ -391,20 +392,20 @@ enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_
     }
     for (uint32_t i = 0; i < count; i++) {
         if (!status) finish(&tracers[i], &out[i]);
-        if (!status && !(length > 0)) out[i].direction = tracers[i].ahead;
+        if (!status && !(request->length > 0)) out[i].direction = tracers[i].ahead;
         if (status) free(tracers[i].line.points);
         gd__meetings_destroy(tracers[i].meetings);
     }
     return status;
 }
 
-enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_point *start,
-                               const struct gd_direction *ahead, double length,
-                               const struct gd_trace_options *options,
+enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_trace_request *request,
                                const struct gd_control *control, struct gd_trace *out,
                                struct gd_detail *detail)
 {
-    return gd_trace_follow_many(mesh, start, ahead, 1, length, options, control, out, detail);
+    struct gd_trace_request one = *request;
+    one.count = 1;
+    return gd_trace_follow_many(mesh, &one, control, out, detail);
 }
 
 void gd_trace_free(struct gd_trace *trace)

@@ -118,8 +118,12 @@ static enum gd_status trace_segment(const struct gd_mesh *mesh, const struct gd_
                                     const struct gd_control *control, struct gd_trace *out,
                                     struct gd_detail *detail)
 {
-    enum gd_status status = gd_trace_follow(mesh, start, &segment->direction, segment->length,
-                                            options, control, out, detail);
+    enum gd_status status = gd_trace_follow(mesh,
+                                            &(struct gd_trace_request){.start = start,
+                                                                       .ahead = &segment->direction,
+                                                                       .length = segment->length,
+                                                                       .options = options},
+                                            control, out, detail);
     if (status) return status;
     bool is_over = segment->length - out->path.length <= GD_TOL_JOINT * segment->length;
     if (out->end == GD_TRACE_END_BOUNDARY && is_over) out->end = GD_TRACE_END_LENGTH;
@@ -138,18 +142,19 @@ static enum gd_status go_on(const struct gd_mesh *mesh, const struct gd_vector *
     return status ? status : join(trace, &leg);
 }
 
-enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_point *start,
-                             const struct gd_vector *segments, uint32_t count,
-                             const struct gd_trace_options *options,
+enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_exp_request *request,
                              const struct gd_control *control, struct gd_trace *out,
                              struct gd_detail *detail)
 {
+    const struct gd_point *start = request->start;
+    const struct gd_vector *segments = request->segments;
+    const struct gd_trace_options *options = request->options;
     struct gd_trace trace;
     const struct gd_vector none = {.direction = gd__turn_direction(mesh, start, 0)};
-    enum gd_status status =
-        trace_segment(mesh, start, count ? segments : &none, options, control, &trace, detail);
+    enum gd_status status = trace_segment(mesh, start, request->count ? segments : &none, options,
+                                          control, &trace, detail);
     if (status) return status;
-    for (uint32_t i = 1; i < count && trace.end == GD_TRACE_END_LENGTH && !status; i++)
+    for (uint32_t i = 1; i < request->count && trace.end == GD_TRACE_END_LENGTH && !status; i++)
         status = go_on(mesh, &segments[i], options, control, &trace, detail);
     if (status)
         gd_trace_free(&trace);
@@ -185,15 +190,15 @@ static enum gd_status find_rotation(const struct gd_mesh *mesh, const struct gd_
 }
 
 enum gd_status gd_vector_transport(const struct gd_mesh *mesh, const struct gd_path *path,
-                                   const struct gd_vector *vectors, uint32_t count,
-                                   struct gd_vector *out, struct gd_detail *detail)
+                                   struct gd_vector *vectors, uint32_t count,
+                                   struct gd_detail *detail)
 {
     double rotation = 0;
     enum gd_status status = path->count > 1 ? find_rotation(mesh, path, &rotation) : GD_OK;
     if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
     const struct gd_point *to = &path->points[path->count - 1];
     for (uint32_t i = 0; i < count; i++)
-        out[i] = vector_at(mesh, to, vectors[i].direction.angle + rotation, vectors[i].length);
+        vectors[i] = vector_at(mesh, to, vectors[i].direction.angle + rotation, vectors[i].length);
     return GD_OK;
 }
 

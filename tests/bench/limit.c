@@ -99,8 +99,13 @@ static double trace_mesh(struct bundle *bundle)
             bench_require(
                 gd_direction_along(mesh, &start, direction_of(bundle, first + i), &ahead[i], NULL),
                 NULL);
-        bench_require(gd_trace_follow_many(mesh, &start, ahead, GD_TRACE_LANES, bundle->length,
-                                           &options, NULL, traces, NULL),
+        bench_require(gd_trace_follow_many(mesh,
+                                           &(struct gd_trace_request){.start = &start,
+                                                                      .ahead = ahead,
+                                                                      .length = bundle->length,
+                                                                      .options = &options,
+                                                                      .count = GD_TRACE_LANES},
+                                           NULL, traces, NULL),
                       NULL);
         for (int i = 0; i < GD_TRACE_LANES; i++) {
             bundle->end_points[first + i] = traces[i].path.points[traces[i].path.count - 1];

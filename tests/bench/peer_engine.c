@@ -59,7 +59,10 @@ static bool trace_line(const struct gd_mesh *mesh, const struct gd_point *from, 
     struct gd_direction ahead;
     struct gd_trace trace;
     if (gd_direction_at_angle(mesh, from, angle, &ahead, NULL)) return false;
-    if (gd_trace_follow(mesh, from, &ahead, length, NULL, NULL, &trace, NULL)) return false;
+    if (gd_trace_follow(
+            mesh, &(struct gd_trace_request){.start = from, .ahead = &ahead, .length = length},
+            NULL, &trace, NULL))
+        return false;
     struct gd_vec3 end = gd_point_position(mesh, &trace.path.points[trace.path.count - 1]);
     out->crossings += trace.path.count - 2;
     out->ends += end.x + end.y + end.z;

@@ -22,7 +22,11 @@ static double trace_rate(const struct gd_mesh *mesh, struct rng *rng)
         struct gd_trace trace;
         bench_require(gd_direction_at_angle(mesh, &from, rng_between(rng, 0, 6), &ahead, NULL),
                       NULL);
-        bench_require(gd_trace_follow(mesh, &from, &ahead, length, NULL, NULL, &trace, NULL), NULL);
+        bench_require(
+            gd_trace_follow(
+                mesh, &(struct gd_trace_request){.start = &from, .ahead = &ahead, .length = length},
+                NULL, &trace, NULL),
+            NULL);
         crossings += trace.path.count - 1;
         gd_trace_free(&trace);
     }

@@ -105,8 +105,12 @@ static const struct answer a_mean = {sizeof(struct gd_mean), digest_mean, NULL};
 static enum gd_status trace(const struct gd_trace_options *options, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_trace_follow(mesh, &places[0], &(struct gd_direction){.angle = 1}, 3, options, NULL,
-                           out, &detail);
+    return gd_trace_follow(mesh,
+                           &(struct gd_trace_request){.start = &places[0],
+                                                      .ahead = &(struct gd_direction){.angle = 1},
+                                                      .length = 3,
+                                                      .options = options},
+                           NULL, out, &detail);
 }
 
 static enum gd_status trace_to_boundary(void *out)
@@ -142,19 +146,25 @@ static enum gd_status take_all_logs(void *out)
 
 static enum gd_status take_exp(void *out)
 {
-    return gd_vector_exp(mesh, &places[1], logarithm.segments, logarithm.count, NULL, NULL, out,
-                         NULL);
+    return gd_vector_exp(mesh,
+                         &(struct gd_exp_request){.start = &places[1],
+                                                  .segments = logarithm.segments,
+                                                  .count = logarithm.count},
+                         NULL, out, NULL);
 }
 
 static enum gd_status take_bent_exp(void *out)
 {
-    return gd_vector_exp(mesh, &places[1], bent, COUNT(bent), NULL, NULL, out, NULL);
+    return gd_vector_exp(
+        mesh, &(struct gd_exp_request){.start = &places[1], .segments = bent, .count = COUNT(bent)},
+        NULL, out, NULL);
 }
 
 static enum gd_status transport(void *out)
 {
     struct gd_detail detail = {0};
-    return gd_vector_transport(mesh, &pair.path, &logarithm.vector, 1, out, &detail);
+    *(struct gd_vector *)out = logarithm.vector;
+    return gd_vector_transport(mesh, &pair.path, out, 1, &detail);
 }
 
 static enum gd_status find_mean(void *out)

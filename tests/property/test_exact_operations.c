@@ -271,8 +271,10 @@ static void traces(uint64_t number, struct exact_tally *tally)
             struct gd_trace trace;
             double length = scene.size * pow(10, rng_between(&scene.rng, -4, 0));
             struct gd_direction ahead = gd_trace_fan(scene.mesh, &seed.point, TARGETS, (uint32_t)k);
-            enum gd_status status =
-                gd_trace_follow(scene.mesh, &seed.point, &ahead, length, NULL, NULL, &trace, NULL);
+            enum gd_status status = gd_trace_follow(
+                scene.mesh,
+                &(struct gd_trace_request){.start = &seed.point, .ahead = &ahead, .length = length},
+                NULL, &trace, NULL);
             if (status)
                 exact_failure(&unit, "gd_trace_follow", status, &seed.point);
             else
@@ -294,8 +296,10 @@ static void check_exp(struct exact_unit *unit, const struct gd_log *log,
 {
     const struct gd_mesh *mesh = unit->scene->mesh;
     struct gd_trace trace;
-    enum gd_status status =
-        gd_vector_exp(mesh, from, log->segments, log->count, NULL, NULL, &trace, NULL);
+    enum gd_status status = gd_vector_exp(
+        mesh,
+        &(struct gd_exp_request){.start = from, .segments = log->segments, .count = log->count},
+        NULL, &trace, NULL);
     if (status) {
         exact_failure(unit, "gd_vector_exp", status, to);
         return;
@@ -321,8 +325,8 @@ static void check_log(struct exact_unit *unit, const struct gd_path *path, doubl
     exact_law(unit, to, log.vector.length, distance,
               exact_relative(log.vector.length, distance) / EXACT_PROMISE);
     check_exp(unit, &log, &unit->seeds[0].point, to);
-    struct gd_vector moved;
-    status = gd_vector_transport(mesh, path, &log.vector, 1, &moved, NULL);
+    struct gd_vector moved = log.vector;
+    status = gd_vector_transport(mesh, path, &moved, 1, NULL);
     if (status) exact_failure(unit, "gd_vector_transport", status, to);
     gd_log_free(&log);
 }

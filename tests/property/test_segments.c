@@ -296,7 +296,10 @@ static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *
     struct gd_direction ahead;
     struct gd_trace trace;
     check_ok(gd_direction_along(mesh, joint, across, &ahead, NULL), NULL);
-    check_ok(gd_trace_follow(mesh, joint, &ahead, 0.4, NULL, NULL, &trace, NULL), NULL);
+    check_ok(gd_trace_follow(
+                 mesh, &(struct gd_trace_request){.start = joint, .ahead = &ahead, .length = 0.4},
+                 NULL, &trace, NULL),
+             NULL);
     double worst = 0;
     for (uint32_t i = 1; i < trace.path.count; i++) {
         struct gd_vec3 place = gd_point_position(mesh, &trace.path.points[i]);

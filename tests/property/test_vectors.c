@@ -115,12 +115,16 @@ static double check_log(const struct gd_mesh *mesh, const struct gd_point *from,
                            NULL, &answer, NULL),
              NULL);
     check_ok(gd_vector_log(mesh, &answer.path, &log, NULL), NULL);
-    check_ok(gd_vector_exp(mesh, from, log.segments, log.count, NULL, NULL, &trace, NULL), NULL);
+    check_ok(gd_vector_exp(mesh,
+                           &(struct gd_exp_request){
+                               .start = from, .segments = log.segments, .count = log.count},
+                           NULL, &trace, NULL),
+             NULL);
     double off = distance_in_space(mesh, end_of(&trace), to);
     assert_true(off <= (is_straight(&trace) ? bound : 1e-10));
     if (log.count) {
-        struct gd_vector moved;
-        check_ok(gd_vector_transport(mesh, &answer.path, log.segments, 1, &moved, NULL), NULL);
+        struct gd_vector moved = log.segments[0];
+        check_ok(gd_vector_transport(mesh, &answer.path, &moved, 1, NULL), NULL);
         assert_true(isfinite(moved.direction.angle));
     }
     gd_trace_free(&trace);
@@ -171,8 +175,10 @@ static double check_traces(const struct scene *scene)
         struct gd_vec3 ahead = gd_vec3_sub(gd_point_position(scene->mesh, &towards),
                                            gd_point_position(scene->mesh, &starts[0]));
         check_ok(gd_direction_along(scene->mesh, &starts[i], ahead, &direction, NULL), NULL);
-        check_ok(gd_trace_follow(scene->mesh, &starts[i], &direction, length, NULL, NULL,
-                                 &traces[i], NULL),
+        check_ok(gd_trace_follow(scene->mesh,
+                                 &(struct gd_trace_request){
+                                     .start = &starts[i], .ahead = &direction, .length = length},
+                                 NULL, &traces[i], NULL),
                  NULL);
     }
     if (are_parallel(&traces[0], &traces[1]))

@@ -4,7 +4,8 @@
  *     struct gd_direction ahead;
  *     struct gd_trace trace;
  *     if (gd_direction_at_angle(mesh, &start, 0.5, &ahead, NULL) == GD_OK &&
- *         gd_trace_follow(mesh, &start, &ahead, 2.0, NULL, NULL, &trace, NULL) == GD_OK) {
+ *         gd_trace_follow(mesh, &(struct gd_trace_request){&start, &ahead, 2.0}, NULL, &trace,
+ *                         NULL) == GD_OK) {
  *         printf("%u points\n", trace.path.count);
  *         gd_trace_free(&trace);
  *     }
@@ -50,6 +51,14 @@ struct gd_trace_options {
     uint64_t step_limit; /* most points of the path; 0: GD_TRACE_STEPS */
 };
 
+struct gd_trace_request {
+    const struct gd_point *start;
+    const struct gd_direction *ahead;       /* of this point; only its angle is read */
+    double length;                          /* >= 0 */
+    const struct gd_trace_options *options; /* NULL: all zero */
+    uint32_t count;                         /* directions, of gd_trace_follow_many */
+};
+
 enum gd_trace_end {
     GD_TRACE_END_LENGTH,
     GD_TRACE_END_BOUNDARY,
@@ -67,30 +76,28 @@ struct gd_trace {
 
 void gd_trace_free(struct gd_trace *trace); /* frees the path and zeroes; NULL is harmless */
 
-/* The line from `start` in the direction `ahead`, which is one of this point (only its angle is
- * read), of a length >= 0. `options`, `control` and `detail` may be NULL. Lengths are sums with
- * compensation: a line is as long as was asked for to the last bits, however often it winds.
- * Errors: GD_INVALID_ARGUMENT (a length that is negative or not finite, an angle that is not
+/* The line of the request, whose count is not read. `control` and `detail` may be NULL. Lengths are
+ * sums with compensation: a line is as long as was asked for to the last bits, however often it
+ * winds. Errors: GD_INVALID_ARGUMENT (a length that is negative or not finite, an angle that is not
  * finite), GD_NOT_ON_SURFACE (the direction leads over the boundary), GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE. Thread-safe. O(points), with self-intersections O(points and pairs of
  * them in one face); 32 bytes a point. */
-GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_point *start,
-                                           const struct gd_direction *ahead, double length,
-                                           const struct gd_trace_options *options,
+GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh,
+                                           const struct gd_trace_request *request,
                                            const struct gd_control *control, struct gd_trace *out,
                                            struct gd_detail *detail);
 
 #define GD_TRACE_LANES 8 /* traces that gd_trace_follow_many follows at once */
 
-/* The lines from `start` in `count` <= GD_TRACE_LANES directions: each as gd_trace_follow tells it,
- * to the last bit. They go a face at a time in turn, so that on meshes larger than the caches one's
- * way to memory is spent on the others: four times as fast. All or none: on failure `out` is
- * untouched, and the detail that of the first to fail. Memory is asked for all together. */
-GD_MUST_USE enum gd_status
-gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_point *start,
-                     const struct gd_direction *ahead, uint32_t count, double length,
-                     const struct gd_trace_options *options, const struct gd_control *control,
-                     struct gd_trace *out, struct gd_detail *detail);
+/* The lines in request->count <= GD_TRACE_LANES directions to as many elements of `out`: each as
+ * gd_trace_follow tells it, to the last bit. They go a face at a time in turn, so that on meshes
+ * larger than the caches one's way to memory is spent on the others: four times as fast. All or
+ * none: on failure `out` is untouched, and the detail that of the first to fail. Memory is asked
+ * for all together. */
+GD_MUST_USE enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
+                                                const struct gd_trace_request *request,
+                                                const struct gd_control *control,
+                                                struct gd_trace *out, struct gd_detail *detail);
 
 /* Direction `i` of a fan of `count`: at equal angles all around from zero; at the boundary from one
  * side of it to the other, both included (one alone: along the first). i < count. O(1), at a vertex

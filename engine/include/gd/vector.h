@@ -3,7 +3,7 @@
  *
  *     struct gd_log log;     q (-) p, from the shortest path from p to q
  *     if (gd_vector_log(mesh, &path, &log, NULL) == GD_OK) {
- *         gd_vector_exp(mesh, &p, log.segments, log.count, NULL, NULL, &trace, NULL);   ends in q
+ *         gd_vector_exp(mesh, &(struct gd_exp_request){&p, log.segments, log.count}, NULL, &trace, NULL);   ends in q
  *         gd_log_free(&log);
  *     }
  *
@@ -46,26 +46,32 @@ void gd_log_free(struct gd_log *log); /* NULL is harmless */
 GD_MUST_USE enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *path,
                                          struct gd_log *out, struct gd_detail *detail);
 
+struct gd_exp_request {
+    const struct gd_point *start;
+    const struct gd_vector *segments;
+    uint32_t count;                         /* segments */
+    const struct gd_trace_options *options; /* NULL: all zero */
+};
+
 /* p (+) v for a vector of one or more segments, one traced after the other; of each direction only
  * the angle is read, at the point where the segment begins. A segment that is followed by another
  * and ends within 1e-9 of its length of a vertex ends there; one that meets the boundary with no
  * more than that left has come to its end. The path is that of all; if one ends early
  * (`out->end`), the rest is left out. No segment: the point itself. Options and errors as in
  * gd_trace_follow. */
-GD_MUST_USE enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_point *start,
-                                         const struct gd_vector *segments, uint32_t count,
-                                         const struct gd_trace_options *options,
+GD_MUST_USE enum gd_status gd_vector_exp(const struct gd_mesh *mesh,
+                                         const struct gd_exp_request *request,
                                          const struct gd_control *control, struct gd_trace *out,
                                          struct gd_detail *detail);
 
-/* Moves vectors from the first point of a shortest path to its last one; `out` may be `vectors`.
+/* Moves `count` vectors from the first point of a shortest path to its last one, in place.
  * The signed angle between vector and path is kept, through unfolded strips and at bends. At the
  * boundary a vector may come to lead off the surface: it has its angle then, and lies in the plane
  * of the nearest face. Errors: those of gd_vector_log. O(points and vectors). */
 GD_MUST_USE enum gd_status gd_vector_transport(const struct gd_mesh *mesh,
                                                const struct gd_path *path,
-                                               const struct gd_vector *vectors, uint32_t count,
-                                               struct gd_vector *out, struct gd_detail *detail);
+                                               struct gd_vector *vectors, uint32_t count,
+                                               struct gd_detail *detail);
 
 /* The sum of factors[i] vectors[i] at a point. The same about what leads off the surface. */
 struct gd_vector gd_vector_combine(const struct gd_mesh *mesh, const struct gd_point *point,

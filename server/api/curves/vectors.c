@@ -152,10 +152,18 @@ static enum gd_status trace_follow(struct trace_query *own, uint32_t i,
     struct gd_trace *trace = &own->traces[i];
     if (first && vector_is_absent(&own->vectors, i)) return GD_OK;
     enum gd_status status =
-        first ? gd_vector_exp(mesh, &own->start, &own->segments[first[0]], first[1] - first[0],
-                              &own->options, control, trace, detail)
-              : gd_trace_follow(mesh, &own->start, &own->directions[i], own->wanted.length,
-                                &own->options, control, trace, NULL);
+        first ? gd_vector_exp(mesh,
+                              &(struct gd_exp_request){.start = &own->start,
+                                                       .segments = &own->segments[first[0]],
+                                                       .count = first[1] - first[0],
+                                                       .options = &own->options},
+                              control, trace, detail)
+              : gd_trace_follow(mesh,
+                                &(struct gd_trace_request){.start = &own->start,
+                                                           .ahead = &own->directions[i],
+                                                           .length = own->wanted.length,
+                                                           .options = &own->options},
+                                control, trace, NULL);
     if (status) return status;
     own->trace_count = i + 1;
     if (!own->has_paths) {
@@ -522,7 +530,7 @@ static enum server_query_turn transport_solve(struct server_query *query,
     own->distance = answer.distance;
     if (isfinite(answer.distance))
         status = gd_vector_transport(query->surface->mesh, &answer.path, own->vectors,
-                                     own->wanted.count, own->vectors, NULL);
+                                     own->wanted.count, NULL);
     gd_pair_answer_free(&answer);
     return server_query_end_draft(query, status, "the search", problem);
 }

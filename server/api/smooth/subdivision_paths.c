@@ -193,8 +193,11 @@ static enum gd_status mesh_stay(struct trace *trace, struct gd_vec3 direction,
     struct gd_direction ahead;
     enum gd_status status = gd_direction_at_angle(mesh, &trace->start, 0, &ahead, &trace->detail);
     if (!status)
-        status = gd_trace_follow(mesh, &trace->start, &ahead, 0, &trace->options, control, out,
-                                 &trace->detail);
+        status = gd_trace_follow(
+            mesh,
+            &(struct gd_trace_request){
+                .start = &trace->start, .ahead = &ahead, .length = 0, .options = &trace->options},
+            control, out, &trace->detail);
     if (status) return status;
     out->end = GD_TRACE_END_BOUNDARY;
     out->direction.xyz = gd_limit_direction(&trace->jet, gd_limit_angle(&trace->jet, direction));
@@ -219,8 +222,13 @@ static enum gd_status mesh_follow(struct trace *trace, uint32_t first, uint32_t 
         if (status == GD_NOT_ON_SURFACE) status = mesh_stay(trace, direction, control, &out[i]);
     }
     if (!status)
-        status = gd_trace_follow_many(mesh, &trace->start, ahead, going, wanted->request.length,
-                                      &trace->options, control, followed, &trace->detail);
+        status = gd_trace_follow_many(mesh,
+                                      &(struct gd_trace_request){.start = &trace->start,
+                                                                 .ahead = ahead,
+                                                                 .length = wanted->request.length,
+                                                                 .options = &trace->options,
+                                                                 .count = going},
+                                      control, followed, &trace->detail);
     for (uint32_t k = 0; k < going && !status; k++) out[path_of[k]] = followed[k];
     return status;
 }

@@ -267,7 +267,11 @@ static void check_thousand(const char *path, double part)
         enum gd_status status = gd_direction_along(mesh, &from, direction, &ahead, &detail);
         if (status == GD_NOT_ON_SURFACE) continue; /* over the boundary */
         check_ok(status, &detail);
-        check_ok(gd_trace_follow(mesh, &from, &ahead, length, &options, NULL, &line, &detail),
+        check_ok(gd_trace_follow(
+                     mesh,
+                     &(struct gd_trace_request){
+                         .start = &from, .ahead = &ahead, .length = length, .options = &options},
+                     NULL, &line, &detail),
                  &detail);
         gd_trace_free(&line);
     }

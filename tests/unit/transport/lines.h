@@ -86,8 +86,12 @@ static inline struct gd_trace follow(const struct gd_mesh *mesh, struct gd_point
 {
     struct gd_trace trace;
     struct gd_detail detail = {0};
-    check_ok(gd_trace_follow(mesh, &start, &ahead, length, options, NULL, &trace, &detail),
-             &detail);
+    check_ok(
+        gd_trace_follow(mesh,
+                        &(struct gd_trace_request){
+                            .start = &start, .ahead = &ahead, .length = length, .options = options},
+                        NULL, &trace, &detail),
+        &detail);
     return trace;
 }
 

@@ -125,20 +125,33 @@ static void limits(void **state)
     gd_trace_free(&trace);
     struct gd_control control = {.budget_bytes = 4096};
     assert_int_equal(
-        gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_BUDGET);
+        gd_trace_follow(torus.mesh,
+                        &(struct gd_trace_request){
+                            .start = &start, .ahead = &ahead, .length = 1e4, .options = &many},
+                        &control, &trace, NULL),
+        GD_BUDGET);
     control = (struct gd_control){.progress = cancel};
     assert_int_equal(
-        gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL),
+        gd_trace_follow(torus.mesh,
+                        &(struct gd_trace_request){
+                            .start = &start, .ahead = &ahead, .length = 1e4, .options = &many},
+                        &control, &trace, NULL),
         GD_CANCELLED);
     control = (struct gd_control){.deadline_ns = 1};
     assert_int_equal(
-        gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL),
+        gd_trace_follow(torus.mesh,
+                        &(struct gd_trace_request){
+                            .start = &start, .ahead = &ahead, .length = 1e4, .options = &many},
+                        &control, &trace, NULL),
         GD_DEADLINE);
     static const double lengths[] = {-1, NAN, INFINITY};
     struct gd_detail detail;
     for (uint32_t i = 0; i < COUNT(lengths); i++)
         assert_int_equal(
-            gd_trace_follow(torus.mesh, &start, &ahead, lengths[i], NULL, NULL, &trace, &detail),
+            gd_trace_follow(
+                torus.mesh,
+                &(struct gd_trace_request){.start = &start, .ahead = &ahead, .length = lengths[i]},
+                NULL, &trace, &detail),
             GD_INVALID_ARGUMENT);
     trace = follow(torus.mesh, start, ahead, 0, NULL);
     assert_int_equal(trace.path.count, 1);
@@ -165,7 +178,12 @@ static void many(void **state)
     for (uint32_t n = 0; n < 3 * COUNT(options); n++) {
         const struct gd_trace_options *how = &options[n / 3];
         double length = n % 3 * 1.3;
-        check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, length, how,
+        check_ok(gd_trace_follow_many(terrain.mesh,
+                                      &(struct gd_trace_request){.start = &start,
+                                                                 .ahead = ahead,
+                                                                 .length = length,
+                                                                 .options = how,
+                                                                 .count = GD_TRACE_LANES},
                                       NULL, traces, NULL),
                  NULL);
         for (uint32_t i = 0; i < GD_TRACE_LANES; i++) {
@@ -181,15 +199,25 @@ static void many(void **state)
         }
     }
     struct gd_control control = {.budget_bytes = 8192}; /* enough for one, and not for all */
-    check_ok(
-        gd_trace_follow_many(terrain.mesh, &start, ahead, 1, 0.1, NULL, &control, traces, NULL),
-        NULL);
+    check_ok(gd_trace_follow_many(terrain.mesh,
+                                  &(struct gd_trace_request){
+                                      .start = &start, .ahead = ahead, .length = 0.1, .count = 1},
+                                  &control, traces, NULL),
+             NULL);
     gd_trace_free(&traces[0]);
-    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL,
+    assert_int_equal(gd_trace_follow_many(terrain.mesh,
+                                          &(struct gd_trace_request){.start = &start,
+                                                                     .ahead = ahead,
+                                                                     .length = 0.1,
+                                                                     .count = GD_TRACE_LANES},
                                           &control, traces, NULL),
                      GD_BUDGET);
     ahead[5].angle = NAN;
-    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL,
+    assert_int_equal(gd_trace_follow_many(terrain.mesh,
+                                          &(struct gd_trace_request){.start = &start,
+                                                                     .ahead = ahead,
+                                                                     .length = 0.1,
+                                                                     .count = GD_TRACE_LANES},
                                           NULL, traces, NULL),
                      GD_INVALID_ARGUMENT);
     surface_free(&terrain);

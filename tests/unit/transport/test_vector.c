@@ -43,7 +43,10 @@ static void check_pair(const struct gd_mesh *mesh, struct gd_point p, struct gd_
     check_close(sum, log.vector.length, exact);
     struct gd_trace trace;
     struct gd_detail detail = {0};
-    check_ok(gd_vector_exp(mesh, &p, log.segments, log.count, NULL, NULL, &trace, &detail),
+    check_ok(gd_vector_exp(mesh,
+                           &(struct gd_exp_request){
+                               .start = &p, .segments = log.segments, .count = log.count},
+                           NULL, &trace, &detail),
              &detail);
     struct gd_point end = end_of(&trace);
     struct gd_vec3 to = gd_point_position(mesh, &q);
@@ -124,7 +127,8 @@ static void bends_are_kept(void **state)
     path = (struct gd_path){.length = 1, .count = 2, .points = apart};
     assert_int_equal(gd_vector_log(saddle.mesh, &path, &log, NULL), GD_INTERNAL);
     struct gd_trace trace;
-    check_ok(gd_vector_exp(saddle.mesh, &p, NULL, 0, NULL, NULL, &trace, NULL), NULL);
+    check_ok(gd_vector_exp(saddle.mesh, &(struct gd_exp_request){.start = &p}, NULL, &trace, NULL),
+             NULL);
     assert_true(trace.path.count == 1 && gd_point_equal(trace.path.points, &p));
     gd_trace_free(&trace);
     surface_free(&saddle);
@@ -145,7 +149,11 @@ static void joints_are_found(void **state)
         struct gd_vector segments[2] = {log.segments[0], log.segments[1]};
         struct gd_trace trace;
         segments[0].length *= 1 + k * 2e-10;
-        check_ok(gd_vector_exp(saddle.mesh, &p, segments, 2, NULL, NULL, &trace, NULL), NULL);
+        check_ok(
+            gd_vector_exp(saddle.mesh,
+                          &(struct gd_exp_request){.start = &p, .segments = segments, .count = 2},
+                          NULL, &trace, NULL),
+            NULL);
         struct gd_point end = end_of(&trace);
         struct gd_vec3 to = gd_point_position(saddle.mesh, &q);
         expect_place(gd_point_position(saddle.mesh, &end), to.x, to.y, to.z, promise);
@@ -160,7 +168,10 @@ static void joints_are_found(void **state)
         {along(grid.mesh, start, 0.6, 0.3, 0), hypot(0.6, 0.3) * (1 + 2e-10)},
         {along(grid.mesh, corner, -1, 0, 0), 0.25}};
     struct gd_trace trace;
-    check_ok(gd_vector_exp(grid.mesh, &start, over, 2, NULL, NULL, &trace, NULL), NULL);
+    check_ok(gd_vector_exp(grid.mesh,
+                           &(struct gd_exp_request){.start = &start, .segments = over, .count = 2},
+                           NULL, &trace, NULL),
+             NULL);
     struct gd_point end = end_of(&trace);
     assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
     expect_place(gd_point_position(grid.mesh, &end), 0.75, 1, 0, promise);
@@ -176,7 +187,7 @@ static struct gd_vector moved(const struct gd_mesh *mesh, struct gd_point from, 
     double distance;
     struct gd_path path = shortest(mesh, from, to, &distance);
     struct gd_detail detail = {0};
-    check_ok(gd_vector_transport(mesh, &path, &vector, 1, &vector, &detail), &detail);
+    check_ok(gd_vector_transport(mesh, &path, &vector, 1, &detail), &detail);
     gd_path_free(&path);
     return vector;
 }
@@ -281,11 +292,13 @@ static void moves_and_comes_back(void **state)
                 expect_near(remainder(angle - vector.direction.angle, 2 * M_PI), 0, promise);
             /* the path's own direction stays on the path */
             struct gd_vector tangent = log.vector;
-            check_ok(gd_vector_transport(surface.mesh, &path, &tangent, 1, &tangent, NULL), NULL);
+            check_ok(gd_vector_transport(surface.mesh, &path, &tangent, 1, NULL), NULL);
             struct gd_trace trace;
-            check_ok(
-                gd_vector_exp(surface.mesh, &p, log.segments, log.count, NULL, NULL, &trace, NULL),
-                NULL);
+            check_ok(gd_vector_exp(surface.mesh,
+                                   &(struct gd_exp_request){
+                                       .start = &p, .segments = log.segments, .count = log.count},
+                                   NULL, &trace, NULL),
+                     NULL);
             if (end_of(&trace).kind == q.kind)
                 expect_near(remainder(tangent.direction.angle - trace.direction.angle, 2 * M_PI), 0,
                             promise);
