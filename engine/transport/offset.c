@@ -4,10 +4,12 @@
 
 #include "base/tolerance.h"
 
-enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve,
-                               double distance, const struct gd_control *control,
-                               struct gd_isoline *out, struct gd_detail *detail)
+enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_offset_request *offset,
+                               const struct gd_control *control, struct gd_isoline *out,
+                               struct gd_detail *detail)
 {
+    const struct gd_curve *curve = offset->curve;
+    double distance = offset->distance;
     if (!(isfinite(distance) && distance > 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the distance is %.17g; it must be a length, more than 0", distance);

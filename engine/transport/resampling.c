@@ -38,10 +38,12 @@ static enum gd_status resample(struct gd__straightener *s, const struct gd_curve
     return status;
 }
 
-enum gd_status gd_curve_resample(const struct gd_mesh *mesh, const struct gd_curve *curve,
-                                 uint32_t count, const struct gd_control *control,
-                                 struct gd_resampling *out, struct gd_detail *detail)
+enum gd_status gd_curve_resample(const struct gd_mesh *mesh,
+                                 const struct gd_resampling_request *request,
+                                 const struct gd_control *control, struct gd_resampling *out,
+                                 struct gd_detail *detail)
 {
+    uint32_t count = request->count;
     if (count < 2)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve is resampled by at least two points");
     if (count > GD_RESAMPLING_POINTS)
@@ -52,7 +54,7 @@ enum gd_status gd_curve_resample(const struct gd_mesh *mesh, const struct gd_cur
     if (status) return status;
     struct gd__straightener straightener = {.mesh = mesh, .control = control};
     struct gd_resampling resampling = {0};
-    status = resample(&straightener, curve, count, &resampling, detail);
+    status = resample(&straightener, request->curve, count, &resampling, detail);
     gd__straightener_free(&straightener);
     if (status)
         gd_resampling_free(&resampling);

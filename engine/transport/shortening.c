@@ -186,20 +186,22 @@ static enum gd_status shorten(struct shortening *s, uint32_t rounds, uint32_t pi
     return pull_tight(s);
 }
 
-enum gd_status gd_curve_shorten(const struct gd_mesh *mesh, const struct gd_curve *curve,
-                                uint32_t rounds, uint32_t pieces, const struct gd_control *control,
-                                struct gd_shortening *out, struct gd_detail *detail)
+enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
+                                const struct gd_shortening_request *request,
+                                const struct gd_control *control, struct gd_shortening *out,
+                                struct gd_detail *detail)
 {
+    const struct gd_curve *curve = request->curve;
     struct shortening s = {.straightener = {.mesh = mesh, .control = control},
                            .closed = curve->closed,
                            .detail = detail};
     struct gd_shortening shortening = {0};
-    if (pieces > PIECES_MOST)
+    if (request->pieces > PIECES_MOST)
         return gd_fail(detail, GD_TOO_LARGE, "a curve is shortened in at most %d pieces",
                        PIECES_MOST);
     enum gd_status status = gd__route_of_curve(mesh, curve, control, &s.route);
     s.length = s.route.length;
-    if (!status) status = shorten(&s, rounds, pieces, &shortening);
+    if (!status) status = shorten(&s, request->rounds, request->pieces, &shortening);
     if (!status) {
         shortening.curve = gd__route_take_curve(&s.route, curve->closed);
         shortening.is_geodesic = shortening.turn <= GD_TOL_CLOSED_TURN;

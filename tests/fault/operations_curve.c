@@ -204,27 +204,28 @@ static enum gd_status spline_as_curve(void *out)
 
 static enum gd_status shorten_open(void *out)
 {
-    return gd_curve_shorten(mesh, &open_line, 2, 4, NULL, out, NULL);
+    return gd_curve_shorten(mesh, &(struct gd_shortening_request){&open_line, 2, 4}, NULL, out,
+                            NULL);
 }
 
 static enum gd_status shorten_closed(void *out)
 {
-    return gd_curve_shorten(ring, &around, 3, 0, NULL, out, NULL);
+    return gd_curve_shorten(ring, &(struct gd_shortening_request){&around, 3, 0}, NULL, out, NULL);
 }
 
 static enum gd_status straighten_closed(void *out)
 {
-    return gd_curve_shorten(ring, &around, 0, 0, NULL, out, NULL);
+    return gd_curve_shorten(ring, &(struct gd_shortening_request){&around, 0, 0}, NULL, out, NULL);
 }
 
 static enum gd_status resample(void *out)
 {
-    return gd_curve_resample(mesh, &open_line, 6, NULL, out, NULL);
+    return gd_curve_resample(mesh, &(struct gd_resampling_request){&open_line, 6}, NULL, out, NULL);
 }
 
 static enum gd_status offset(void *out)
 {
-    return gd_curve_offset(mesh, &open_line, 0.1, NULL, out, NULL);
+    return gd_curve_offset(mesh, &(struct gd_offset_request){&open_line, 0.1}, NULL, out, NULL);
 }
 
 static enum gd_status cut(const struct gd_cut_request *wanted, void *out)

@@ -9,14 +9,20 @@
 extern "C" {
 #endif
 
+struct gd_offset_request {
+    const struct gd_curve *curve;
+    double distance; /* > 0, in the mesh's unit */
+};
+
 /* The isoline of the curve's exact field at a distance > 0: all points of the surface that are so
  * far from the curve, on both sides of it and around its ends. None where nothing is that far. The
  * caller frees `*out` by gd_isoline_free. `control` and `detail` may be NULL. Errors:
  * GD_INVALID_ARGUMENT (the distance), and those of gd_field_build and gd_isoline_trace. Cost: of a
  * field that reaches as far as the distance. Thread-safe. */
-GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh, const struct gd_curve *curve,
-                                           double distance, const struct gd_control *control,
-                                           struct gd_isoline *out, struct gd_detail *detail);
+GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh,
+                                           const struct gd_offset_request *request,
+                                           const struct gd_control *control, struct gd_isoline *out,
+                                           struct gd_detail *detail);
 
 #ifdef __cplusplus
 }

@@ -10,6 +10,11 @@ extern "C" {
 
 #define GD_RESAMPLING_POINTS (1u << 20)
 
+struct gd_resampling_request {
+    const struct gd_curve *curve;
+    uint32_t count; /* points, from 2 to GD_RESAMPLING_POINTS */
+};
+
 struct gd_resampling {
     struct gd_curve curve; /* through all points */
     struct gd_point *points;
@@ -18,13 +23,14 @@ struct gd_resampling {
 
 void gd_resampling_free(struct gd_resampling *resampling); /* NULL is harmless */
 
-/* `count` points of the curve, as far from each other along it: of an open one the ends are among
- * them, of a closed one its first point; and the geodesics that the pieces between become when they
- * are pulled tight. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (less than two
- * points, or a curve that is a point), GD_TOO_LARGE (more than GD_RESAMPLING_POINTS), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. O(points and faces). Thread-safe. */
+/* request->count points of the curve, as far from each other along it: of an open one the ends are
+ * among them, of a closed one its first point; and the geodesics that the pieces between become
+ * when they are pulled tight. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (less
+ * than two points, or a curve that is a point), GD_TOO_LARGE (more than GD_RESAMPLING_POINTS),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. O(points and faces).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_resample(const struct gd_mesh *mesh,
-                                             const struct gd_curve *curve, uint32_t count,
+                                             const struct gd_resampling_request *request,
                                              const struct gd_control *control,
                                              struct gd_resampling *out, struct gd_detail *detail);
 

@@ -3,7 +3,8 @@
  *
  *     struct gd_log log;     q (-) p, from the shortest path from p to q
  *     if (gd_vector_log(mesh, &path, &log, NULL) == GD_OK) {
- *         gd_vector_exp(mesh, &(struct gd_exp_request){&p, log.segments, log.count}, NULL, &trace, NULL);   ends in q
+ *         struct gd_exp_request request = {&p, log.segments, log.count, NULL};
+ *         gd_vector_exp(mesh, &request, NULL, &trace, NULL);   ends in q
  *         gd_log_free(&log);
  *     }
  *

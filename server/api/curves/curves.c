@@ -84,8 +84,9 @@ static enum gd_status curve_resample(struct operation_query *operation,
     struct proto_curve_result *result = &operation->result;
     struct gd_resampling resampling;
     enum gd_status status =
-        gd_curve_resample(operation->own.query.surface->mesh, curve, operation->wanted.count,
-                          control, &resampling, &operation->own.detail);
+        gd_curve_resample(operation->own.query.surface->mesh,
+                          &(struct gd_resampling_request){curve, operation->wanted.count}, control,
+                          &resampling, &operation->own.detail);
     if (status) return status;
     result->curve = resampling.curve;
     result->points = resampling.points;
@@ -105,7 +106,8 @@ static enum gd_status curve_shorten(struct operation_query *operation, const str
                        "a closed geodesic comes from a closed curve; say \"closed\": true, or "
                        "\"shorten\" this one");
     enum gd_status status =
-        gd_curve_shorten(operation->own.query.surface->mesh, curve, wanted->rounds, wanted->pieces,
+        gd_curve_shorten(operation->own.query.surface->mesh,
+                         &(struct gd_shortening_request){curve, wanted->rounds, wanted->pieces},
                          control, &shortening, detail);
     if (status) return status;
     result->curve = shortening.curve;
@@ -121,8 +123,9 @@ static enum gd_status curve_offset(struct operation_query *operation, const stru
     const struct gd_mesh *mesh = operation->own.query.surface->mesh;
     struct proto_curve_result *result = &operation->result;
     struct gd_isoline isoline;
-    enum gd_status status = gd_curve_offset(mesh, curve, operation->wanted.distance, control,
-                                            &isoline, &operation->own.detail);
+    enum gd_status status =
+        gd_curve_offset(mesh, &(struct gd_offset_request){curve, operation->wanted.distance},
+                        control, &isoline, &operation->own.detail);
     if (status) return status;
     result->paths = calloc(isoline.line_count + (size_t)1, sizeof *result->paths);
     result->is_closed = calloc(isoline.line_count + (size_t)1, sizeof *result->is_closed);

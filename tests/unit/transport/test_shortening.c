@@ -11,7 +11,9 @@ static struct gd_shortening shorten(const struct gd_mesh *mesh, const struct gd_
 {
     struct gd_shortening shortening;
     struct gd_detail detail = {0};
-    check_ok(gd_curve_shorten(mesh, curve, rounds, 0, NULL, &shortening, &detail), &detail);
+    check_ok(gd_curve_shorten(mesh, &(struct gd_shortening_request){curve, rounds, 0}, NULL,
+                              &shortening, &detail),
+             &detail);
     return shortening;
 }
 
@@ -124,7 +126,8 @@ static void loops_that_shrink_to_points(void **state)
     struct gd_curve curve = curve_through(plane.mesh, points, 3, true);
     struct gd_shortening shortening;
     struct gd_detail detail = {0};
-    assert_int_equal(gd_curve_shorten(plane.mesh, &curve, 0, 0, NULL, &shortening, &detail),
+    assert_int_equal(gd_curve_shorten(plane.mesh, &(struct gd_shortening_request){&curve, 0, 0},
+                                      NULL, &shortening, &detail),
                      GD_INVALID_ARGUMENT);
     assert_non_null(strstr(detail.text, "shrinks to a point"));
     double before = gd_curve_length(plane.mesh, &curve), length;
