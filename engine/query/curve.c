@@ -171,23 +171,23 @@ static void make_closed(struct gd_curve *curve)
     curve->closed = true;
 }
 
-static enum gd_status draw(struct drawing *drawing, const struct gd_landmarks *landmarks)
+static enum gd_status draw(struct drawing *drawing)
 {
     if (drawing->request->kind == GD_CURVE_BOUNDARY) return draw_boundary(drawing);
     if (!drawing->request->count)
         return gd_fail(drawing->detail, GD_INVALID_ARGUMENT, "a curve has at least one point");
-    return drawing->request->kind == GD_CURVE_POINTS ? draw_points(drawing, landmarks)
-                                                     : draw_vertices(drawing);
+    return drawing->request->kind == GD_CURVE_POINTS
+               ? draw_points(drawing, drawing->request->landmarks)
+               : draw_vertices(drawing);
 }
 
 enum gd_status gd_curve_resolve(const struct gd_mesh *mesh, const struct gd_curve_request *request,
-                                const struct gd_landmarks *landmarks,
                                 const struct gd_control *control, struct gd_curve *out,
                                 struct gd_detail *detail)
 {
     struct drawing drawing = {
         .mesh = mesh, .request = request, .control = control, .detail = detail};
-    enum gd_status status = draw(&drawing, landmarks);
+    enum gd_status status = draw(&drawing);
     if (status) {
         gd_curve_free(&drawing.curve);
         return status;

@@ -172,13 +172,13 @@ static enum gd_status sample(struct sampling *s, const struct gd_spline_sampling
     return gd__sampler_walk(&s->sampler);
 }
 
-enum gd_status gd_spline_sample(const struct gd_mesh *mesh, const struct gd_spline *spline,
+enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
                                 const struct gd_spline_sampling *sampling,
                                 const struct gd_control *control, struct gd_spline_line *out,
                                 struct gd_detail *detail)
 {
     struct sampling s = {.sampler = {.mesh = mesh,
-                                     .spline = spline,
+                                     .spline = sampling->spline,
                                      .share = 0.5,
                                      .straightener = {.mesh = mesh, .control = control}}};
     enum gd_status status = check(sampling, detail);

@@ -15,15 +15,16 @@ static struct gd_curve take(struct gd_spline_line *line, bool closed)
 }
 
 enum gd_status gd_spline_curve(const struct gd_mesh *mesh, const struct gd_spline_request *request,
-                               const struct gd_spline_sampling *sampling,
                                const struct gd_control *control, struct gd_curve *out,
                                struct gd_detail *detail)
 {
     struct gd_spline spline;
+    struct gd_spline_sampling sampling = *request->sampling;
     struct gd_spline_line line;
     enum gd_status status = gd_spline_build(mesh, request, control, &spline, detail);
     if (status) return status;
-    status = gd_spline_sample(mesh, &spline, sampling, control, &line, detail);
+    sampling.spline = &spline;
+    status = gd_spline_sample(mesh, &sampling, control, &line, detail);
     gd_spline_free(&spline);
     if (status) return status;
     *out = take(&line, request->closed);

@@ -199,11 +199,15 @@ enum gd_status proto_curve_resolve(const struct gd_mesh *mesh,
                                    const struct gd_control *control, struct gd_curve *out,
                                    struct gd_detail *detail)
 {
-    if (!located->spline)
-        return gd_curve_resolve(mesh, &located->request, landmarks, control, out, detail);
+    if (!located->spline) {
+        struct gd_curve_request request = located->request;
+        request.landmarks = landmarks;
+        return gd_curve_resolve(mesh, &request, control, out, detail);
+    }
     struct gd_spline_request request = located->located_spline.request;
     request.landmarks = landmarks;
-    return gd_spline_curve(mesh, &request, &located->located_spline.sampling, control, out, detail);
+    request.sampling = &located->located_spline.sampling;
+    return gd_spline_curve(mesh, &request, control, out, detail);
 }
 
 bool proto_curve_fail(const struct proto_located_curve *located, enum gd_status status,

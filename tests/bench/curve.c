@@ -23,8 +23,7 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
         struct gd_curve_request request = {
             .kind = GD_CURVE_POINTS, .points = points, .count = count};
         gd_curve_free(&curve);
-        bench_require(gd_curve_resolve(mesh, &request, NULL, bench_control(), &curve, &detail),
-                      &detail);
+        bench_require(gd_curve_resolve(mesh, &request, bench_control(), &curve, &detail), &detail);
     }
     if (curve.count > SEGMENTS + 1) curve.count = SEGMENTS + 1;
     return curve;

@@ -49,9 +49,10 @@ static double sample_time(const struct gd_mesh *mesh, const struct gd_spline_req
     for (int i = 0; i < RUNS; i++) {
         struct gd_spline_line line;
         double start = bench_thread_ms();
-        bench_require(gd_spline_sample(mesh, &spline,
-                                       &(struct gd_spline_sampling){.per_segment = SAMPLES}, NULL,
-                                       &line, NULL),
+        bench_require(gd_spline_sample(
+                          mesh,
+                          &(struct gd_spline_sampling){.spline = &spline, .per_segment = SAMPLES},
+                          NULL, &line, NULL),
                       NULL);
         times[i] = bench_thread_ms() - start;
         gd_spline_line_free(&line);

@@ -22,7 +22,7 @@ static const struct gd_spline_request request = {.points = places, .count = 3, .
 static struct gd_curve resolve(const struct gd_mesh *on, const struct gd_curve_request *wanted)
 {
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(on, wanted, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(on, wanted, NULL, &curve, NULL), NULL);
     return curve;
 }
 
@@ -172,7 +172,8 @@ static enum gd_status build_by_the_paper(void *out)
 static enum gd_status sample(struct gd_spline_sampling how, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_spline_sample(mesh, &spline, &how, NULL, out, &detail);
+    how.spline = &spline;
+    return gd_spline_sample(mesh, &how, NULL, out, &detail);
 }
 
 static enum gd_status sample_steps(void *out)
@@ -198,8 +199,9 @@ static enum gd_status sample_parameters(void *out)
 
 static enum gd_status spline_as_curve(void *out)
 {
-    return gd_spline_curve(mesh, &request, &(struct gd_spline_sampling){.per_segment = 3}, NULL,
-                           out, NULL);
+    struct gd_spline_request other = request;
+    other.sampling = &(struct gd_spline_sampling){.per_segment = 3};
+    return gd_spline_curve(mesh, &other, NULL, out, NULL);
 }
 
 static enum gd_status shorten_open(void *out)

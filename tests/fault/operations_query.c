@@ -27,7 +27,7 @@ static struct gd_curve through(const struct gd_point *points, uint32_t count, bo
                  mesh,
                  &(struct gd_curve_request){
                      .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed},
-                 NULL, NULL, &curve, NULL),
+                 NULL, &curve, NULL),
              NULL);
     return curve;
 }
@@ -200,7 +200,9 @@ static enum gd_status sample(void *out)
 static enum gd_status resolve(const struct gd_curve_request *request, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_curve_resolve(mesh, request, landmarks, NULL, out, &detail);
+    struct gd_curve_request own = *request;
+    own.landmarks = landmarks;
+    return gd_curve_resolve(mesh, &own, NULL, out, &detail);
 }
 
 static enum gd_status resolve_points(void *out)

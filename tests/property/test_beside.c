@@ -113,7 +113,7 @@ static double check_curve(const struct plane *plane, struct rng *rng)
                                        .count = count,
                                        .closed = count > 2 && rng_below(rng, 2)};
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(plane->mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(plane->mesh, &request, NULL, &curve, NULL), NULL);
     uint32_t seed_count = gd_curve_seed_count(&curve);
     struct gd_seed *seeds = malloc(seed_count * sizeof *seeds);
     assert_non_null(seeds);

@@ -26,7 +26,7 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, const struct gd_
     struct gd_curve_request request = {
         .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed};
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     return curve;
 }
 
@@ -181,7 +181,7 @@ static struct gd_curve line(const struct gd_mesh *mesh, double x0, double y0, do
                                  test_point_near(mesh, x1, y1, 0)};
     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = 2};
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     return curve;
 }
 
@@ -246,7 +246,7 @@ static void boundaries(void **state)
     for (uint32_t i = 0; i < 2; i++)
         check_ok(gd_curve_resolve(
                      mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = i},
-                     NULL, NULL, &loop[i], NULL),
+                     NULL, &loop[i], NULL),
                  NULL);
     struct gd_field *field = test_field_of_curve(mesh, &loop[0], 0);
     struct gd_curve_distance found = least(field, &loop[0], &loop[1]);

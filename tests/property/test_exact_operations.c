@@ -228,7 +228,7 @@ static void curves(uint64_t number, struct exact_tally *tally)
         struct gd_curve_request request = {
             .kind = GD_CURVE_POINTS, .points = points, .count = count};
         struct gd_curve curve;
-        enum gd_status status = gd_curve_resolve(scene.mesh, &request, NULL, NULL, &curve, NULL);
+        enum gd_status status = gd_curve_resolve(scene.mesh, &request, NULL, &curve, NULL);
         if (status)
             exact_failure(&unit, "gd_curve_resolve", status, &points[0]);
         else
@@ -364,9 +364,9 @@ static void check_spline(struct exact_unit *unit, const struct gd_spline *spline
                          const struct gd_point *points)
 {
     struct gd_spline_line line;
-    enum gd_status status =
-        gd_spline_sample(unit->scene->mesh, spline, &(struct gd_spline_sampling){.per_segment = 4},
-                         NULL, &line, NULL);
+    enum gd_status status = gd_spline_sample(
+        unit->scene->mesh, &(struct gd_spline_sampling){.spline = spline, .per_segment = 4}, NULL,
+        &line, NULL);
     if (status) {
         exact_failure(unit, "gd_spline_sample", status, &points[0]);
         return;

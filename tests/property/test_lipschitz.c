@@ -60,7 +60,7 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
     struct gd_curve_request request = {
         .kind = GD_CURVE_POINTS, .points = ends, .count = joined ? 2 : 1};
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     return curve;
 }
 

@@ -136,9 +136,10 @@ static double widest_of_ours(const struct scene *scene, uint32_t count)
 {
     struct gd_spline_line line;
     double widest = 0;
-    check_ok(gd_spline_sample(scene->mesh, &scene->spline,
-                              &(struct gd_spline_sampling){.per_segment = count}, NULL, &line,
-                              NULL),
+    check_ok(gd_spline_sample(
+                 scene->mesh,
+                 &(struct gd_spline_sampling){.spline = &scene->spline, .per_segment = count}, NULL,
+                 &line, NULL),
              NULL);
     for (uint32_t i = 0; i + 1 < line.count; i++)
         widest = fmax(widest,

@@ -209,8 +209,8 @@ static double check_smooth(const struct scene *scene)
     enum gd_status status = gd_spline_build(mesh, &request, NULL, &spline, NULL);
     if (status == GD_INVALID_ARGUMENT) return 0; /* two points are one */
     check_ok(status, NULL);
-    struct gd_spline_sampling sampling = {.per_segment = SAMPLES};
-    check_ok(gd_spline_sample(mesh, &spline, &sampling, NULL, &line, NULL), NULL);
+    struct gd_spline_sampling sampling = {.spline = &spline, .per_segment = SAMPLES};
+    check_ok(gd_spline_sample(mesh, &sampling, NULL, &line, NULL), NULL);
     gd_spline_line_free(&line);
     gd_spline_free(&spline);
     return 0;

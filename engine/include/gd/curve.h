@@ -4,7 +4,7 @@
  *     struct gd_curve_request request = {
  *         .kind = GD_CURVE_POINTS, .points = points, .count = 4, .closed = true};
  *     struct gd_curve curve;
- *     if (gd_curve_resolve(mesh, &request, NULL, NULL, &curve, &detail) == GD_OK) {
+ *     if (gd_curve_resolve(mesh, &request, NULL, &curve, &detail) == GD_OK) {
  *         printf("%u points, length %g\n", curve.count, gd_curve_length(mesh, &curve));
  *         gd_curve_free(&curve);
  *     } */
@@ -45,19 +45,19 @@ struct gd_curve_request {
     uint32_t count; /* of the points or vertices, at least 1 */
     const struct gd_point *points;
     const struct gd_vertex *vertices;
-    uint32_t boundary; /* as for gd_mesh_boundary */
+    uint32_t boundary;                    /* as for gd_mesh_boundary */
+    const struct gd_landmarks *landmarks; /* of this mesh: they narrow searches; NULL: none */
 };
 
 /* The curve of a request, owned by the caller. Points that repeat the one before them are left out,
  * and points within 4e-12 of an edge or a vertex, as barycentric coordinates go, are put there; a
- * closed curve of two points runs there and back. `landmarks` of this mesh narrow the searches,
- * NULL: none. Errors: GD_INVALID_ARGUMENT (none given, or points that no path joins),
- * GD_OUT_OF_RANGE, GD_UNREFERENCED_VERTEX, GD_NO_SUCH_EDGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, and what gd_pair_solve says. Cost: of gd_pair_solve for each pair of points; else
- * linear in the curve. Thread-safe. */
+ * closed curve of two points runs there and back. `control` and `detail` may be NULL. Errors:
+ * GD_INVALID_ARGUMENT (none given, or points that no path joins), GD_OUT_OF_RANGE,
+ * GD_UNREFERENCED_VERTEX, GD_NO_SUCH_EDGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and
+ * what gd_pair_solve says. Cost: of gd_pair_solve for each pair of points; else linear in the
+ * curve. Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
                                             const struct gd_curve_request *request,
-                                            const struct gd_landmarks *landmarks,
                                             const struct gd_control *control, struct gd_curve *out,
                                             struct gd_detail *detail);
 

@@ -5,8 +5,8 @@
  *     struct gd_spline spline;
  *     if (gd_spline_build(mesh, &request, NULL, &spline, &detail) == GD_OK) {
  *         struct gd_spline_line line;
- *         struct gd_spline_sampling sampling = {.per_segment = 16};
- *         if (gd_spline_sample(mesh, &spline, &sampling, NULL, &line, &detail) == GD_OK) {
+ *         struct gd_spline_sampling sampling = {.spline = &spline, .per_segment = 16};
+ *         if (gd_spline_sample(mesh, &sampling, NULL, &line, &detail) == GD_OK) {
  *             printf("%u points, length %g\n", line.path.count, line.path.length);
  *             gd_spline_line_free(&line);
  *         }
@@ -64,7 +64,8 @@ struct gd_spline_request {
     const struct gd_vector *tangents;
     /* whether a point's tangent counts; NULL: all of `tangents` do */
     const bool *is_given;
-    const struct gd_landmarks *landmarks; /* of this mesh: searches are narrower; NULL: none */
+    const struct gd_landmarks *landmarks;      /* of this mesh: searches are narrower; NULL: none */
+    const struct gd_spline_sampling *sampling; /* of gd_spline_curve, which sets its spline */
     /* two searches, then two segments at a time; NULL: one after the other. The answer is the
        same */
     const struct gd_executor *executor;
@@ -118,8 +119,9 @@ GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh,
 
 #define GD_SPLINE_PLACES (1u << 20) /* most places of one sampling */
 
-/* Where the curve is looked at: exactly one of these is not 0. */
+/* Where the curve is looked at: exactly one of the members after `spline` is not 0. */
 struct gd_spline_sampling {
+    const struct gd_spline *spline;
     uint32_t per_segment; /* equal steps of the parameter, so many a segment */
     uint32_t even;        /* equal arc lengths, so many in all: constant speed */
     /* a length: the polyline departs from the curve by no more, but for the surface's curvature
@@ -155,7 +157,6 @@ void gd_spline_line_free(struct gd_spline_line *line); /* NULL is harmless */
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: about four lines pulled
  * tight a halving, each O(faces that it crosses); three a place. Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
-                                            const struct gd_spline *spline,
                                             const struct gd_spline_sampling *sampling,
                                             const struct gd_control *control,
                                             struct gd_spline_line *out, struct gd_detail *detail);
@@ -164,7 +165,6 @@ GD_MUST_USE enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
  * Errors: those of both. */
 GD_MUST_USE enum gd_status gd_spline_curve(const struct gd_mesh *mesh,
                                            const struct gd_spline_request *request,
-                                           const struct gd_spline_sampling *sampling,
                                            const struct gd_control *control, struct gd_curve *out,
                                            struct gd_detail *detail);
 

@@ -417,8 +417,8 @@ static enum gd_status spline_make(struct spline_query *own, struct server_monito
         gd_spline_build(mesh, &own->located.request, control, &own->spline, &own->detail);
     if (status) return status;
     *part = server_query_monitor(query, SPLINE_BUILD_SHARE, 1 - SPLINE_BUILD_SHARE);
-    status = gd_spline_sample(mesh, &own->spline, &own->located.sampling, control, &own->line,
-                              &own->detail);
+    own->located.sampling.spline = &own->spline;
+    status = gd_spline_sample(mesh, &own->located.sampling, control, &own->line, &own->detail);
     if (status) gd_spline_free(&own->spline);
     return status;
 }

@@ -49,7 +49,7 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
         .kind = GD_CURVE_POINTS, .closed = closed, .count = count, .points = points};
     struct gd_curve curve;
     struct gd_detail detail = {0};
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, &detail), &detail);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, &detail), &detail);
     return curve;
 }
 

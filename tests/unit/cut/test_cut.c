@@ -125,7 +125,7 @@ static void along_edges(void **state)
     const struct gd_curve_request request = {
         .kind = GD_CURVE_VERTICES, .closed = true, .count = COUNT(ring), .vertices = ring};
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     struct cutting cutting = cutting_along(mesh, &curve);
     check_cutting(mesh, &cutting, 1e-12);
     assert_int_equal(cutting.cut.piece_count, 2);
@@ -362,7 +362,7 @@ static void curves_that_cut_nothing(void **state)
     struct gd_point rim[] = {point_at(mesh, 0.25, 0, 0), point_at(mesh, 0.3, 0.1, 0)};
     struct gd_curve boundary;
     const struct gd_curve_request request = {.kind = GD_CURVE_BOUNDARY};
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &boundary, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &boundary, NULL), NULL);
     expect_refusal(mesh, boundary, "cuts nothing");
     expect_refusal(mesh, (struct gd_curve){inner, 2, true}, "cuts nothing");
     expect_refusal(mesh, (struct gd_curve){inner, 1, true}, "cuts nothing");

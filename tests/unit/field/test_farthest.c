@@ -133,7 +133,7 @@ static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double m
     for (uint32_t loop = 0; loop < gd_mesh_summary(mesh)->boundaries; loop++) {
         struct gd_curve_request request = {.kind = GD_CURVE_BOUNDARY, .boundary = loop};
         struct gd_curve curve;
-        check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+        check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
         seeds = realloc(seeds, sizeof *seeds * (count + gd_curve_seed_count(&curve)));
         assert_non_null(seeds);
         gd_curve_seeds(&curve, loop * more, seeds + count);

@@ -9,7 +9,7 @@ static struct gd_seed *seeds_of(const struct gd_mesh *mesh, const struct gd_curv
 {
     struct gd_curve curve;
     struct gd_detail detail = {0};
-    check_ok(gd_curve_resolve(mesh, request, NULL, NULL, &curve, &detail), &detail);
+    check_ok(gd_curve_resolve(mesh, request, NULL, &curve, &detail), &detail);
     *count = gd_curve_seed_count(&curve);
     struct gd_seed *seeds = calloc(*count, sizeof *seeds);
     gd_curve_seeds(&curve, 0, seeds);

@@ -15,7 +15,7 @@ static struct gd_curve shortest(const struct gd_mesh *mesh, struct gd_point from
     struct gd_point points[] = {from, to};
     struct gd_curve curve;
     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = 2};
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     return curve;
 }
 

@@ -90,7 +90,7 @@ static struct gd_field *random_field(const struct gd_polygons *polygons, const s
     if (!of_curve) return test_field_from(mesh, points[0]);
     for (int k = 0; k < 3; k++) place.weight[k] = 0.5 * (place.weight[k] + 1.0 / 3);
     points[1] = test_point(mesh, place);
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     struct gd_field *field = test_field_of_curve(mesh, &curve, 0);
     gd_curve_free(&curve);
     return field;

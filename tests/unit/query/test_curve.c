@@ -11,7 +11,7 @@
 static enum gd_status resolve(const struct gd_mesh *mesh, struct gd_curve_request request,
                               struct gd_curve *out, struct gd_detail *detail)
 {
-    return gd_curve_resolve(mesh, &request, NULL, NULL, out, detail);
+    return gd_curve_resolve(mesh, &request, NULL, out, detail);
 }
 
 static double distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q)
@@ -172,7 +172,7 @@ static void budgets(void **state)
     for (size_t budget = 64; !is_done; budget *= 2) {
         const struct gd_control control = {.budget_bytes = budget};
         struct gd_curve curve;
-        enum gd_status status = gd_curve_resolve(mesh, &request, NULL, &control, &curve, NULL);
+        enum gd_status status = gd_curve_resolve(mesh, &request, &control, &curve, NULL);
         is_done = status == GD_OK;
         assert_true(is_done || status == GD_BUDGET);
         if (is_done) gd_curve_free(&curve);

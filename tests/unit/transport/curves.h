@@ -14,7 +14,7 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
     struct gd_detail detail = {0};
     const struct gd_curve_request request = {
         .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = closed};
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, &detail), &detail);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, &detail), &detail);
     return curve;
 }
 

@@ -24,7 +24,8 @@ static struct gd_spline_line sample(const struct gd_mesh *mesh, const struct gd_
 {
     struct gd_spline_line line;
     struct gd_detail detail = {0};
-    check_ok(gd_spline_sample(mesh, spline, &sampling, NULL, &line, &detail), &detail);
+    sampling.spline = spline;
+    check_ok(gd_spline_sample(mesh, &sampling, NULL, &line, &detail), &detail);
     return line;
 }
 
@@ -273,9 +274,8 @@ static void lengths(void **state)
         gd_spline_line_free(&line);
     }
     struct gd_curve curve;
-    check_ok(gd_spline_curve(torus.mesh, &request, &(struct gd_spline_sampling){.tolerance = 1e-6},
-                             NULL, &curve, NULL),
-             NULL);
+    request.sampling = &(struct gd_spline_sampling){.tolerance = 1e-6};
+    check_ok(gd_spline_curve(torus.mesh, &request, NULL, &curve, NULL), NULL);
     check_close(gd_curve_length(torus.mesh, &curve), before, 1e-5);
     gd_curve_free(&curve);
     gd_spline_free(&spline);
@@ -454,19 +454,18 @@ static void refusals(void **state)
     assert_int_equal(gd_spline_build(torus.mesh, &request, &poor, &spline, &detail), GD_BUDGET);
     spline = build(torus.mesh, &request);
     struct gd_spline_line line;
-    struct gd_spline_sampling sampling = {.per_segment = 4};
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &cancel, &line, &detail),
+    struct gd_spline_sampling sampling = {.spline = &spline, .per_segment = 4};
+    assert_int_equal(gd_spline_sample(torus.mesh, &sampling, &cancel, &line, &detail),
                      GD_CANCELLED);
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &poor, &line, &detail),
-                     GD_BUDGET);
+    assert_int_equal(gd_spline_sample(torus.mesh, &sampling, &poor, &line, &detail), GD_BUDGET);
     sampling.spacing = 1;
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail),
+    assert_int_equal(gd_spline_sample(torus.mesh, &sampling, NULL, &line, &detail),
                      GD_INVALID_ARGUMENT);
-    sampling = (struct gd_spline_sampling){.spacing = 1e-9};
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail),
-                     GD_TOO_LARGE);
-    sampling = (struct gd_spline_sampling){.parameters = (double[2]){0.5, 0.1}, .count = 2};
-    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail),
+    sampling = (struct gd_spline_sampling){.spline = &spline, .spacing = 1e-9};
+    assert_int_equal(gd_spline_sample(torus.mesh, &sampling, NULL, &line, &detail), GD_TOO_LARGE);
+    sampling = (struct gd_spline_sampling){
+        .spline = &spline, .parameters = (double[2]){0.5, 0.1}, .count = 2};
+    assert_int_equal(gd_spline_sample(torus.mesh, &sampling, NULL, &line, &detail),
                      GD_INVALID_ARGUMENT);
     gd_spline_free(&spline);
     surface_free(&torus);

@@ -51,7 +51,7 @@ static struct gd_field *field_of_segments(const struct ring *ring)
         .kind = GD_CURVE_POINTS, .closed = true, .points = ring->point, .count = ring->count};
     struct gd_curve curve;
     struct gd_detail detail = {0};
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, &detail), &detail);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, &detail), &detail);
     struct gd_field *field = test_field_of_curve(mesh, &curve, 0);
     gd_curve_free(&curve);
     return field;
@@ -172,7 +172,7 @@ static struct gd_curve line_beside(double angle, double apart)
     }
     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = ends, .count = 2};
     struct gd_curve curve;
-    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    check_ok(gd_curve_resolve(mesh, &request, NULL, &curve, NULL), NULL);
     return curve;
 }
 
