@@ -84,15 +84,16 @@ static struct gd_limit_jet evaluate(struct gd__walker *walker, const struct gd_l
 }
 
 enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface,
-                                      const struct gd_limit_point *places, size_t count,
+                                      const struct gd_limit_places *places,
                                       const struct gd_control *control, struct gd_limit_jet *out,
                                       struct gd_detail *detail)
 {
+    size_t count = places->count;
     struct gd__walker walker;
     enum gd_status status = gd__walker_create(&walker, surface, 3, control);
     if (status) return status;
     for (size_t i = 0; !status && i < count; i++) {
-        struct gd_limit_point place = places[i];
+        struct gd_limit_point place = places->items[i];
         if (i % 64 == 0) status = gd_control_check(control, (double)i / (double)count);
         if (!status) status = gd__place_check(surface, &place, detail);
         if (!status) out[i] = evaluate(&walker, &place);
@@ -106,7 +107,8 @@ enum gd_status gd_limit_evaluate(const struct gd_subdivision *surface,
                                  struct gd_detail *detail)
 {
     struct gd_limit_jet jet;
-    enum gd_status status = gd_limit_evaluate_many(surface, place, 1, NULL, &jet, detail);
+    enum gd_status status =
+        gd_limit_evaluate_many(surface, &(struct gd_limit_places){place, 1}, NULL, &jet, detail);
     if (!status) *out = jet;
     return status;
 }

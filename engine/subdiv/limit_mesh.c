@@ -118,21 +118,22 @@ static enum gd_status build(struct gd_limit_mesh *fine, uint32_t max_faces,
     return status;
 }
 
-enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface, uint32_t level,
-                                   uint32_t max_faces, const struct gd_control *control,
-                                   struct gd_limit_mesh **out, struct gd_detail *detail)
+enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface,
+                                   const struct gd_limit_mesh_options *options,
+                                   const struct gd_control *control, struct gd_limit_mesh **out,
+                                   struct gd_detail *detail)
 {
     const struct gd_control none = {0};
     struct gd_limit_mesh *fine = calloc(1, sizeof *fine);
     if (!fine) return GD_NO_MEMORY;
     fine->surface = gd_subdivision_retain(surface);
-    fine->level = level;
-    enum gd_status status = build(fine, max_faces, control ? control : &none, detail);
+    fine->level = options->level;
+    enum gd_status status = build(fine, options->max_faces, control ? control : &none, detail);
     if (status) {
         gd_limit_mesh_free(fine);
         return status;
     }
-    fine->cells = (uint32_t)cells_at(surface, level);
+    fine->cells = (uint32_t)cells_at(surface, options->level);
     *out = fine;
     return GD_OK;
 }

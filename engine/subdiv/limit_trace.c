@@ -60,11 +60,13 @@ static enum gd_status check(const struct gd_subdivision *surface, struct gd_limi
 }
 
 enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
-                              const struct gd_limit_point *start, struct gd_vec3 direction,
-                              double length, const struct gd_control *control,
-                              struct gd_limit_path *out, struct gd_detail *detail)
+                              const struct gd_limit_trace_request *request,
+                              const struct gd_control *control, struct gd_limit_path *out,
+                              struct gd_detail *detail)
 {
-    struct gd_limit_point place = *start;
+    struct gd_limit_point place = request->start;
+    struct gd_vec3 direction = request->direction;
+    double length = request->length;
     enum gd_status status = check(surface, &place, direction, length, detail);
     if (status) return status;
     struct gd__walker walker;

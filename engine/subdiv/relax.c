@@ -28,8 +28,9 @@ static enum gd_status shoot(const struct aim *aim, double angle, double length, 
 {
     struct gd_vec3 direction = gd_vec3_along(gd_vec3_scale(aim->x, cos(angle)), sin(angle), aim->y);
     struct shot shot = {.angle = angle, .length = length};
-    enum gd_status status = gd_limit_trace(aim->surface, &aim->start, direction, length,
-                                           aim->control, &shot.path, aim->detail);
+    enum gd_status status = gd_limit_trace(
+        aim->surface, &(struct gd_limit_trace_request){aim->start, direction, length}, aim->control,
+        &shot.path, aim->detail);
     if (status) return status;
     shot.end = gd_vec3_along(shot.path.steps[shot.path.step_count - 1].position,
                              length - shot.path.length, shot.path.direction);
@@ -117,17 +118,19 @@ static enum gd_status take_aim(const struct gd_limit_jet *jets, size_t count, st
 }
 
 enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
-                              const struct gd_limit_point *places, size_t count,
+                              const struct gd_limit_places *polyline,
                               const struct gd_control *control, struct gd_limit_geodesic *out,
                               struct gd_detail *detail)
 {
+    size_t count = polyline->count;
     if (count < 2)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has at least two points");
-    struct aim aim = {.surface = surface, .control = control, .start = places[0], .detail = detail};
+    struct aim aim = {
+        .surface = surface, .control = control, .start = polyline->items[0], .detail = detail};
     double length = 0;
     struct gd_limit_jet *jets = malloc(count * sizeof *jets);
     if (!jets) return GD_NO_MEMORY;
-    enum gd_status status = gd_limit_evaluate_many(surface, places, count, control, jets, detail);
+    enum gd_status status = gd_limit_evaluate_many(surface, polyline, control, jets, detail);
     if (!status) status = take_aim(jets, count, &aim, &length);
     free(jets);
     struct gd_limit_geodesic found;

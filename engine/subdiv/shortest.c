@@ -96,8 +96,9 @@ static enum gd_status lift(struct search *search)
     for (uint32_t i = 0; i < count; i++) search->places[i] = search->ends[0];
     status = place_path(search);
     if (status) return status;
-    return gd_limit_evaluate_many(gd_limit_mesh_surface(search->fine), search->places, count,
-                                  search->control, search->jets, search->detail);
+    return gd_limit_evaluate_many(gd_limit_mesh_surface(search->fine),
+                                  &(struct gd_limit_places){search->places, count}, search->control,
+                                  search->jets, search->detail);
 }
 
 /* --- on the surface --------------------------------------------------------------------------- */
@@ -173,8 +174,9 @@ static enum gd_status relax(const struct search *search, struct gd_limit_shortes
 {
     struct gd_limit_geodesic found;
     if (!(out->distance > 0)) return GD_OK;
-    enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine), search->places,
-                                           search->count, search->control, &found, search->detail);
+    enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine),
+                                           &(struct gd_limit_places){search->places, search->count},
+                                           search->control, &found, search->detail);
     /* the ends are too near to each other to tell a direction, or there is none at the start, or
      * geodesics can't be followed */
     if (status == GD_INVALID_ARGUMENT || status == GD_INTERNAL) return GD_OK;
@@ -201,13 +203,12 @@ static enum gd_status find(struct search *search, struct gd_limit_shortest *out)
 }
 
 enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
-                                      const struct gd_limit_point *from,
-                                      const struct gd_limit_point *to,
+                                      const struct gd_limit_point ends[2],
                                       const struct gd_control *control,
                                       struct gd_limit_shortest *out, struct gd_detail *detail)
 {
     struct search search = {
-        .fine = fine, .control = control, .detail = detail, .ends = {*from, *to}};
+        .fine = fine, .control = control, .detail = detail, .ends = {ends[0], ends[1]}};
     enum gd_status status = find(&search, out);
     search_free(&search);
     return status;

@@ -62,8 +62,9 @@ static enum gd_status level_build(struct server_discretizations *owner,
                                         .control = request->control,
                                         .grant = cost < budget->limit ? cost : budget->limit / 2};
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_limit_mesh_build(request->surface, request->level, owner->max_faces,
-                                          &call.control, &mesh, request->detail);
+        call.status = gd_limit_mesh_build(
+            request->surface, &(struct gd_limit_mesh_options){request->level, owner->max_faces},
+            &call.control, &mesh, request->detail);
         if (!call.status) call.kept = gd_limit_mesh_memsize(mesh);
     }
     if (call.status) return call.status;

@@ -123,8 +123,10 @@ static double trace_smooth(const struct bundle *bundle, double *off)
     double gaps[FAN], begun = bench_thread_ms();
     for (int i = 0; i < FAN; i++) {
         struct gd_limit_path path;
-        bench_require(gd_limit_trace(bundle->surface, &bundle->start, direction_of(bundle, i),
-                                     bundle->length, NULL, &path, NULL),
+        bench_require(gd_limit_trace(bundle->surface,
+                                     &(struct gd_limit_trace_request){
+                                         bundle->start, direction_of(bundle, i), bundle->length},
+                                     NULL, &path, NULL),
                       NULL);
         gaps[i] = gd_vec3_distance(path.steps[path.step_count - 1].position, bundle->ends[i]);
         gd_limit_path_free(&path);
@@ -165,7 +167,8 @@ static void measure(const char *name, const struct gd_subdivision *surface, bool
     struct bundle bundle = {.surface = surface, .start = {.u = 0.3, .v = 0.3}};
     double begun = bench_thread_ms();
     struct gd_detail detail = {0};
-    bench_require(gd_limit_mesh_build(surface, level, 0, bench_control(), &bundle.fine, &detail),
+    bench_require(gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){.level = level},
+                                      bench_control(), &bundle.fine, &detail),
                   &detail);
     double build_ms = bench_thread_ms() - begun;
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle.fine);

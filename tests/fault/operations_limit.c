@@ -38,7 +38,9 @@ static void open_limits(void)
     on_cube = surface_of(&cube, GD_SCHEME_CATMULL_CLARK);
     on_octahedron = surface_of(&octahedron, GD_SCHEME_LOOP);
     on_sheet = surface_of(&sheet, GD_SCHEME_CATMULL_CLARK);
-    check_ok(gd_limit_mesh_build(on_sheet, 2, 0, NULL, &fine, NULL), NULL);
+    check_ok(gd_limit_mesh_build(on_sheet, &(struct gd_limit_mesh_options){.level = 2}, NULL, &fine,
+                                 NULL),
+             NULL);
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */
@@ -197,7 +199,9 @@ static enum gd_status evaluate_many(void *out)
 {
     struct gd_limit_jet *array = malloc(PLACES * sizeof *array);
     enum gd_status status =
-        array ? gd_limit_evaluate_many(on_cube, places, PLACES, NULL, array, NULL) : GD_NO_MEMORY;
+        array ? gd_limit_evaluate_many(on_cube, &(struct gd_limit_places){places, PLACES}, NULL,
+                                       array, NULL)
+              : GD_NO_MEMORY;
     if (status)
         free(array);
     else
@@ -212,19 +216,23 @@ static enum gd_status nearest(void *out)
 
 static enum gd_status trace(void *out)
 {
-    return gd_limit_trace(on_cube, &places[0], (struct gd_vec3){1, 0.4, 0.1}, 2, NULL, out, NULL);
+    return gd_limit_trace(
+        on_cube, &(struct gd_limit_trace_request){places[0], (struct gd_vec3){1, 0.4, 0.1}, 2},
+        NULL, out, NULL);
 }
 
 static enum gd_status trace_loop(void *out)
 {
-    return gd_limit_trace(on_octahedron, &places[0], (struct gd_vec3){1, 0.4, 0.1}, 1, NULL, out,
-                          NULL);
+    return gd_limit_trace(
+        on_octahedron,
+        &(struct gd_limit_trace_request){places[0], (struct gd_vec3){1, 0.4, 0.1}, 1}, NULL, out,
+        NULL);
 }
 
 static enum gd_status relax(void *out)
 {
     static const struct gd_limit_point way[] = {{5, 0, 0.2, 0.3}, {5, 0, 1, 0.4}, {9, 0, 0.6, 0.6}};
-    return gd_limit_relax(on_sheet, way, 3, NULL, out, NULL);
+    return gd_limit_relax(on_sheet, &(struct gd_limit_places){way, 3}, NULL, out, NULL);
 }
 
 static enum gd_status discretize_level(void *out)
@@ -246,13 +254,14 @@ static enum gd_status discretize_near(void *out)
 
 static enum gd_status build_mesh(void *out)
 {
-    return gd_limit_mesh_build(on_cube, 2, 0, NULL, out, NULL);
+    return gd_limit_mesh_build(on_cube, &(struct gd_limit_mesh_options){.level = 2}, NULL, out,
+                               NULL);
 }
 
 static enum gd_status find_shortest(void *out)
 {
-    return gd_limit_shortest_find(fine, &(struct gd_limit_point){5, 0, 0.25, 0.5},
-                                  &(struct gd_limit_point){10, 0, 0.5, 0.125}, NULL, out, NULL);
+    return gd_limit_shortest_find(
+        fine, (struct gd_limit_point[]){{5, 0, 0.25, 0.5}, {10, 0, 0.5, 0.125}}, NULL, out, NULL);
 }
 
 static const struct operation items[] = {

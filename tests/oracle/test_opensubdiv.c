@@ -59,7 +59,9 @@ static void compare_vertices(struct pair *pair, int level)
     struct gd_limit_jet *jets = malloc(pair->count * sizeof *jets);
     for (size_t i = 0; i < pair->count; i++) places[i] = vertices[i].place;
     struct gd_detail detail = {0};
-    check_ok(gd_limit_evaluate_many(pair->ours, places, pair->count, NULL, jets, &detail), &detail);
+    check_ok(gd_limit_evaluate_many(pair->ours, &(struct gd_limit_places){places, pair->count},
+                                    NULL, jets, &detail),
+             &detail);
     for (size_t i = 0; i < pair->count; i++) {
         struct gd_vec3 normal = vertices[i].normal;
         note(pair, vertices[i].is_exact ? 0 : 2, jets[i].position, vertices[i].position,

@@ -25,6 +25,11 @@ struct gd_limit_point {
     double u, v;
 };
 
+struct gd_limit_places {
+    const struct gd_limit_point *items;
+    size_t count;
+};
+
 struct gd_limit_jet {
     struct gd_vec3 position;
     struct gd_vec3 normal; /* of unit length, outwards; NAN where there is none */
@@ -55,11 +60,11 @@ GD_MUST_USE enum gd_status gd_limit_evaluate(const struct gd_subdivision *surfac
                                              const struct gd_limit_point *place,
                                              struct gd_limit_jet *out, struct gd_detail *detail);
 
-/* As gd_limit_evaluate for `count` places; the detail says which is at fault. `control` may be
- * NULL. On failure `out` is unspecified. Also GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Places in order
- * of faces are fastest. */
+/* As gd_limit_evaluate for each of the places, to places->count elements of `out`; the detail says
+ * which is at fault. `control` may be NULL. On failure `out` is unspecified. Also GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. Places in order of faces are fastest. */
 GD_MUST_USE enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface,
-                                                  const struct gd_limit_point *places, size_t count,
+                                                  const struct gd_limit_places *places,
                                                   const struct gd_control *control,
                                                   struct gd_limit_jet *out,
                                                   struct gd_detail *detail);

@@ -1,9 +1,9 @@
 /* Limit mesh: the discretization of a level as a mesh to walk on, with the way from places of the
  * limit surface to points of the mesh and back.
  *
+ *     struct gd_limit_mesh_options options = {.level = gd_limit_mesh_usual_level(surface)};
  *     struct gd_limit_mesh *fine;
- *     if (gd_limit_mesh_build(surface, gd_limit_mesh_usual_level(surface), 0, NULL, &fine,
- *                             &detail) == GD_OK) {
+ *     if (gd_limit_mesh_build(surface, &options, NULL, &fine, &detail) == GD_OK) {
  *         gd_limit_mesh_point(fine, &place, &point, NULL);
  *         ...gd_trace_follow(gd_limit_mesh_mesh(fine), &point, ...,
  *                            with gd_limit_mesh_normals(fine))...
@@ -39,13 +39,18 @@ uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface);
 /* Bytes that building the mesh of a level takes at most. level <= GD_LIMIT_LEVEL_MOST. */
 size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level);
 
-/* The caller frees `*out`, which keeps the surface alive; max_faces: most triangles, 0: 2^28;
- * `control` and `detail` may be NULL. Errors: those of gd_discretize (GD_INVALID_ARGUMENT,
- * GD_TOO_LARGE) and of gd_mesh_build (GD_DEGENERATE_FACE above all: the surface is flat like a line
- * somewhere). Linear time, some 0.5 us a vertex; memory as gd_limit_mesh_cost, of which a half
- * stays. */
-GD_MUST_USE enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface, uint32_t level,
-                                               uint32_t max_faces, const struct gd_control *control,
+struct gd_limit_mesh_options {
+    uint32_t level;     /* from gd_limit_mesh_least_level to GD_LIMIT_LEVEL_MOST */
+    uint32_t max_faces; /* most triangles; 0: 2^28 */
+};
+
+/* The caller frees `*out`, which keeps the surface alive; `control` and `detail` may be NULL.
+ * Errors: those of gd_discretize (GD_INVALID_ARGUMENT, GD_TOO_LARGE) and of gd_mesh_build
+ * (GD_DEGENERATE_FACE above all: the surface is flat like a line somewhere). Linear time, some 0.5
+ * us a vertex; memory as gd_limit_mesh_cost, of which a half stays. */
+GD_MUST_USE enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface,
+                                               const struct gd_limit_mesh_options *options,
+                                               const struct gd_control *control,
                                                struct gd_limit_mesh **out,
                                                struct gd_detail *detail);
 void gd_limit_mesh_free(struct gd_limit_mesh *fine); /* NULL is harmless */

@@ -38,23 +38,28 @@ struct gd_limit_path {
 /* Frees the steps and zeroes the struct. NULL is harmless. */
 void gd_limit_path_free(struct gd_limit_path *path);
 
-/* The geodesic from a place in a direction, which is projected onto the tangent plane, of a length
- * >= 0. It solves x'' normal to the surface with x = S(u,v), that is (u'',v'') = -g^-1 (S_u.a,
- * S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2, patch by patch: each is a polynomial, which goes
- * on smoothly beyond its border, and is left exactly at the border. Over creases it goes on as it
- * would if they were flattened; through extraordinary vertices along its tangent. A start at a
- * vertex of which a face is told where the direction doesn't lead looks for the face where it does,
- * on its own side of creases; where there is none, or no normal, it ends at once. By Gragg's method
- * with Bulirsch and Stoer's extrapolation, relative error per patch 1e-13 (towards a spike, where a
- * patch is a sliver, as much more as it is flat) and so some 1e-11 after a hundred patches; chaos
- * of the geodesic flow (negative curvature) multiplies it as it does the error of the start.
- * `control` and `detail` may be NULL; the caller frees `*out`. Errors: those of gd_limit_evaluate;
- * GD_INVALID_ARGUMENT (length, direction not finite, or nothing of it is tangent); GD_INTERNAL (no
- * step is short enough: control points all but coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. Some 50 us a patch. Thread-safe. */
+struct gd_limit_trace_request {
+    struct gd_limit_point start;
+    struct gd_vec3 direction; /* is projected onto the tangent plane */
+    double length;            /* >= 0 */
+};
+
+/* The geodesic from a place in a direction. It solves x'' normal to the surface with x = S(u,v),
+ * that is (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2, patch by
+ * patch: each is a polynomial, which goes on smoothly beyond its border, and is left exactly at the
+ * border. Over creases it goes on as it would if they were flattened; through extraordinary
+ * vertices along its tangent. A start at a vertex of which a face is told where the direction
+ * doesn't lead looks for the face where it does, on its own side of creases; where there is none,
+ * or no normal, it ends at once. By Gragg's method with Bulirsch and Stoer's extrapolation,
+ * relative error per patch 1e-13 (towards a spike, where a patch is a sliver, as much more as it is
+ * flat) and so some 1e-11 after a hundred patches; chaos of the geodesic flow (negative curvature)
+ * multiplies it as it does the error of the start. `control` and `detail` may be NULL; the caller
+ * frees `*out`. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length, direction not
+ * finite, or nothing of it is tangent); GD_INTERNAL (no step is short enough: control points all
+ * but coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Some 50 us a patch.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
-                                          const struct gd_limit_point *start,
-                                          struct gd_vec3 direction, double length,
+                                          const struct gd_limit_trace_request *request,
                                           const struct gd_control *control,
                                           struct gd_limit_path *out, struct gd_detail *detail);
 
@@ -65,7 +70,7 @@ struct gd_limit_geodesic {
     bool converged;
 };
 
-/* Relaxes a polyline of `count` >= 2 places, such as the shortest path on a discretization, onto
+/* Relaxes a polyline of at least two places, such as the shortest path on a discretization, onto
  * the geodesic of the limit surface between its ends: shooting. From the polyline's first way and
  * its length, Newton's method changes direction and length until the geodesic ends where it should;
  * how the end moves with the direction (the Jacobi field) is measured by a second geodesic beside
@@ -76,7 +81,7 @@ struct gd_limit_geodesic {
  * for the first place; of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two
  * places, or all in one point). Some ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
-                                          const struct gd_limit_point *places, size_t count,
+                                          const struct gd_limit_places *polyline,
                                           const struct gd_control *control,
                                           struct gd_limit_geodesic *out, struct gd_detail *detail);
 

@@ -23,19 +23,20 @@ struct gd_limit_shortest {
 /* Frees the steps and zeroes the struct. NULL is harmless. */
 void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
 
-/* The shortest path: the exact one on the mesh is looked for, and relaxed onto the limit surface
- * (gd_limit_relax). That is answered unless it does not converge, or is longer than the mesh's path
- * is when its places are joined on the limit surface: this is a curve there, so it bounds the
- * distance from above. Then that curve is the answer, and what it and the mesh's path differ by the
- * estimate of its error, both being of the same order. Where two ways are nearly as short the mesh
- * decides, and the answer may be the longer one by O(4^-level). `control` and `detail` may be NULL;
- * the caller frees `*out`. Errors: those of gd_limit_place_check; of gd_pair_solve; GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Thread-safe. Cost: a search on the mesh, and
- * some ten traces. */
-GD_MUST_USE enum gd_status
-gd_limit_shortest_find(const struct gd_limit_mesh *fine, const struct gd_limit_point *from,
-                       const struct gd_limit_point *to, const struct gd_control *control,
-                       struct gd_limit_shortest *out, struct gd_detail *detail);
+/* The shortest path from ends[0] to ends[1]: the exact one on the mesh is looked for, and relaxed
+ * onto the limit surface (gd_limit_relax). That is answered unless it does not converge, or is
+ * longer than the mesh's path is when its places are joined on the limit surface: this is a curve
+ * there, so it bounds the distance from above. Then that curve is the answer, and what it and the
+ * mesh's path differ by the estimate of its error, both being of the same order. Where two ways are
+ * nearly as short the mesh decides, and the answer may be the longer one by O(4^-level). `control`
+ * and `detail` may be NULL; the caller frees `*out`. Errors: those of gd_limit_place_check; of
+ * gd_pair_solve; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Thread-safe.
+ * Cost: a search on the mesh, and some ten traces. */
+GD_MUST_USE enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
+                                                  const struct gd_limit_point ends[2],
+                                                  const struct gd_control *control,
+                                                  struct gd_limit_shortest *out,
+                                                  struct gd_detail *detail);
 
 #ifdef __cplusplus
 }

@@ -148,9 +148,10 @@ static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first,
 {
     struct server_query *query = &evaluation->query;
     struct gd_limit_jet jets[LIMIT_ROUND];
-    enum gd_status status =
-        gd_limit_evaluate_many(subdivision_of(query), evaluation->places.limit.items + first, count,
-                               control, jets, &evaluation->detail);
+    enum gd_status status = gd_limit_evaluate_many(
+        subdivision_of(query),
+        &(struct gd_limit_places){evaluation->places.limit.items + first, count}, control, jets,
+        &evaluation->detail);
     for (uint32_t i = 0; i < count && !status; i++)
         proto_limit_jet_encode(&query->draft, &jets[i], &query->options);
     return status;

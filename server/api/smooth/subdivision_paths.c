@@ -70,8 +70,9 @@ static enum gd_status pair_search(struct pair *pair)
     struct server_budgeted_call call =
         server_query_begin_call(&pair->query, &monitor, SEARCH_BYTES + edges * BYTES_PER_EDGE);
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_limit_shortest_find(mesh, &pair->wanted.from, &pair->wanted.to,
-                                             &call.control, &pair->found, &pair->detail);
+        call.status = gd_limit_shortest_find(
+            mesh, (struct gd_limit_point[]){pair->wanted.from, pair->wanted.to}, &call.control,
+            &pair->found, &pair->detail);
         call.kept = 2 * (size_t)pair->found.step_count * sizeof *pair->found.steps;
     }
     return call.status;
@@ -85,8 +86,8 @@ static enum server_query_turn pair_solve(struct server_query *query, struct prot
     enum gd_status status =
         discretization_get(query, pair->wanted.level, &pair->discretization, &pair->detail);
     if (!status)
-        status =
-            gd_limit_evaluate_many(subdivision_of(query), places, 2, NULL, jets, &pair->detail);
+        status = gd_limit_evaluate_many(subdivision_of(query), &(struct gd_limit_places){places, 2},
+                                        NULL, jets, &pair->detail);
     if (!status) status = pair_search(pair);
     if (status) return server_smooth_fail(query, status, &pair->detail, "the search", problem);
     const struct gd_vec3 ends[2] = {jets[0].position, jets[1].position};
@@ -266,8 +267,10 @@ static enum gd_status smooth_write(struct trace *trace, uint32_t i)
         server_query_begin_call(&trace->query, &monitor, TRACE_BYTES);
     while (server_budgeted_call_next(&call)) {
         call.status =
-            gd_limit_trace(subdivision_of(&trace->query), &trace->wanted.start, trace->direction,
-                           trace->wanted.request.length, &call.control, path, &trace->detail);
+            gd_limit_trace(subdivision_of(&trace->query),
+                           &(struct gd_limit_trace_request){trace->wanted.start, trace->direction,
+                                                            trace->wanted.request.length},
+                           &call.control, path, &trace->detail);
         call.kept = 2 * (size_t)path->step_count * sizeof *path->steps;
     }
     if (call.status) return call.status;

@@ -19,7 +19,9 @@ static void check_places(const struct gd_subdivision *surface, const struct gd_d
 {
     uint32_t count = fine->polygons.position_count;
     struct gd_limit_jet *jets = malloc(count * sizeof *jets);
-    check_ok(gd_limit_evaluate_many(surface, fine->places, count, NULL, jets, NULL), NULL);
+    check_ok(gd_limit_evaluate_many(surface, &(struct gd_limit_places){fine->places, count}, NULL,
+                                    jets, NULL),
+             NULL);
     for (uint32_t i = 0; i < count; i++) {
         const double *p = fine->polygons.positions[i];
         check_near(jets[i].position, p[0], p[1], p[2], 1e-13);

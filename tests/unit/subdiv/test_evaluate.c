@@ -402,7 +402,9 @@ static void real_meshes(void **state)
             places[i] = (struct gd_limit_point){i / 4, 0, i % 4 == 0 ? 0 : 0.21 * (i % 4),
                                                 i % 4 == 0 ? 0 : 0.3};
         struct gd_detail detail = {0};
-        check_ok(gd_limit_evaluate_many(surface, places, 4 * faces, NULL, jets, &detail), &detail);
+        check_ok(gd_limit_evaluate_many(surface, &(struct gd_limit_places){places, 4 * faces}, NULL,
+                                        jets, &detail),
+                 &detail);
         for (uint32_t i = 0; i < 4 * faces; i++)
             check_close(gd_vec3_length(jets[i].normal), 1, 1e-13);
         free(places);

@@ -8,7 +8,9 @@ static struct gd_limit_mesh *fine_of(const struct gd_subdivision *surface, uint3
 {
     struct gd_limit_mesh *fine = NULL;
     struct gd_detail detail = {0};
-    check_ok(gd_limit_mesh_build(surface, level, 0, NULL, &fine, &detail), &detail);
+    check_ok(gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){.level = level}, NULL,
+                                 &fine, &detail),
+             &detail);
     return fine;
 }
 
@@ -110,10 +112,15 @@ static void mixed(void **state)
     const struct gd_limit_point outside = {1, 3, 0.5, 0.5};
     assert_int_equal(gd_limit_mesh_point(fine, &outside, &point, &detail), GD_OUT_OF_RANGE);
     gd_limit_mesh_free(fine);
-    assert_int_equal(gd_limit_mesh_build(surface, 0, 0, NULL, &fine, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_limit_mesh_build(surface, 4, 100, NULL, &fine, &detail), GD_TOO_LARGE);
-    assert_int_equal(gd_limit_mesh_build(surface, 4, 0, &(struct gd_control){.budget_bytes = 10000},
+    assert_int_equal(gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){.level = 0}, NULL,
                                          &fine, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){4, 100}, NULL, &fine, &detail),
+        GD_TOO_LARGE);
+    assert_int_equal(gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){.level = 4},
+                                         &(struct gd_control){.budget_bytes = 10000}, &fine,
+                                         &detail),
                      GD_BUDGET);
     assert_int_equal(gd_limit_mesh_least_level(surface), 1);
     gd_subdivision_release(surface);
@@ -127,9 +134,9 @@ static void levels(void **state)
     assert_int_equal(gd_limit_mesh_usual_level(surface), 6);
     size_t cost = gd_limit_mesh_cost(surface, 5);
     struct gd_limit_mesh *fine;
-    check_ok(
-        gd_limit_mesh_build(surface, 5, 0, &(struct gd_control){.budget_bytes = cost}, &fine, NULL),
-        NULL);
+    check_ok(gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){.level = 5},
+                                 &(struct gd_control){.budget_bytes = cost}, &fine, NULL),
+             NULL);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }

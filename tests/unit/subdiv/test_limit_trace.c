@@ -10,7 +10,9 @@ static struct gd_limit_path trace(const struct gd_subdivision *surface, struct g
 {
     struct gd_limit_path path = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_limit_trace(surface, &start, direction, length, NULL, &path, &detail), &detail);
+    check_ok(gd_limit_trace(surface, &(struct gd_limit_trace_request){start, direction, length},
+                            NULL, &path, &detail),
+             &detail);
     return path;
 }
 
@@ -216,13 +218,25 @@ static void refusals(void **state)
     struct gd_limit_path path;
     struct gd_limit_point at = {0, 0, 0.5, 0.5};
     struct gd_vec3 up = {0, 0, 1}, none = {0, 0, 0}, along = {1, 0, 0};
-    assert_int_equal(gd_limit_trace(cube, &at, up, 1, NULL, &path, NULL), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_limit_trace(cube, &at, none, 1, NULL, &path, NULL), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_limit_trace(cube, &at, along, -1, NULL, &path, NULL), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_limit_trace(cube, &at, along, NAN, NULL, &path, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_trace(cube, &(struct gd_limit_trace_request){at, up, 1}, NULL, &path, NULL),
+        GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_trace(cube, &(struct gd_limit_trace_request){at, none, 1}, NULL, &path, NULL),
+        GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_trace(cube, &(struct gd_limit_trace_request){at, along, -1}, NULL, &path, NULL),
+        GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_trace(cube, &(struct gd_limit_trace_request){at, along, NAN}, NULL, &path, NULL),
+        GD_INVALID_ARGUMENT);
     struct gd_control late = {.deadline_ns = 1}, small = {.budget_bytes = 100};
-    assert_int_equal(gd_limit_trace(cube, &at, along, 1, &late, &path, NULL), GD_DEADLINE);
-    assert_int_equal(gd_limit_trace(cube, &at, along, 1, &small, &path, NULL), GD_BUDGET);
+    assert_int_equal(
+        gd_limit_trace(cube, &(struct gd_limit_trace_request){at, along, 1}, &late, &path, NULL),
+        GD_DEADLINE);
+    assert_int_equal(
+        gd_limit_trace(cube, &(struct gd_limit_trace_request){at, along, 1}, &small, &path, NULL),
+        GD_BUDGET);
     path = trace(cube, at, along, 0);
     assert_int_equal(path.step_count, 1);
     gd_limit_path_free(&path);
@@ -241,9 +255,11 @@ static void check_thousand(const char *path, double part)
     }
     struct gd_limit_mesh *fine;
     struct gd_detail detail = {0};
-    check_ok(
-        gd_limit_mesh_build(surface, gd_limit_mesh_usual_level(surface), 0, NULL, &fine, &detail),
-        &detail);
+    check_ok(gd_limit_mesh_build(
+                 surface,
+                 &(struct gd_limit_mesh_options){.level = gd_limit_mesh_usual_level(surface)}, NULL,
+                 &fine, &detail),
+             &detail);
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(fine);
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
     double length = part * gd_vec3_distance(summary->min, summary->max);

@@ -16,12 +16,18 @@ static void check_found(const struct gd_subdivision *surface, uint32_t faces, do
             gd_vec3_along(gd_vec3_scale(jet.du, cos(angle)), sin(angle), jet.dv);
         struct gd_vec3 aside = gd_vec3_along(direction, 0.2, gd_vec3_cross(jet.normal, direction));
         struct gd_limit_path path, off;
-        check_ok(gd_limit_trace(surface, &start, direction, length, NULL, &path, NULL), NULL);
-        check_ok(gd_limit_trace(surface, &start, aside, length / 2, NULL, &off, NULL), NULL);
+        check_ok(gd_limit_trace(surface, &(struct gd_limit_trace_request){start, direction, length},
+                                NULL, &path, NULL),
+                 NULL);
+        check_ok(gd_limit_trace(surface, &(struct gd_limit_trace_request){start, aside, length / 2},
+                                NULL, &off, NULL),
+                 NULL);
         struct gd_limit_point polyline[3] = {start, off.steps[off.step_count - 1].place,
                                              path.steps[path.step_count - 1].place};
         struct gd_limit_geodesic found = {0};
-        check_ok(gd_limit_relax(surface, polyline, 3, NULL, &found, NULL), NULL);
+        check_ok(
+            gd_limit_relax(surface, &(struct gd_limit_places){polyline, 3}, NULL, &found, NULL),
+            NULL);
         assert_true(found.converged);
         check_close(found.path.length, length, 1e-10);
         assert_true(fabs(found.path.length - length) <= found.error_estimate + 1e-13 * length);
@@ -57,16 +63,21 @@ static void around_a_corner(void **state)
     const struct gd_limit_point polyline[3] = {
         {1, 0, 0.9, 0.9}, {0, 0, 0.8, 0.8}, {2, 0, 0.9, 0.9}};
     struct gd_limit_geodesic found = {0};
-    check_ok(gd_limit_relax(corner, polyline, 3, NULL, &found, NULL), NULL);
+    check_ok(gd_limit_relax(corner, &(struct gd_limit_places){polyline, 3}, NULL, &found, NULL),
+             NULL);
     assert_false(found.converged);
     assert_null(found.path.steps);
     /* leads over the gap, straight to the end */
     const struct gd_limit_point chord[2] = {polyline[0], polyline[2]};
-    check_ok(gd_limit_relax(corner, chord, 2, NULL, &found, NULL), NULL);
+    check_ok(gd_limit_relax(corner, &(struct gd_limit_places){chord, 2}, NULL, &found, NULL), NULL);
     assert_false(found.converged);
-    assert_int_equal(gd_limit_relax(corner, polyline, 1, NULL, &found, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_relax(corner, &(struct gd_limit_places){polyline, 1}, NULL, &found, NULL),
+        GD_INVALID_ARGUMENT);
     const struct gd_limit_point nowhere[2] = {polyline[0], polyline[0]};
-    assert_int_equal(gd_limit_relax(corner, nowhere, 2, NULL, &found, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_limit_relax(corner, &(struct gd_limit_places){nowhere, 2}, NULL, &found, NULL),
+        GD_INVALID_ARGUMENT);
     gd_subdivision_release(corner);
 }
 

@@ -6,7 +6,9 @@ static struct gd_limit_mesh *fine_of(const struct gd_subdivision *surface, uint3
 {
     struct gd_limit_mesh *fine = NULL;
     struct gd_detail detail = {0};
-    check_ok(gd_limit_mesh_build(surface, level, 0, NULL, &fine, &detail), &detail);
+    check_ok(gd_limit_mesh_build(surface, &(struct gd_limit_mesh_options){.level = level}, NULL,
+                                 &fine, &detail),
+             &detail);
     return fine;
 }
 
@@ -15,7 +17,9 @@ static struct gd_limit_shortest find(const struct gd_limit_mesh *fine, struct gd
 {
     struct gd_limit_shortest shortest = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_limit_shortest_find(fine, &from, &to, NULL, &shortest, &detail), &detail);
+    check_ok(
+        gd_limit_shortest_find(fine, (struct gd_limit_point[]){from, to}, NULL, &shortest, &detail),
+        &detail);
     return shortest;
 }
 
@@ -146,9 +150,10 @@ static void edges(void **state)
     shortest = find(fine, here, (struct gd_limit_point){0, 0, 0.3, 0.4 + 1e-13});
     assert_true(shortest.distance < 1e-12);
     gd_limit_shortest_free(&shortest);
-    assert_int_equal(gd_limit_shortest_find(fine, &here, &nowhere, NULL, &shortest, NULL),
+    assert_int_equal(gd_limit_shortest_find(fine, (struct gd_limit_point[]){here, nowhere}, NULL,
+                                            &shortest, NULL),
                      GD_OUT_OF_RANGE);
-    assert_int_equal(gd_limit_shortest_find(fine, &here, &here,
+    assert_int_equal(gd_limit_shortest_find(fine, (struct gd_limit_point[]){here, here},
                                             &(struct gd_control){.deadline_ns = 1}, &shortest,
                                             NULL),
                      GD_DEADLINE);
