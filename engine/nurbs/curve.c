@@ -296,11 +296,12 @@ enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double
     return make(surface, 0, (double[]){0, 1}, at, 1, NULL, out, detail);
 }
 
-enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree,
-                                       const double *knots, const double (*points)[2],
-                                       uint32_t count, const struct gd_control *control,
+enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface,
+                                       const struct gd_domain_bspline *spline,
+                                       const struct gd_control *control,
                                        struct gd_domain_curve **out, struct gd_detail *detail)
 {
+    uint32_t degree = spline->degree, count = spline->count;
     if (degree < 1 || degree > GD__DEGREE_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve's degree is between 1 and %d",
                        GD__DEGREE_MAX);
@@ -308,16 +309,20 @@ enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "a curve of degree %u has between %u and %d points", degree, degree + 1,
                        GD_DOMAIN_CURVE_COUNT_MAX);
-    enum gd_status status = check_places(surface, points, count, detail);
-    if (!status) status = check_knots(degree, knots, count, detail);
-    return status ? status : make(surface, degree, knots, points, count, control, out, detail);
+    enum gd_status status = check_places(surface, spline->points, count, detail);
+    if (!status) status = check_knots(degree, spline->knots, count, detail);
+    return status
+               ? status
+               : make(surface, degree, spline->knots, spline->points, count, control, out, detail);
 }
 
 enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
-                                        const double (*corners)[2], uint32_t count,
+                                        const struct gd_domain_polyline *polyline,
                                         const struct gd_control *control,
                                         struct gd_domain_curve **out, struct gd_detail *detail)
 {
+    const double(*corners)[2] = polyline->corners;
+    uint32_t count = polyline->count;
     if (count < 2 || count > GD_DOMAIN_CURVE_COUNT_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has between 2 and %d corners",
                        GD_DOMAIN_CURVE_COUNT_MAX);
@@ -351,9 +356,11 @@ enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_
     if (gd__surface_pole(surface, k, at))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the line %c = %.17g is a pole: one point of the surface", "uv"[k], at);
-    return gd_domain_curve_bspline(surface, 1,
-                                   (double[]){along->low, along->low, along->high, along->high},
-                                   (const double(*)[2])ends, 2, NULL, out, detail);
+    return gd_domain_curve_bspline(
+        surface,
+        &(struct gd_domain_bspline){1, (double[]){along->low, along->low, along->high, along->high},
+                                    (const double(*)[2])ends, 2},
+        NULL, out, detail);
 }
 
 struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve)

@@ -251,13 +251,13 @@ static enum gd_status solve(const struct gd__task *task,
 }
 
 enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
-                                 const struct gd_domain_curve *from,
-                                 const struct gd_domain_curve *to,
-                                 const struct gd_geodesic_options *options,
+                                 const struct gd_geodesic_request *request,
                                  const struct gd_control *control, struct gd_geodesics *out,
                                  struct gd_detail *detail)
 {
-    struct gd_geodesic_options o = options ? *options : (struct gd_geodesic_options){0};
+    const struct gd_domain_curve *from = request->from, *to = request->to;
+    struct gd_geodesic_options o =
+        request->options ? *request->options : (struct gd_geodesic_options){0};
     enum gd_status status = check(tessellation, from, to, &o, detail);
     if (status) return status;
     bool meet;

@@ -124,10 +124,11 @@ static void graph_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, doubl
                            .vv = {0, 0, sum[2][0]}};
 }
 
-enum gd_status gd_parametric_graph(uint32_t degree_u, uint32_t degree_v, const double *coefficients,
-                                   const double u_range[2], const double v_range[2],
-                                   struct gd_parametric **out, struct gd_detail *detail)
+enum gd_status gd_parametric_graph(const struct gd_graph *wanted, struct gd_parametric **out,
+                                   struct gd_detail *detail)
 {
+    uint32_t degree_u = wanted->degree_u, degree_v = wanted->degree_v;
+    const double *u_range = wanted->u_range, *v_range = wanted->v_range;
     if (degree_u > GD_GRAPH_DEGREE_MAX || degree_v > GD_GRAPH_DEGREE_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a polynomial's degrees must not be above %d",
                        GD_GRAPH_DEGREE_MAX);
@@ -136,7 +137,7 @@ enum gd_status gd_parametric_graph(uint32_t degree_u, uint32_t degree_v, const d
                        "a graph needs two finite ranges [low, high] with low < high");
     uint32_t count = (degree_u + 1) * (degree_v + 1);
     for (uint32_t i = 0; i < count; i++)
-        if (!isfinite(coefficients[i]))
+        if (!isfinite(wanted->coefficients[i]))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
                            "coefficient %u of the polynomial is not finite", i);
     size_t bytes = sizeof(struct graph) + count * sizeof(double);
@@ -144,7 +145,7 @@ enum gd_status gd_parametric_graph(uint32_t degree_u, uint32_t degree_v, const d
     if (!graph) return no_memory(detail);
     graph->degree_u = degree_u;
     graph->degree_v = degree_v;
-    memcpy(graph->coefficients, coefficients, count * sizeof(double));
+    memcpy(graph->coefficients, wanted->coefficients, count * sizeof(double));
     return gd_parametric_create(&(struct gd_evaluator){{.low = u_range[0], .high = u_range[1]},
                                                        {.low = v_range[0], .high = v_range[1]},
                                                        graph_jet,

@@ -170,8 +170,10 @@ static enum gd_status make_iso(const struct gd_parametric *surface,
         ends[i][fixed] = curve->value;
         ends[i][1 - fixed] = curve->range[i];
     }
-    return gd_domain_curve_bspline(surface, 1, (double[]){low, low, high, high},
-                                   (const double(*)[2])ends, 2, control, out, detail);
+    return gd_domain_curve_bspline(surface,
+                                   &(struct gd_domain_bspline){1, (double[]){low, low, high, high},
+                                                               (const double(*)[2])ends, 2},
+                                   control, out, detail);
 }
 
 static enum gd_status make(const struct gd_parametric *surface,
@@ -181,10 +183,14 @@ static enum gd_status make(const struct gd_parametric *surface,
     const double(*points)[2] = (const double(*)[2])curve->points.items;
     switch (curve->kind) {
     case PROTO_DOMAIN_CURVE_POLYLINE:
-        return gd_domain_curve_polyline(surface, points, curve->points.count, control, out, detail);
+        return gd_domain_curve_polyline(surface,
+                                        &(struct gd_domain_polyline){points, curve->points.count},
+                                        control, out, detail);
     case PROTO_DOMAIN_CURVE_BSPLINE:
-        return gd_domain_curve_bspline(surface, curve->degree, curve->knots, points,
-                                       curve->points.count, control, out, detail);
+        return gd_domain_curve_bspline(
+            surface,
+            &(struct gd_domain_bspline){curve->degree, curve->knots, points, curve->points.count},
+            control, out, detail);
     case PROTO_DOMAIN_CURVE_ISO:
         return make_iso(surface, curve, control, out, detail);
     case PROTO_DOMAIN_CURVE_POINT:
@@ -203,8 +209,9 @@ static enum gd_status close_polyline(const struct gd_parametric *surface,
     if (!corners) return GD_NO_MEMORY;
     memcpy(corners, curve->points.items, count * sizeof *corners);
     memcpy(corners[count], corners[0], sizeof *corners);
-    enum gd_status status = gd_domain_curve_polyline(surface, (const double(*)[2])corners,
-                                                     count + 1, control, out, detail);
+    enum gd_status status = gd_domain_curve_polyline(
+        surface, &(struct gd_domain_polyline){(const double(*)[2])corners, count + 1}, control, out,
+        detail);
     free(corners);
     return status;
 }

@@ -98,9 +98,11 @@ static bool decode_graph(const json_t *value, const char *place, struct gd_param
     return proto_decode_object(value, place, members, problem) &&
            decode_coefficients(value, place, &polynomial, problem) &&
            decode_ranges(value, place, u, v, problem) &&
-           finish(gd_parametric_graph(polynomial.rows - 1, polynomial.columns - 1,
-                                      polynomial.coefficients, u, v, out, &detail),
-                  &detail, place, problem);
+           finish(
+               gd_parametric_graph(&(struct gd_graph){polynomial.rows - 1, polynomial.columns - 1,
+                                                      polynomial.coefficients, u, v},
+                                   out, &detail),
+               &detail, place, problem);
 }
 
 /* --- surface of revolution -------------------------------------------------------------------- */

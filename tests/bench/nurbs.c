@@ -63,7 +63,9 @@ static double solve(const struct scene *scene, const struct gd_domain_curve *fro
     struct gd_geodesics found;
     struct gd_detail detail = {0};
     bench_require(
-        gd_geodesic_solve(scene->tessellation, from, to, options, bench_control(), &found, &detail),
+        gd_geodesic_solve(scene->tessellation,
+                          &(struct gd_geodesic_request){.from = from, .to = to, .options = options},
+                          bench_control(), &found, &detail),
         &detail);
     double length = found.items[0].length;
     for (uint32_t i = 0; points && i < found.items[0].piece_count; i++)
@@ -78,7 +80,9 @@ static double shoot_scene(const struct scene *scene)
     struct gd_geodesics found;
     double places[257][2];
     bench_require(
-        gd_geodesic_solve(scene->tessellation, scene->from, scene->to, NULL, NULL, &found, NULL),
+        gd_geodesic_solve(scene->tessellation,
+                          &(struct gd_geodesic_request){.from = scene->from, .to = scene->to}, NULL,
+                          &found, NULL),
         NULL);
     const struct gd_geodesic *path = &found.items[0];
     bench_require(gd_geodesic_sample(scene->surface, path, 257, places, NULL), NULL);

@@ -39,7 +39,9 @@ static void open_surfaces(void)
     sphere_b = point_at(sphere, 0.55, 0.8);
     sheet_a = point_at(sheet, 0.05, 0.1);
     sheet_b = point_at(sheet, 0.9, 0.8);
-    check_ok(gd_geodesic_solve(on_tube, tube_a, tube_b, NULL, NULL, &found, NULL), NULL);
+    check_ok(gd_geodesic_solve(on_tube, &(struct gd_geodesic_request){.from = tube_a, .to = tube_b},
+                               NULL, &found, NULL),
+             NULL);
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */
@@ -163,8 +165,9 @@ static enum gd_status create_helicoid(void *out)
 
 static enum gd_status create_graph(void *out)
 {
-    return gd_parametric_graph(1, 1, (const double[4]){0, 0, 0, 1}, (const double[2]){0, 1},
-                               (const double[2]){0, 1}, out, NULL);
+    return gd_parametric_graph(&(struct gd_graph){1, 1, (const double[4]){0, 0, 0, 1},
+                                                  (const double[2]){0, 1}, (const double[2]){0, 1}},
+                               out, NULL);
 }
 
 static enum gd_status create_revolution(void *out)
@@ -199,16 +202,20 @@ static enum gd_status build_near_tessellation(void *out)
 
 static enum gd_status build_polyline(void *out)
 {
-    return gd_domain_curve_polyline(sheet, (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}},
-                                    3, NULL, out, NULL);
+    return gd_domain_curve_polyline(
+        sheet,
+        &(struct gd_domain_polyline){(const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}}, 3},
+        NULL, out, NULL);
 }
 
 static enum gd_status build_bspline(void *out)
 {
     static const double knots[] = {0, 0, 0, 1, 1, 1};
-    return gd_domain_curve_bspline(sheet, 2, knots,
-                                   (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}}, 3,
-                                   NULL, out, NULL);
+    return gd_domain_curve_bspline(
+        sheet,
+        &(struct gd_domain_bspline){2, knots,
+                                    (const double[3][2]){{0.1, 0.1}, {0.4, 0.2}, {0.5, 0.6}}, 3},
+        NULL, out, NULL);
 }
 
 static enum gd_status build_iso(void *out)
@@ -226,7 +233,9 @@ static enum gd_status solve(const struct gd_tessellation *on, const struct gd_do
                             const struct gd_geodesic_options *options, void *out)
 {
     struct gd_detail detail = {0};
-    return gd_geodesic_solve(on, from, to, options, NULL, out, &detail);
+    return gd_geodesic_solve(
+        on, &(struct gd_geodesic_request){.from = from, .to = to, .options = options}, NULL, out,
+        &detail);
 }
 
 static enum gd_status solve_tube(void *out)

@@ -36,19 +36,30 @@ GD_MUST_USE enum gd_status gd_domain_curve_point(const struct gd_parametric *sur
                                                  double v, struct gd_domain_curve **out,
                                                  struct gd_detail *detail);
 
-/* Corners (u, v), at least two. In closed directions they may leave [low, high]: so a curve winds
- * around. */
+struct gd_domain_polyline {
+    const double (*corners)[2]; /* (u, v) */
+    uint32_t count;             /* at least 2 */
+};
+
+/* In closed directions corners may leave [low, high]: so a curve winds around. */
 GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
-                                                    const double (*corners)[2], uint32_t count,
+                                                    const struct gd_domain_polyline *polyline,
                                                     const struct gd_control *control,
                                                     struct gd_domain_curve **out,
                                                     struct gd_detail *detail);
 
-/* `knots`: count + degree + 1 of them. */
-GD_MUST_USE enum gd_status
-gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree, const double *knots,
-                        const double (*points)[2], uint32_t count, const struct gd_control *control,
-                        struct gd_domain_curve **out, struct gd_detail *detail);
+struct gd_domain_bspline {
+    uint32_t degree;
+    const double *knots; /* count + degree + 1 */
+    const double (*points)[2];
+    uint32_t count;
+};
+
+GD_MUST_USE enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface,
+                                                   const struct gd_domain_bspline *spline,
+                                                   const struct gd_control *control,
+                                                   struct gd_domain_curve **out,
+                                                   struct gd_detail *detail);
 
 GD_MUST_USE enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface,
                                                enum gd_iso fixed, double at,

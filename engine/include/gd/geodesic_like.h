@@ -1,8 +1,9 @@
 /* Geodesic-like curves: shortest paths on a parametric surface between points and curves, as
  * B-splines in its domain.
  *
+ *     struct gd_geodesic_request request = {.from = from, .to = to};
  *     struct gd_geodesics found;
- *     if (gd_geodesic_solve(tessellation, from, to, NULL, NULL, &found, &detail) == GD_OK) {
+ *     if (gd_geodesic_solve(tessellation, &request, NULL, &found, &detail) == GD_OK) {
  *         printf("%.17g\n", found.items[0].length);
  *         gd_geodesics_free(&found);
  *     }
@@ -39,6 +40,11 @@ struct gd_geodesic_options {
     /* error of the length, relative, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
     double tolerance;
     bool all_minima; /* every local minimum that the seeds lead to, not only the shortest */
+};
+
+struct gd_geodesic_request {
+    const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
+    const struct gd_geodesic_options *options; /* NULL: all zero */
 };
 
 /* A B-spline piece of the answer: clamped knots on [0, 1], points (u, v). Coordinates of closed
@@ -93,15 +99,13 @@ void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
  * nothing better was found, the answer is one path with GD_GEODESIC_NOT_MINIMAL. Curves that meet:
  * length 0, no pieces. The result does not depend on which of the two is `from`, up to rounding.
  * The search for the global minimum is as good as the tessellation: it must tell the ways around
- * the surface's features apart. `options`, `control` and `detail` may be NULL. Errors:
+ * the surface's features apart. `control` and `detail` may be NULL. Errors:
  * GD_INVALID_ARGUMENT (a curve of another surface, options out of range), those of gd_field_build,
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path could be followed at
  * all). Cost: two fields of the tessellation and some 20 Newton steps, milliseconds.
  * Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
-                                             const struct gd_domain_curve *from,
-                                             const struct gd_domain_curve *to,
-                                             const struct gd_geodesic_options *options,
+                                             const struct gd_geodesic_request *request,
                                              const struct gd_control *control,
                                              struct gd_geodesics *out, struct gd_detail *detail);
 

@@ -137,11 +137,16 @@ GD_MUST_USE enum gd_status gd_parametric_helicoid(double pitch, const double u_r
 
 #define GD_GRAPH_DEGREE_MAX 16
 
-/* (u, v, sum of coefficients[i * (degree_v + 1) + j] u^i v^j): the graph of a polynomial; all
- * coefficients zero: a plane. */
-GD_MUST_USE enum gd_status gd_parametric_graph(uint32_t degree_u, uint32_t degree_v,
-                                               const double *coefficients, const double u_range[2],
-                                               const double v_range[2], struct gd_parametric **out,
+/* z = sum of coefficients[i * (degree_v + 1) + j] u^i v^j; all coefficients zero: a plane. */
+struct gd_graph {
+    uint32_t degree_u, degree_v; /* at most GD_GRAPH_DEGREE_MAX */
+    const double *coefficients;
+    const double *u_range, *v_range; /* low and high of each */
+};
+
+/* (u, v, z): the graph of a polynomial. The arrays are borrowed for the call. */
+GD_MUST_USE enum gd_status gd_parametric_graph(const struct gd_graph *graph,
+                                               struct gd_parametric **out,
                                                struct gd_detail *detail);
 
 /* A profile in the plane of (radius, height): a clamped or unclamped B-spline or NURBS curve. */

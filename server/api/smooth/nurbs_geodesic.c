@@ -83,9 +83,11 @@ static enum server_query_turn search_solve(struct server_query *query,
         server_query_begin_call(query, &monitor, SEARCH_BYTES + faces * BYTES_PER_FACE);
     if (!search_locate(search, &monitor, problem)) return SERVER_QUERY_FAILED;
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_geodesic_solve(tessellation, search->ends[0], search->ends[1],
-                                        &search->wanted.options, &call.control, &search->found,
-                                        &search->detail);
+        call.status = gd_geodesic_solve(
+            tessellation,
+            &(struct gd_geodesic_request){
+                .from = search->ends[0], .to = search->ends[1], .options = &search->wanted.options},
+            &call.control, &search->found, &search->detail);
         if (!call.status) call.kept = found_bytes(&search->found);
     }
     if (call.status == GD_INVALID_ARGUMENT) {

@@ -73,8 +73,11 @@ static inline enum gd_status face_outline(const struct gd_parametric *surface, d
         points[i][0] = u + a * cos(angle);
         points[i][1] = v + b * sin(angle);
     }
-    return gd_domain_curve_bspline(surface, FACE_DEGREE, knots, (const double(*)[2])points,
-                                   FACE_CORNERS + FACE_DEGREE, NULL, out, NULL);
+    return gd_domain_curve_bspline(surface,
+                                   &(struct gd_domain_bspline){FACE_DEGREE, knots,
+                                                               (const double(*)[2])points,
+                                                               FACE_CORNERS + FACE_DEGREE},
+                                   NULL, out, NULL);
 }
 
 static inline enum gd_status face_eye(const struct gd_parametric *face, int side,

@@ -160,7 +160,8 @@ static inline struct gd_parametric *plane(double half)
 {
     struct gd_parametric *surface;
     double range[2] = {-half, half}, zero = 0;
-    check_ok(gd_parametric_graph(0, 0, &zero, range, range, &surface, NULL), NULL);
+    check_ok(gd_parametric_graph(&(struct gd_graph){0, 0, &zero, range, range}, &surface, NULL),
+             NULL);
     return surface;
 }
 
@@ -176,7 +177,8 @@ static inline struct gd_parametric *helicoid(void)
 static inline struct gd_parametric *bilinear(void)
 {
     struct gd_parametric *surface;
-    check_ok(gd_parametric_graph(1, 1, (double[]){0, 0, 0, 1}, (double[]){0, 1}, (double[]){0, 1},
+    check_ok(gd_parametric_graph(&(struct gd_graph){1, 1, (double[]){0, 0, 0, 1}, (double[]){0, 1},
+                                                    (double[]){0, 1}},
                                  &surface, NULL),
              NULL);
     return surface;
@@ -225,8 +227,10 @@ static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surfac
     for (int i = 0; i < COUNT + DEGREE + 1; i++) knots[i] = i - DEGREE;
     struct gd_domain_curve *curve;
     struct gd_detail detail = {0};
-    check_ok(gd_domain_curve_bspline(surface, DEGREE, knots, (const double(*)[2])points, COUNT,
-                                     NULL, &curve, &detail),
+    check_ok(gd_domain_curve_bspline(
+                 surface,
+                 &(struct gd_domain_bspline){DEGREE, knots, (const double(*)[2])points, COUNT},
+                 NULL, &curve, &detail),
              &detail);
     return curve;
 }

@@ -22,7 +22,9 @@ static void iso_lines_and_loops_are_closed(void **state)
     gd_domain_curve_release(loop);
     /* twice around the axis and once around the tube */
     const double ends[2][2] = {{0.1, 0.2}, {2.1, 1.2}};
-    check_ok(gd_domain_curve_polyline(ring, ends, 2, NULL, &line, NULL), NULL);
+    check_ok(
+        gd_domain_curve_polyline(ring, &(struct gd_domain_polyline){ends, 2}, NULL, &line, NULL),
+        NULL);
     assert_true(gd_domain_curve_is_closed(line));
     gd_domain_curve_release(line);
     gd_parametric_release(ring);
@@ -36,7 +38,9 @@ static void breaks_at_every_line(void **state)
     struct gd_parametric *surface = nurbs_bumps(60, 60, 0.3, 11); /* 56 lines in either direction */
     const double ends[2][2] = {{0, 0.031}, {1, 0.957}};
     struct gd_domain_curve *iso = iso_at(surface, GD_ISO_U, 0.3), *line;
-    check_ok(gd_domain_curve_polyline(surface, ends, 2, NULL, &line, NULL), NULL);
+    check_ok(
+        gd_domain_curve_polyline(surface, &(struct gd_domain_polyline){ends, 2}, NULL, &line, NULL),
+        NULL);
     assert_int_equal(iso->break_count, 58);
     for (int i = 0; i < 58; i++) assert_true(fabs(iso->breaks[i] - i / 57.0) < 1e-12);
     assert_int_equal(line->break_count, 58 + 53); /* v from 0.031 to 0.957: lines 2 to 54 */
@@ -70,26 +74,35 @@ static void wrong_curves_are_refused(void **state)
                  nowhere[2][2] = {{0, 0}, {NAN, 0}}, good[2][2] = {{0, 0}, {1, 0}},
                  far[2][2] = {{0, 0.5}, {1e300, 0.5}}, falling[4] = {0, 1, 0, 1},
                  empty[4] = {0, 1, 1, 2};
-    assert_int_equal(gd_domain_curve_polyline(flat, outside, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_polyline(flat, &(struct gd_domain_polyline){outside, 2}, NULL,
+                                              &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, twice, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_polyline(flat, &(struct gd_domain_polyline){twice, 2}, NULL,
+                                              &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, nowhere, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_polyline(flat, &(struct gd_domain_polyline){nowhere, 2}, NULL,
+                                              &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, good, 1, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_polyline(flat, &(struct gd_domain_polyline){good, 1}, NULL,
+                                              &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 1, falling, good, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_bspline(flat, &(struct gd_domain_bspline){1, falling, good, 2},
+                                             NULL, &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 1, empty, good, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_bspline(flat, &(struct gd_domain_bspline){1, empty, good, 2},
+                                             NULL, &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 0, empty, good, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_bspline(flat, &(struct gd_domain_bspline){0, empty, good, 2},
+                                             NULL, &curve, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 2, empty, good, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_bspline(flat, &(struct gd_domain_bspline){2, empty, good, 2},
+                                             NULL, &curve, &detail),
                      GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_point(flat, 0, INFINITY, &curve, &detail),
                      GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_point(sphere, 1e7, 0.5, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(sphere, far, 2, NULL, &curve, &detail),
+    assert_int_equal(gd_domain_curve_polyline(sphere, &(struct gd_domain_polyline){far, 2}, NULL,
+                                              &curve, &detail),
                      GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_iso(flat, GD_ISO_U, 1.5, &curve, &detail),
                      GD_INVALID_ARGUMENT);

@@ -38,8 +38,11 @@ static struct gd_geodesics solve(const struct scene *scene,
 {
     struct gd_geodesics found;
     struct gd_detail detail = {0};
-    check_ok(gd_geodesic_solve(scene->tessellation, scene->eyes[0], scene->eyes[1], options, NULL,
-                               &found, &detail),
+    check_ok(gd_geodesic_solve(scene->tessellation,
+                               &(struct gd_geodesic_request){.from = scene->eyes[0],
+                                                             .to = scene->eyes[1],
+                                                             .options = options},
+                               NULL, &found, &detail),
              &detail);
     return found;
 }

@@ -32,8 +32,11 @@ static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_cur
 {
     struct gd_geodesics found;
     struct gd_detail detail = {0};
-    check_ok(gd_geodesic_solve(scene->tessellation, from, to, options, NULL, &found, &detail),
-             &detail);
+    check_ok(
+        gd_geodesic_solve(scene->tessellation,
+                          &(struct gd_geodesic_request){.from = from, .to = to, .options = options},
+                          NULL, &found, &detail),
+        &detail);
     gd_domain_curve_release(from);
     gd_domain_curve_release(to);
     return found;
@@ -208,9 +211,13 @@ static void corners_that_are_none_do_not_matter(void **state)
     const double ends[2][2] = {{0.05, 0.9}, {0.95, 0.8}};
     for (int i = 1; i < 8; i++) {
         struct gd_domain_curve *plain, *broken;
-        check_ok(gd_domain_curve_polyline(scene.surface, ends, 2, NULL, &plain, NULL), NULL);
-        check_ok(gd_domain_curve_polyline(scene.surface, (const double(*)[2])corners, CORNERS + 1,
-                                          NULL, &broken, NULL),
+        check_ok(gd_domain_curve_polyline(scene.surface, &(struct gd_domain_polyline){ends, 2},
+                                          NULL, &plain, NULL),
+                 NULL);
+        check_ok(gd_domain_curve_polyline(
+                     scene.surface,
+                     &(struct gd_domain_polyline){(const double(*)[2])corners, CORNERS + 1}, NULL,
+                     &broken, NULL),
                  NULL);
         struct gd_geodesics one =
             solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), plain, NULL);
@@ -327,7 +334,9 @@ static void a_polyline_ends_in_its_corner(void **state)
     struct scene scene = open_scene(plane(3));
     struct gd_domain_curve *bent;
     const double corners[3][2] = {{2, -1}, {1, 0}, {2, 1}};
-    check_ok(gd_domain_curve_polyline(scene.surface, corners, 3, NULL, &bent, NULL), NULL);
+    check_ok(gd_domain_curve_polyline(scene.surface, &(struct gd_domain_polyline){corners, 3}, NULL,
+                                      &bent, NULL),
+             NULL);
     struct gd_geodesics found = solve(&scene, point_at(scene.surface, -1, 0.125), bent, NULL);
     assert_true(found.items[0].warnings & GD_GEODESIC_CURVE_CORNER);
     check_close(found.items[0].to_parameter, 1, 1e-12);
@@ -390,15 +399,23 @@ static void wrong_questions_are_refused(void **state)
     struct gd_geodesics found;
     struct gd_detail detail;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        assert_int_equal(
-            gd_geodesic_solve(scene.tessellation, a, b, &wrong[i], NULL, &found, &detail),
-            GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, c, NULL, NULL, &found, &detail),
+        assert_int_equal(gd_geodesic_solve(scene.tessellation,
+                                           &(struct gd_geodesic_request){
+                                               .from = a, .to = b, .options = &wrong[i]},
+                                           NULL, &found, &detail),
+                         GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_geodesic_solve(scene.tessellation,
+                                       &(struct gd_geodesic_request){.from = a, .to = c}, NULL,
+                                       &found, &detail),
                      GD_INVALID_ARGUMENT);
     struct gd_control late = {.deadline_ns = 1}, poor = {.budget_bytes = 1000};
-    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, NULL, &late, &found, &detail),
+    assert_int_equal(gd_geodesic_solve(scene.tessellation,
+                                       &(struct gd_geodesic_request){.from = a, .to = b}, &late,
+                                       &found, &detail),
                      GD_DEADLINE);
-    assert_int_equal(gd_geodesic_solve(scene.tessellation, a, b, NULL, &poor, &found, &detail),
+    assert_int_equal(gd_geodesic_solve(scene.tessellation,
+                                       &(struct gd_geodesic_request){.from = a, .to = b}, &poor,
+                                       &found, &detail),
                      GD_BUDGET);
     gd_domain_curve_release(a);
     gd_domain_curve_release(b);

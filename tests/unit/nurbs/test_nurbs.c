@@ -217,10 +217,12 @@ static void wrong_shapes_are_refused(void **state)
                      GD_INVALID_ARGUMENT);
     assert_int_equal(gd_parametric_helicoid(1, back, range, &surface, &detail),
                      GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_parametric_graph(17, 0, bad, range, range, &surface, &detail),
-                     GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_parametric_graph(0, 0, bad, range, range, &surface, &detail),
-                     GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_parametric_graph(&(struct gd_graph){17, 0, bad, range, range}, &surface, &detail),
+        GD_INVALID_ARGUMENT);
+    assert_int_equal(
+        gd_parametric_graph(&(struct gd_graph){0, 0, bad, range, range}, &surface, &detail),
+        GD_INVALID_ARGUMENT);
     const double points[3][2] = {{1, 0}, {-1, 1}, {1, 2}}, knots[6] = {0, 0, 0, 1, 1, 1};
     struct gd_profile profile = {2, 3, knots, points, NULL};
     assert_int_equal(gd_parametric_revolution(&profile, &surface, &detail), GD_INVALID_ARGUMENT);

@@ -15,8 +15,12 @@ static struct gd_geodesics solve(const struct gd_tessellation *tessellation, con
     struct gd_domain_curve *at = point_at(surface, point[0], point[1]), *line;
     struct gd_geodesics found;
     struct gd_detail detail = {0};
-    check_ok(gd_domain_curve_polyline(surface, corners, count, NULL, &line, NULL), NULL);
-    check_ok(gd_geodesic_solve(tessellation, backwards ? line : at, backwards ? at : line, NULL,
+    check_ok(gd_domain_curve_polyline(surface, &(struct gd_domain_polyline){corners, count}, NULL,
+                                      &line, NULL),
+             NULL);
+    check_ok(gd_geodesic_solve(tessellation,
+                               &(struct gd_geodesic_request){.from = backwards ? line : at,
+                                                             .to = backwards ? at : line},
                                NULL, &found, &detail),
              &detail);
     gd_domain_curve_release(at);
@@ -110,7 +114,10 @@ static void lengths_of_next_to_nothing(void **state)
             double u = rng_between(&rng, 0.3, 0.7), v = rng_between(&rng, 0.1, 0.9), w = v + off;
             struct gd_domain_curve *from = point_at(cylinder, u, v), *to = point_at(cylinder, u, w);
             struct gd_geodesics found;
-            check_ok(gd_geodesic_solve(tessellation, from, to, NULL, NULL, &found, NULL), NULL);
+            check_ok(gd_geodesic_solve(tessellation,
+                                       &(struct gd_geodesic_request){.from = from, .to = to}, NULL,
+                                       &found, NULL),
+                     NULL);
             double exact = 3 * (w - v), error = fabs(found.items[0].length - exact);
             assert_true(error <= found.items[0].error + 1e-15 * exact &&
                         found.items[0].error < 1e-14);

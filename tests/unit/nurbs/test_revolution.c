@@ -37,7 +37,10 @@ static void between_parallels_of_a_vase(void **state)
         for (uint32_t degree = 2; degree <= 5; degree++) {
             const struct gd_geodesic_options options = {.degree = degree};
             struct gd_geodesics found;
-            check_ok(gd_geodesic_solve(tessellation, low, high, &options, NULL, &found, NULL),
+            check_ok(gd_geodesic_solve(tessellation,
+                                       &(struct gd_geodesic_request){
+                                           .from = low, .to = high, .options = &options},
+                                       NULL, &found, NULL),
                      NULL);
             check_close(found.items[0].length, exact, 1e-11);
             assert_true(fabs(found.items[0].length - exact) <=

@@ -87,7 +87,9 @@ static double quintic_length(const struct gd_tessellation *coarse, struct gd_dom
     struct gd_geodesics found;
     struct gd_detail detail = {0};
     const struct gd_geodesic_options options = {.degree = 5, .tolerance = 1e-12};
-    enum gd_status status = gd_geodesic_solve(coarse, from, to, &options, NULL, &found, &detail);
+    enum gd_status status = gd_geodesic_solve(
+        coarse, &(struct gd_geodesic_request){.from = from, .to = to, .options = &options}, NULL,
+        &found, &detail);
     check_ok(status, &detail);
     double length = found.items[0].length;
     gd_geodesics_free(&found);
@@ -128,7 +130,9 @@ static void check_surface(struct gd_parametric *surface, const char *name, uint6
         struct gd_geodesics found;
         struct gd_detail detail = {0};
         uint64_t begin = gd_now_ns();
-        check_ok(gd_geodesic_solve(coarse, from, to, NULL, NULL, &found, &detail), &detail);
+        check_ok(gd_geodesic_solve(coarse, &(struct gd_geodesic_request){.from = from, .to = to},
+                                   NULL, &found, &detail),
+                 &detail);
         time += 1e-6 * (double)(gd_now_ns() - begin);
         const struct gd_geodesic *path = &found.items[0];
         struct brute brute = brute_force(dense, a, b);
@@ -207,13 +211,16 @@ static struct gd_domain_curve *random_curve(const struct gd_parametric *surface,
     case 2:
         return iso_at(surface, GD_ISO_U, middle.at[0]);
     case 3:
-        check_ok(gd_domain_curve_bspline(surface, 3, knots, (const double(*)[2])corners, CORNERS,
-                                         NULL, &curve, NULL),
+        check_ok(gd_domain_curve_bspline(
+                     surface,
+                     &(struct gd_domain_bspline){3, knots, (const double(*)[2])corners, CORNERS},
+                     NULL, &curve, NULL),
                  NULL);
         return curve;
     default:
-        check_ok(gd_domain_curve_polyline(surface, (const double(*)[2])corners, CORNERS, NULL,
-                                          &curve, NULL),
+        check_ok(gd_domain_curve_polyline(
+                     surface, &(struct gd_domain_polyline){(const double(*)[2])corners, CORNERS},
+                     NULL, &curve, NULL),
                  NULL);
         return curve;
     }
@@ -283,7 +290,9 @@ static void check_curves(struct gd_parametric *surface, const char *name, uint64
                                *to = random_curve(surface, &rng);
         struct gd_geodesics found;
         struct gd_detail detail = {0};
-        check_ok(gd_geodesic_solve(coarse, from, to, NULL, NULL, &found, &detail), &detail);
+        check_ok(gd_geodesic_solve(coarse, &(struct gd_geodesic_request){.from = from, .to = to},
+                                   NULL, &found, &detail),
+                 &detail);
         const struct gd_geodesic *path = &found.items[0];
         double gap = 0, least = sampled_distance(dense, from, to, &gap);
         bool good = is_good(surface, path, least, gap);

@@ -61,8 +61,10 @@ static struct gd_domain_curve *winding(const struct gd_parametric *surface, uint
     for (uint32_t i = 0; i < CORNERS + degree + 1; i++)
         knots[i] = fmin(fmax((double)i - degree, 0), (double)(CORNERS - degree));
     struct gd_domain_curve *curve;
-    check_ok(gd_domain_curve_bspline(surface, degree, knots, (const double(*)[2])points, CORNERS,
-                                     control, &curve, NULL),
+    check_ok(gd_domain_curve_bspline(
+                 surface,
+                 &(struct gd_domain_bspline){degree, knots, (const double(*)[2])points, CORNERS},
+                 control, &curve, NULL),
              NULL);
     return curve;
 }
@@ -81,7 +83,10 @@ static void between_curves_of_thousands_of_corners(void **state)
     const struct gd_geodesic_options options = {.all_minima = true, .tolerance = 1e-14};
     struct gd_geodesics found;
     looking = begin(10000);
-    assert_int_equal(gd_geodesic_solve(tessellation, from, to, &options, &control, &found, NULL),
+    assert_int_equal(gd_geodesic_solve(
+                         tessellation,
+                         &(struct gd_geodesic_request){.from = from, .to = to, .options = &options},
+                         &control, &found, NULL),
                      GD_CANCELLED);
     check_looks(&looking);
     gd_domain_curve_release(from);
@@ -102,7 +107,11 @@ static void on_one_spline_of_thousands_of_points(void **state)
     struct gd_domain_curve *from = point_at(surface, 0.1, 0.2), *to = point_at(surface, 0.9, 0.7);
     const struct gd_geodesic_options options = {.control_points = MANY};
     struct gd_geodesics found;
-    check_ok(gd_geodesic_solve(tessellation, from, to, &options, &control, &found, NULL), NULL);
+    check_ok(gd_geodesic_solve(
+                 tessellation,
+                 &(struct gd_geodesic_request){.from = from, .to = to, .options = &options},
+                 &control, &found, NULL),
+             NULL);
     check_looks(&looking);
     gd_geodesics_free(&found);
     gd_domain_curve_release(from);
@@ -123,7 +132,9 @@ static void stopped_anywhere(void **state)
     struct looking looking = begin(UINT32_MAX);
     const struct gd_control control = {.progress = look, .user = &looking};
     struct gd_geodesics found;
-    check_ok(gd_geodesic_solve(tessellation, from, to, NULL, &control, &found, NULL), NULL);
+    check_ok(gd_geodesic_solve(tessellation, &(struct gd_geodesic_request){.from = from, .to = to},
+                               &control, &found, NULL),
+             NULL);
     gd_geodesics_free(&found);
     uint32_t all = UINT32_MAX - looking.left;
     assert_true(all > 100 && looking.fraction > 0.5 && looking.fraction <= 1);
@@ -131,7 +142,9 @@ static void stopped_anywhere(void **state)
         struct gd_detail detail = {0};
         found = (struct gd_geodesics){.count = 7};
         looking = begin(looks);
-        assert_int_equal(gd_geodesic_solve(tessellation, from, to, NULL, &control, &found, &detail),
+        assert_int_equal(gd_geodesic_solve(tessellation,
+                                           &(struct gd_geodesic_request){.from = from, .to = to},
+                                           &control, &found, &detail),
                          GD_CANCELLED);
         assert_true(found.count == 7 && !found.items && detail.text[0]);
     }

@@ -69,7 +69,8 @@ static struct gd_parametric *new_sheet(void)
 {
     struct gd_parametric *sheet;
     const double zero = 0, range[] = {0, 1};
-    assert_int_equal(gd_parametric_graph(0, 0, &zero, range, range, &sheet, NULL), GD_OK);
+    assert_int_equal(
+        gd_parametric_graph(&(struct gd_graph){0, 0, &zero, range, range}, &sheet, NULL), GD_OK);
     return sheet;
 }
 

@@ -67,8 +67,9 @@ static void places_are_in_the_domain(void **state)
     struct proto_problem problem;
     const double zero = 0, inside[2] = {0.5, 1}, outside[2] = {0.5, 1.5};
     (void)state;
-    assert_int_equal(gd_parametric_graph(0, 0, &zero, (const double[]){0, 1},
-                                         (const double[]){0, 1}, &sheet, NULL),
+    assert_int_equal(gd_parametric_graph(&(struct gd_graph){0, 0, &zero, (const double[]){0, 1},
+                                                            (const double[]){0, 1}},
+                                         &sheet, NULL),
                      GD_OK);
     assert_int_equal(gd_parametric_torus(2, 1, &torus, NULL), GD_OK);
     assert_true(proto_uv_check(sheet, inside, "/to", &problem));
