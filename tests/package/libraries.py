@@ -23,6 +23,7 @@ UMBRELLA = {"geodesic": "geodesic", "geodesic-tools": "tools", "geodesic-smooth"
 NEEDED = {"geodesic": {"libstdc++.so.6"}, "geodesic-tools": {"libgeodesic.so.0", "libz.so.1"}, "geodesic-smooth": {"libgeodesic.so.0"}}
 SYSTEM = re.compile(r"(libc|libm|libgcc_s|ld-linux.*)\.so\.\d+")
 LANGUAGES = {"C": ["cc", "-std=c17", "-x", "c"], "C++": ["c++", "-std=c++17", "-x", "c++"]}
+MOST_ARGUMENTS = 5
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
 
 
@@ -78,6 +79,26 @@ def headers_stand_alone(tree):
         tree.expect(f"each header stands alone in {language}", not failed, failed)
 
 
+def argument_counts(header):
+    """Pairs of a function and the number of its arguments."""
+    text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
+    text = re.sub(r"^#(?:.*\\\n)*.*$", "", text, flags=re.M)
+    for found in re.finditer(r"\b(gd_\w+)\(", text):
+        depth, count = 1, 1
+        for position in range(found.end(), len(text)):
+            depth += {"(": 1, ")": -1}.get(text[position], 0)
+            count += depth == 1 and text[position] == ","
+            if depth == 0:
+                break
+        yield found[1], count
+
+
+def functions_are_short(tree):
+    counts = [pair for header in (tree.prefix / "include/geodesic/gd").glob("*.h") for pair in argument_counts(header)]
+    long = [f"{name}: {count}" for name, count in counts if count > MOST_ARGUMENTS]
+    tree.expect(f"no public function has more than {MOST_ARGUMENTS} arguments", len(counts) > 200 and not long, (len(counts), long))
+
+
 def programs_link(tree):
     mesh = tree.prefix / "square.obj"
     mesh.write_text(SQUARE)
@@ -113,6 +134,7 @@ def main():
             return 1
         for part in PARTS:
             shared_object(tree, part)
+        functions_are_short(tree)
         headers_stand_alone(tree)
         programs_link(tree)
     return tree.failed > 0
